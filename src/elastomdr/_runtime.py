@@ -1,0 +1,111 @@
+"""Float64 whatever the caller's JAX configuration, and what is known of a value while JAX traces it."""
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any, ParamSpec, TypeVar
+
+import jax
+import jax.core
+import jax.numpy as jnp
+import numpy as np
+
+from .errors import InputError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def in_float64(function: Callable[P, R]) -> Callable[P, R]:
+    """Runs `function` with 64-bit types enabled and leaves the caller's JAX setting as it was.
+
+    Arrays in its answer that are not traced come back as NumPy arrays: JAX's own would be rounded to float32 by the
+    caller's next operation under JAX's default configuration.
+    """
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        with jax.enable_x64(True):
+            return jax.tree.map(_as_numpy, function(*args, **kwargs))
+
+    return wrapper
+
+
+def _as_numpy(leaf: Any) -> Any:
+    if isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer):
+        return np.asarray(leaf)
+    return leaf
+
+
+def is_traced(*trees: Any) -> bool:
+    """Whether any leaf is under a JAX transformation, so that its value cannot be looked at."""
+    return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees))
+
+
+def is_array_like(value: Any) -> bool:
+    """Whether `value` is something that JAX's transformations hand around: an array, a number or a tracer."""
+    return isinstance(value, (np.ndarray, np.generic, jax.Array, float, int)) and not isinstance(value, bool)
+
+
+def as_float64(name: str, value: Any) -> Any:
+    """Turns `value` into a float64 NumPy array, or a float64 JAX array where it is traced.
+
+    Concrete values become NumPy arrays, since JAX would round them to float32 under its default configuration.
+    """
+    if is_traced(value):
+        with jax.enable_x64(True):
+            return jnp.asarray(value, dtype=jnp.float64)
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise InputError(f"{name} must be a number or an array of numbers, got {value!r}.") from error
+    if array.dtype.kind not in "fiu":
+        raise InputError(f"{name} must be a number or an array of numbers in SI units, got {value!r}.")
+    return np.array(array, dtype=np.float64)
+
+
+def require(name: str, value: Any, accepted: str, test: Callable[[np.ndarray], Any]) -> None:
+    """Raises `InputError` unless every entry passes `test`; values under a JAX transformation are not looked at."""
+    if is_traced(value):
+        return
+    array = np.asarray(value, dtype=np.float64)
+    with np.errstate(invalid="ignore", over="ignore"):
+        good = np.asarray(test(array) & ~np.isnan(array))
+    if not good.all():
+        first = array.reshape(-1)[int(np.argmin(good.reshape(-1)))] if array.ndim else float(array)
+        raise InputError(f"{name} must be {accepted}, got {float(first):g}.")
+
+
+def positive(name: str, value: Any) -> None:
+    require(name, value, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
+
+
+def not_negative(name: str, value: Any) -> None:
+    require(name, value, "zero or positive and finite", lambda x: (x >= 0) & np.isfinite(x))
+
+
+def ascending(name: str, values: Any) -> None:
+    """Raises `InputError` unless a list rises from entry to entry without repeats."""
+    if is_traced(values) or np.size(values) < 2:
+        return
+    values = np.asarray(values)
+    rises = np.diff(values) > 0
+    if not rises.all():
+        i = int(np.argmin(rises))
+        raise InputError(
+            f"{name} must be ascending, without repeats, got {values[i]:g} followed by {values[i + 1]:g} "
+            f"(entries {i} and {i + 1})."
+        )
+
+
+def scalar(name: str, value: Any) -> Any:
+    """A float64 scalar from `value`; raises `InputError` for anything with a shape."""
+    array = as_float64(name, value)
+    if array.shape != ():
+        raise InputError(f"{name} must be a single number, got an array of shape {array.shape}.")
+    return array
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """A number as an engineer writes it: `digits` significant digits, no trailing noise."""
+    return f"{value:.{digits}g}" if math.isfinite(value) else str(value)

@@ -1,0 +1,135 @@
+"""The foundation: what each element of the line does, and how a half-space or a thin layer becomes one."""
+
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._runtime import as_float64, in_float64, is_traced, positive, scalar
+from ..errors import InputError
+from ..mapping.radok import layer_operator, normal_operator, tangential_operator
+from ..material.prony import Prony
+from ..material.relaxation import AbstractRelaxation, Relaxation, checked, scaled, series
+from ..material.shift import AbstractShift
+
+
+class Foundation(AbstractRelaxation):
+    """Independent elements, each with E(t) = E_inf + sum_k E_k exp(-t/tau_k) + eta delta(t).
+
+    For a half-space the numbers are E* [Pa]: an element of width dx carries E* u dx. For a layer they are stiffness per
+    area [Pa/m]. `per_area` says which; None, as when the numbers are given directly, leaves it to the shape: a cylinder
+    takes them per area, every other shape as E*. Raises `InputError` as `Prony` does.
+    """
+
+    equilibrium: Float[Array, ""]  # E_inf [Pa, or Pa/m]
+    moduli: Float[Array, " n"]  # E_k [Pa, or Pa/m]
+    times: Float[Array, " n"]  # tau_k, ascending [s]
+    viscosity: Float[Array, ""]  # eta [Pa s, or Pa s/m]
+    shift: AbstractShift | None
+    per_area: bool | None = eqx.field(static=True)
+    name: str = eqx.field(static=True)
+
+    def __init__(
+        self,
+        equilibrium: Any,
+        moduli: Any,
+        times: Any,
+        viscosity: Any = 0.0,
+        *,
+        shift: AbstractShift | None = None,
+        per_area: bool | None = None,
+        name: str = "",
+    ):
+        law = checked(equilibrium, moduli, times, viscosity)
+        self.equilibrium, self.moduli, self.times, self.viscosity = (
+            law.equilibrium,
+            law.moduli,
+            law.times,
+            law.viscosity,
+        )
+        self.shift, self.per_area, self.name = shift, per_area, name
+
+    @classmethod
+    def kelvin(cls, stiffness: Any, viscosity: Any) -> "Foundation":
+        """Kelvin elements: a spring and a dashpot in parallel."""
+        return cls(stiffness, np.zeros(0), np.zeros(0), viscosity)
+
+    @classmethod
+    def maxwell(cls, stiffness: Any, time: Any) -> "Foundation":
+        """Maxwell elements: a spring and a dashpot in series."""
+        return cls(0.0, as_float64("stiffness", stiffness)[None], as_float64("time", time)[None])
+
+    def law(self) -> Relaxation:
+        return Relaxation(self.equilibrium, self.moduli, self.times, self.viscosity)
+
+
+@in_float64
+def half_space(material: Prony, other: Prony | None = None, *, tangential: bool = False) -> Foundation:
+    """The foundation of a half-space by Radok's equations, exact; with `other`, of two half-spaces in contact.
+
+    Two bodies carry the same pressure: their creep functions add, so that two viscoelastic ones give n_1 + n_2
+    branches (twice that for constant bulk moduli). `tangential` gives G* in place of E*. Source: Radok 1957;
+    Popov & Hess 2015, ch. 7. Raises `InputError` for two materials with different shift laws, unless they are already
+    at their temperature (`material.at(T)`).
+    """
+    operator = tangential_operator if tangential else normal_operator
+    law, shift, name = operator(_material("material", material)), material.shift, material.name
+    if other is not None:
+        law = series(law, operator(_material("other", other)))
+        if not _same_shift(material.shift, other.shift):
+            raise InputError(
+                "other must have the same shift law as material, got "
+                f"{other.shift} and {material.shift}; bring both to their temperature first, with material.at(T)."
+            )
+        name = f"{material.name or 'material'} on {other.name or 'material'}"
+    return _foundation(law, shift, False, name)
+
+
+@in_float64
+def layer(material: Prony, thickness: Any, *, bonded: bool = True) -> Foundation:
+    """The foundation of a thin layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
+
+    Holds where the contact is much wider than the layer is thick. Raises `InputError` for a bonded incompressible
+    layer, which does not act as a row of springs. Source: Johnson 1985, section 5.8.
+    """
+    thickness = scalar("thickness", thickness)
+    positive("thickness", thickness)
+    law = scaled(layer_operator(_material("material", material), bonded), 1 / thickness)
+    return _foundation(law, material.shift, True, material.name)
+
+
+def as_foundation(material: Any) -> Foundation:
+    """A foundation as it is, or the half-space of a bare material."""
+    if isinstance(material, Foundation):
+        return material
+    if isinstance(material, Prony):
+        return half_space(material)
+    raise InputError(
+        f"material must be a material (em.Prony, em.load_material(...)) or an em.Foundation, got {material!r}."
+    )
+
+
+def _foundation(law: Relaxation, shift: AbstractShift | None, per_area: bool, name: str) -> Foundation:
+    if not is_traced(law):
+        law = Relaxation(*(np.asarray(x) for x in (law.equilibrium, law.moduli, law.times, law.viscosity)))
+    blank = Foundation(1.0, np.zeros(0), np.zeros(0), shift=shift, per_area=per_area, name=name)
+    return eqx.tree_at(
+        lambda f: (f.equilibrium, f.moduli, f.times, f.viscosity),
+        blank,
+        (law.equilibrium, law.moduli, law.times, law.viscosity),
+    )
+
+
+def _material(name: str, material: Any) -> Prony:
+    if not isinstance(material, Prony):
+        raise InputError(f"{name} must be an em.Prony, or one made by em.load_material(...), got {material!r}.")
+    return material
+
+
+def _same_shift(first: AbstractShift | None, second: AbstractShift | None) -> bool:
+    if first is None or second is None:
+        return first is second
+    if is_traced(first, second):
+        return first is second
+    return bool(eqx.tree_equal(first, second))

@@ -1,0 +1,1 @@
+"""What the rubber is: relaxation and creep, shift laws, the library."""

@@ -1,0 +1,228 @@
+"""The relaxation function shared by materials and foundations: a spring, Maxwell branches and a dashpot in parallel."""
+
+import abc
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._runtime import as_float64, ascending, in_float64, is_traced, not_negative, positive
+from ..errors import InputError
+from .secular import secular_roots
+
+
+class AbstractRelaxation(eqx.Module):
+    """E(t) = E_inf + sum_k E_k exp(-t/tau_k) + eta delta(t), with its creep function and its complex modulus.
+
+    Subclasses hold the four fields. "Modulus" stands for whatever quantity they carry: G, E*, a layer's stiffness.
+    """
+
+    equilibrium: eqx.AbstractVar[Float[Array, ""]]  # E_inf, zero for a liquid [Pa]
+    moduli: eqx.AbstractVar[Float[Array, " n"]]  # E_k [Pa]
+    times: eqx.AbstractVar[Float[Array, " n"]]  # tau_k, ascending [s]
+    viscosity: eqx.AbstractVar[Float[Array, ""]]  # eta of the parallel dashpot [Pa s]
+
+    @abc.abstractmethod
+    def law(self) -> "Relaxation":
+        """The bare relaxation function that the methods below evaluate."""
+
+    @property
+    def instantaneous(self) -> Array:
+        """Glassy modulus E_inf + sum E_k [Pa]; a parallel dashpot is not part of it."""
+        law = self.law()
+        return law.equilibrium + law.moduli.sum()
+
+    @in_float64
+    def relaxation(self, t: Any) -> Array:
+        """Stress after a unit strain step, E(t) [Pa], at times t > 0 [s], any shape. A dashpot adds nothing at t > 0."""
+        law, t = self.law(), jnp.asarray(as_float64("t", t))
+        return law.equilibrium + _sum_branches(law.moduli, jnp.exp(-t[..., None] / law.times))
+
+    @in_float64
+    def creep(self, t: Any) -> Array:
+        """Strain after a unit stress step, J(t) [1/Pa], at times t >= 0 [s], any shape.
+
+        Exact: the Kelvin chain with the same law, from the zeros of the relaxation function (`to_kelvin`).
+        """
+        chain, t = to_kelvin(self.law()), jnp.asarray(as_float64("t", t))
+        retarded = _sum_branches(chain.compliances, -jnp.expm1(-t[..., None] / chain.times))
+        return chain.instantaneous + retarded + t * chain.fluidity
+
+    @in_float64
+    def complex_modulus(self, omega: Any) -> Array:
+        """E*(omega) = E_inf + sum E_k i w tau_k/(1 + i w tau_k) + i w eta [Pa], at omega > 0 [rad/s], any shape."""
+        law, omega = self.law(), jnp.asarray(as_float64("omega", omega))
+        x = omega[..., None] * law.times
+        storage = _sum_branches(law.moduli, x / (x + 1 / x))
+        loss = _sum_branches(law.moduli, 1 / (x + 1 / x))
+        return jnp.asarray(law.equilibrium) + storage + 1j * (loss + omega * law.viscosity)
+
+    def storage(self, omega: Any) -> Array:
+        """Storage modulus [Pa] at omega [rad/s]."""
+        return self.complex_modulus(omega).real
+
+    def loss(self, omega: Any) -> Array:
+        """Loss modulus [Pa] at omega [rad/s]."""
+        return self.complex_modulus(omega).imag
+
+    @in_float64
+    def loss_tangent(self, omega: Any) -> Array:
+        """Loss modulus over storage modulus at omega [rad/s]."""
+        value = self.complex_modulus(omega)
+        return value.imag / value.real
+
+
+class Relaxation(AbstractRelaxation):
+    """A bare relaxation function; `Prony` and `Foundation` say what it is the relaxation function of."""
+
+    equilibrium: Float[Array, ""]
+    moduli: Float[Array, " n"]
+    times: Float[Array, " n"]
+    viscosity: Float[Array, ""]
+
+    def law(self) -> "Relaxation":
+        return self
+
+
+class KelvinChain(eqx.Module):
+    """J(t) = J_0 + sum_k J_k (1 - exp(-t/lambda_k)) + phi t: the creep form of the same law."""
+
+    instantaneous: Float[Array, ""]  # J_0 [1/Pa]
+    compliances: Float[Array, " n"]  # J_k [1/Pa]
+    times: Float[Array, " n"]  # retardation times lambda_k, ascending [s]
+    fluidity: Float[Array, ""]  # phi [1/(Pa s)]
+
+
+def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxation:
+    """A `Relaxation` from a user's numbers, or an `InputError` that names what is wrong with them."""
+    equilibrium, viscosity = as_float64("equilibrium", equilibrium), as_float64("viscosity", viscosity)
+    moduli, times = as_float64("moduli", moduli), as_float64("times", times)
+    for name, value in (("equilibrium", equilibrium), ("viscosity", viscosity)):
+        if value.shape != ():
+            raise InputError(f"{name} must be a single number, got an array of shape {value.shape}.")
+        not_negative(name, value)
+    if moduli.ndim != 1 or times.ndim != 1 or moduli.shape != times.shape:
+        raise InputError(
+            "moduli and times must be lists of the same length, one entry per branch, "
+            f"got shapes {moduli.shape} and {times.shape}."
+        )
+    not_negative("moduli", moduli)
+    positive("times", times)
+    ascending("times", times)
+    if not is_traced(equilibrium, moduli, viscosity) and equilibrium + viscosity + moduli.sum() <= 0:
+        raise InputError("equilibrium, moduli and viscosity are all zero: such a material carries no load.")
+    return Relaxation(equilibrium, moduli, times, viscosity)
+
+
+def scaled(law: Relaxation, factor: Any) -> Relaxation:
+    """`factor` times the relaxation function."""
+    return Relaxation(law.equilibrium * factor, law.moduli * factor, law.times, law.viscosity * factor)
+
+
+def parallel(first: Relaxation, second: Relaxation) -> Relaxation:
+    """The sum of two relaxation functions, with times in ascending order."""
+    moduli = jnp.concatenate([jnp.asarray(first.moduli), jnp.asarray(second.moduli)])
+    times = jnp.concatenate([jnp.asarray(first.times), jnp.asarray(second.times)])
+    order = jnp.argsort(times)
+    return Relaxation(
+        jnp.asarray(first.equilibrium + second.equilibrium),
+        moduli[order],
+        times[order],
+        jnp.asarray(first.viscosity + second.viscosity),
+    )
+
+
+@in_float64
+def to_kelvin(law: Relaxation) -> KelvinChain:
+    """The Kelvin chain of a relaxation function, exact: its retardation times are the zeros of E(s).
+
+    With s = -1/lambda, E(s) = E_inf - sum_k E_k tau_k/(lambda - tau_k) - eta/lambda: the dashpot is a branch whose
+    time is zero. Each retardation time lies just above a relaxation time. Source: Gross, "Mathematical Structure of
+    the Theories of Viscoelasticity" (1953), for the interlacing.
+    """
+    with_dashpot = is_traced(law.viscosity) or bool(law.viscosity > 0)
+    times, moduli = jnp.asarray(law.times), jnp.asarray(law.moduli)
+    weights = moduli * times
+    if with_dashpot:
+        times = jnp.concatenate([jnp.zeros(1), times])
+        weights = jnp.concatenate([jnp.asarray(law.viscosity)[None], weights])
+    equilibrium = jnp.asarray(law.equilibrium)
+    total_viscosity = jnp.asarray(law.viscosity) + jnp.sum(moduli * jnp.asarray(law.times))
+    glassy = equilibrium + jnp.sum(moduli)
+    instantaneous = jnp.where(jnp.asarray(law.viscosity) > 0, 0.0, 1 / jnp.where(glassy > 0, glassy, 1.0))
+    liquid = equilibrium == 0
+    fluidity = jnp.where(liquid, 1 / jnp.where(liquid & (total_viscosity > 0), total_viscosity, 1.0), 0.0)
+    if weights.shape[0] == 0:
+        return KelvinChain(instantaneous, weights, times, fluidity)
+    poles, strengths, present = _without_empty(times, weights)
+    roots, slope = secular_roots(poles, strengths, equilibrium)
+    there = jnp.isfinite(roots) & present
+    compliances = jnp.where(there, 1 / (jnp.where(there, roots, 1.0) * slope), 0.0)
+    order = jnp.argsort(jnp.where(there, roots, jnp.inf))
+    roots = jnp.where(there, roots, jnp.maximum(2 * poles[-1], 1.0))
+    if not is_traced(there):  # drop what is not there: the flow of a liquid, an empty branch
+        order = order[: int(there.sum())]
+    return KelvinChain(instantaneous, compliances[order], roots[order], fluidity)
+
+
+@in_float64
+def to_relaxation(chain: KelvinChain) -> Relaxation:
+    """The relaxation function of a Kelvin chain: the inverse of `to_kelvin`, with the roles of poles and zeros changed.
+
+    With s = -1/t, J(s) = t [J_0/t + sum_k J_k/(t - lambda_k) - phi].
+    """
+    compliances, times = jnp.asarray(chain.compliances), jnp.asarray(chain.times)
+    instantaneous, fluidity = jnp.asarray(chain.instantaneous), jnp.asarray(chain.fluidity)
+    poles = jnp.concatenate([jnp.zeros(1), times])
+    weights = jnp.concatenate([instantaneous[None], compliances])
+    if not is_traced(weights):
+        poles, weights = poles[weights > 0], weights[weights > 0]
+    glassy_free = instantaneous == 0  # no instantaneous compliance: a dashpot remains
+    rate = jnp.sum(compliances / times) + fluidity
+    viscosity = jnp.where(glassy_free, 1 / jnp.where(glassy_free, rate, 1.0), 0.0)
+    total = instantaneous + jnp.sum(compliances)
+    solid = (fluidity == 0) & (total > 0)
+    equilibrium = jnp.where(solid, 1 / jnp.where(solid, total, 1.0), 0.0)
+    if weights.shape[0] == 0:
+        return Relaxation(equilibrium, weights, poles, viscosity)
+    roots, slope = secular_roots(poles, weights, fluidity)
+    there = jnp.isfinite(roots)
+    roots = jnp.where(there, roots, jnp.maximum(2 * poles[-1], 1.0))
+    moduli = jnp.where(there, 1 / (roots**2 * slope), 0.0)
+    if not is_traced(there):
+        roots, moduli = roots[there], moduli[there]
+    return Relaxation(equilibrium, moduli, roots, viscosity)
+
+
+def series(first: Relaxation, second: Relaxation) -> Relaxation:
+    """Two bodies that carry the same stress: their creep functions add. Exact, n_1 + n_2 branches at most."""
+    one, two = to_kelvin(first), to_kelvin(second)
+    times = jnp.concatenate([one.times, two.times])
+    order = jnp.argsort(times)
+    return to_relaxation(
+        KelvinChain(
+            one.instantaneous + two.instantaneous,
+            jnp.concatenate([one.compliances, two.compliances])[order],
+            times[order],
+            one.fluidity + two.fluidity,
+        )
+    )
+
+
+def spring(modulus: Any) -> Relaxation:
+    """A purely elastic body."""
+    return Relaxation(modulus, np.zeros(0), np.zeros(0), np.zeros(()))
+
+
+def _sum_branches(weights: Array, terms: Array) -> Array:
+    return jnp.sum(jnp.asarray(weights) * terms, axis=-1)
+
+
+def _without_empty(times: Array, weights: Array) -> tuple[Array, Array, Array]:
+    """Leaves out branches of zero weight where that can be seen: their interval would hold no root."""
+    if is_traced(weights):
+        return times, weights, weights > 0
+    kept = weights > 0
+    return times[kept], weights[kept], jnp.ones(int(kept.sum()), dtype=bool)

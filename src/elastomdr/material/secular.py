@@ -1,0 +1,73 @@
+"""The secular equation that links relaxation and retardation times, solved to full relative accuracy.
+
+Poles of a relaxation function and of its creep function interlace. With pole times p_1 < ... < p_n and weights
+w_k >= 0, the times of the other function are the roots t of
+
+    sum_k w_k / (t - p_k) = c,        c >= 0,
+
+one in each interval (p_k, p_{k+1}) and, where c > 0, one above p_n. A general eigenvalue routine loses the
+small eigenvalues to rounding once the times span more than 15 decades; here every root is found as a distance to
+the nearer end of its interval, so that it keeps its relative accuracy over any span.
+"""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+_BISECTIONS = 64  # halvings of the logarithm of a distance: from 280 decades down to rounding
+_SMALLEST = 1e-140  # its square is still a float64
+
+
+def secular_roots(
+    poles: Float[Array, " n"],  # ascending pole times [s]
+    weights: Float[Array, " n"],  # positive weights
+    constant: Float[Array, ""],  # c >= 0, same unit as weight over time
+) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
+    """Roots t of sum_k w_k/(t - p_k) = c and the slope sum_k w_k/(t - p_k)^2 at each.
+
+    The last root is infinite where c = 0. Differentiable: the bisection is not, one Newton step after it is.
+    """
+    n = poles.shape[0]
+    fixed_poles, fixed_weights, fixed_constant = jax.lax.stop_gradient((poles, weights, constant))
+    total = jnp.sum(fixed_weights)
+    top = fixed_poles[-1] + total / jnp.maximum(fixed_constant, _SMALLEST)
+    upper = jnp.append(fixed_poles[1:], jnp.minimum(top, 1e300))
+    width = upper - fixed_poles
+
+    def excess(origin: Array, distance: Array, poles: Array, weights: Array, constant: Array) -> Array:
+        gap = (origin[:, None] - poles[None, :]) + distance[:, None]
+        return jnp.sum(weights / _away_from_zero(gap), axis=1) - constant
+
+    # Which end is nearer: the left-hand side falls through its interval from +infinity to -infinity.
+    right_half = excess(fixed_poles, 0.5 * width, fixed_poles, fixed_weights, fixed_constant) > 0
+    right_half = right_half.at[-1].set(False)
+    origin = jnp.where(right_half, upper, fixed_poles)
+    side = jnp.where(right_half, -1.0, 1.0)
+    reach = jnp.where(right_half, 0.5, 1.0) * width
+
+    def halve(_, bounds):
+        low, high = bounds
+        middle = 0.5 * (low + high)
+        value = excess(origin, side * jnp.exp(middle), fixed_poles, fixed_weights, fixed_constant)
+        too_near = side * value > 0  # the root lies farther from the origin
+        return jnp.where(too_near, middle, low), jnp.where(too_near, high, middle)
+
+    start = (jnp.full(n, jnp.log(_SMALLEST)), jnp.log(jnp.maximum(reach, _SMALLEST)))
+    low, high = jax.lax.fori_loop(0, _BISECTIONS, halve, start)
+    distance = side * jnp.exp(0.5 * (low + high))
+
+    # Newton on the distance, with the poles' own tangents in the residual.
+    index = jnp.arange(n)
+    origin = poles[jnp.minimum(index + right_half, n - 1)]
+    gap = (origin[:, None] - poles[None, :]) + distance[:, None]
+    residual = jnp.sum(weights / _away_from_zero(gap), axis=1) - constant
+    step = residual / jnp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
+    step = step - jax.lax.stop_gradient(jnp.where(jnp.abs(step) < 0.1 * jnp.abs(distance), 0.0, step))
+    gap = gap + step[:, None]
+    slope = jnp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
+    finite = (index < n - 1) | (constant > 0)
+    return jnp.where(finite, origin + distance + step, jnp.inf), slope
+
+
+def _away_from_zero(gap: Array) -> Array:
+    return jnp.where(jnp.abs(gap) < _SMALLEST, _SMALLEST, gap)

@@ -1,0 +1,185 @@
+"""Time-temperature superposition: the factor a_T by which all relaxation times grow when the material cools."""
+
+import abc
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._runtime import as_float64, ascending, in_float64, is_traced, not_negative, positive, require, scalar
+from ..errors import InputError
+
+GAS_CONSTANT = 8.31446261815324  # R [J/(mol K)], CODATA 2018 (exact)
+_LN10 = float(np.log(10.0))
+
+
+class AbstractShift(eqx.Module):
+    """A shift law; `a(T)` is tau(T)/tau(reference), so that it is 1 at the reference temperature."""
+
+    reference: eqx.AbstractVar[Float[Array, ""]]  # [K]
+
+    @abc.abstractmethod
+    def _log10_a(self, temperature: Array) -> Array:
+        """log10 a_T, at temperatures [K] that `_check` has let pass."""
+
+    @abc.abstractmethod
+    def _check(self, temperature: Any) -> None:
+        """Raises `InputError` where the law does not hold."""
+
+    @in_float64
+    def log10_a(self, temperature: Any) -> Array:
+        """log10 a_T at temperatures [K], any shape. Raises `InputError` outside the law's range."""
+        temperature = as_float64("temperature", temperature)
+        positive("temperature", temperature)
+        self._check(temperature)
+        return self._log10_a(jnp.asarray(temperature))
+
+    @in_float64
+    def a(self, temperature: Any) -> Array:
+        """Shift factor a_T at temperatures [K], any shape."""
+        return 10.0 ** self.log10_a(temperature)
+
+    @in_float64
+    def activation_energy(self, temperature: Any) -> Array:
+        """Apparent activation energy R d(ln a_T)/d(1/T) [J/mol] at temperatures [K], any shape."""
+        self.log10_a(temperature)
+        temperature = jnp.asarray(as_float64("temperature", temperature))
+        _, slope = jax.jvp(self._log10_a, (temperature,), (jnp.ones_like(temperature),))
+        return -GAS_CONSTANT * temperature**2 * _LN10 * slope
+
+
+class WLF(AbstractShift):
+    """log10 a_T = -c1 (T - T_ref)/(c2 + T - T_ref), above T_ref - c2 (Williams, Landel & Ferry 1955)."""
+
+    c1: Float[Array, ""]
+    c2: Float[Array, ""]  # [K]
+    reference: Float[Array, ""]  # [K]
+
+    def __init__(self, c1: Any, c2: Any, reference: Any):
+        self.c1, self.c2 = scalar("c1", c1), scalar("c2", c2)
+        self.reference = scalar("reference", reference)
+        positive("c1", self.c1)
+        positive("c2", self.c2)
+        positive("reference", self.reference)
+
+    def _log10_a(self, temperature: Array) -> Array:
+        above = temperature - self.reference
+        return -self.c1 * above / (self.c2 + above)
+
+    def _check(self, temperature: Any) -> None:
+        _above_pole("WLF", temperature, self.reference - self.c2)
+
+    def at_reference(self, temperature: Any) -> "WLF":
+        """The same law written about another reference temperature [K]."""
+        temperature = scalar("temperature", temperature)
+        self._check(temperature)
+        c2 = self.c2 + temperature - self.reference
+        return WLF(self.c1 * self.c2 / c2, c2, temperature)
+
+    def to_vft(self) -> "VFT":
+        """The same law in Vogel's form."""
+        return VFT(_LN10 * self.c1 * self.c2, self.reference - self.c2, self.reference)
+
+
+class VFT(AbstractShift):
+    """ln a_T = b/(T - t0) - b/(T_ref - t0), above t0 (Vogel 1921, Fulcher 1925, Tammann 1926)."""
+
+    b: Float[Array, ""]  # [K]
+    t0: Float[Array, ""]  # Vogel temperature [K]
+    reference: Float[Array, ""]  # [K]
+
+    def __init__(self, b: Any, t0: Any, reference: Any):
+        self.b, self.t0, self.reference = scalar("b", b), scalar("t0", t0), scalar("reference", reference)
+        positive("b", self.b)
+        positive("reference", self.reference)
+        not_negative("t0", self.t0)
+        if not is_traced(self.reference):
+            reference = float(self.reference)
+            require("t0", self.t0, f"below the reference temperature, {reference:g} K", lambda t: t < reference)
+
+    def _log10_a(self, temperature: Array) -> Array:
+        return self.b * (1 / (temperature - self.t0) - 1 / (self.reference - self.t0)) / _LN10
+
+    def _check(self, temperature: Any) -> None:
+        _above_pole("VFT", temperature, self.t0)
+
+    def to_wlf(self) -> WLF:
+        """The same law in the form of Williams, Landel and Ferry."""
+        c2 = self.reference - self.t0
+        return WLF(self.b / (_LN10 * c2), c2, self.reference)
+
+
+class Arrhenius(AbstractShift):
+    """ln a_T = (energy/R) (1/T - 1/T_ref)."""
+
+    energy: Float[Array, ""]  # activation energy [J/mol]
+    reference: Float[Array, ""]  # [K]
+
+    def __init__(self, energy: Any, reference: Any):
+        self.energy, self.reference = scalar("energy", energy), scalar("reference", reference)
+        positive("energy", self.energy)
+        positive("reference", self.reference)
+
+    def _log10_a(self, temperature: Array) -> Array:
+        return self.energy / GAS_CONSTANT * (1 / temperature - 1 / self.reference) / _LN10
+
+    def _check(self, temperature: Any) -> None:
+        pass
+
+
+class ShiftTable(AbstractShift):
+    """Measured shift factors, joined by monotone cubics (PCHIP); outside the table there is no answer, only an error."""
+
+    temperature: Float[Array, " n"]  # ascending [K]
+    log10_a_table: Float[Array, " n"]
+    slopes: Float[Array, " n"]  # d(log10 a_T)/dT at the table's temperatures [1/K]
+    reference: Float[Array, ""]  # temperature at which log10 a_T = 0 [K]; NaN where the table does not cross zero
+
+    def __init__(self, temperature: Any, log10_a: Any):
+        temperature, log10_a = as_float64("temperature", temperature), as_float64("log10_a", log10_a)
+        if temperature.ndim != 1 or temperature.shape != log10_a.shape or temperature.shape[0] < 2:
+            raise InputError(
+                "temperature and log10_a must be lists of the same length with two entries at least, "
+                f"got shapes {temperature.shape} and {log10_a.shape}."
+            )
+        positive("temperature", temperature)
+        require("log10_a", log10_a, "finite", np.isfinite)
+        ascending("temperature", temperature)
+        if not is_traced(log10_a) and (np.diff(log10_a) > 0).any():
+            raise InputError(f"log10_a must fall as the temperature rises, got {log10_a.tolist()}.")
+        from scipy.interpolate import PchipInterpolator
+
+        curve = PchipInterpolator(temperature, log10_a)
+        crossings = np.asarray(curve.solve(0.0, extrapolate=False))
+        self.temperature, self.log10_a_table = temperature, log10_a
+        self.slopes = np.asarray(curve.derivative()(temperature))
+        self.reference = np.asarray(crossings[0] if crossings.size else np.nan)
+
+    def _log10_a(self, temperature: Array) -> Array:
+        table, values, slopes = map(jnp.asarray, (self.temperature, self.log10_a_table, self.slopes))
+        left = jnp.clip(jnp.searchsorted(table, temperature, side="right") - 1, 0, table.shape[0] - 2)
+        width = table[left + 1] - table[left]
+        s = (temperature - table[left]) / width
+        outside = (temperature < table[0]) | (temperature > table[-1])
+        value = (
+            (1 + 2 * s) * (1 - s) ** 2 * values[left]
+            + s * (1 - s) ** 2 * width * slopes[left]
+            + s**2 * (3 - 2 * s) * values[left + 1]
+            + s**2 * (s - 1) * width * slopes[left + 1]
+        )
+        return jnp.where(outside, jnp.nan, value)
+
+    def _check(self, temperature: Any) -> None:
+        low, high = float(self.temperature[0]), float(self.temperature[-1])
+        accepted = f"within the shift table, {low:g} K to {high:g} K"
+        require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
+
+
+def _above_pole(law: str, temperature: Any, pole: Any) -> None:
+    if not is_traced(pole):
+        limit = float(pole)
+        accepted = f"above the {law} pole at {limit:g} K, where the law breaks down"
+        require("temperature", temperature, accepted, lambda t: t > limit)

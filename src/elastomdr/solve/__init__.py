@@ -1,0 +1,1 @@
+"""How a scene is computed: the plan, the steady passage, the sweep over velocities, the march in time."""
