@@ -1,0 +1,40 @@
+"""Viscoelastic rubber friction and rolling resistance by the Method of Dimensionality Reduction.
+
+The public names, loaded when they are first used: `import elastomdr` itself loads neither JAX nor matplotlib.
+"""
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "errors": ("InputError", "ConvergenceWarning"),
+    "material.prony": ("Prony", "KelvinVoigt", "Maxwell", "StandardSolid"),
+    "material.shift": ("WLF", "Arrhenius", "VFT", "ShiftTable"),
+    "material.library": ("materials", "load_material", "save_material"),
+    "mapping.shapes": ("Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Cylinder"),
+    "mapping.profile": ("Profile",),
+    "foundation.law": ("Foundation", "half_space", "layer"),
+    "foundation.step": ("ContactStep",),
+    "solve.plan": ("Plan",),
+    "scenes.friction": ("friction",),
+    "scenes.rolling": ("rolling",),
+    "scenes.plan": ("plan",),
+    "results.curve": ("FrictionCurve", "RollingCurve"),
+}
+_MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
+
+__all__ = ["__version__", *sorted(_MODULE_OF)]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module 'elastomdr' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

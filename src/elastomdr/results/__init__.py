@@ -1,0 +1,1 @@
+"""What comes out: curves, their tables and their figures."""
