@@ -57,10 +57,26 @@ def solve_passages(
     return _polish(law, lines, value, velocity, size, ratio, found, rule=rule, control=control)
 
 
+@functools.partial(jax.jit, static_argnames=("control",))
+def estimate_sizes(
+    law: Relaxation, lines: AbstractLines, control: Control, value: Array, velocity: Array
+) -> Float[Array, " points"]:
+    """Contact sizes [m] for planning, within a factor of 2."""
+    top = _largest(lines, value)
+    if control == "depth":
+        return _size_of_depth(lines, value, top)
+    return jnp.exp(_first_guess(Passage(law, lines, Rule(2), velocity), value, top))
+
+
+def _largest(lines: AbstractLines, value: Array) -> Array:
+    """Logarithm of the largest contact size that the shape allows."""
+    largest = jnp.broadcast_to(jnp.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape)
+    return jnp.log(jnp.minimum(largest * (1 - 1e-13), 1e60))
+
+
 @functools.partial(jax.jit, static_argnames=("rule", "control"))
 def _search(law, lines, value, velocity, *, rule: Rule, control: Control):
-    largest = jnp.broadcast_to(jnp.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape)
-    top = jnp.log(jnp.minimum(largest * (1 - 1e-13), 1e60))
+    top = _largest(lines, value)
     ratio = jnp.full((lines.count, *value.shape), 0.8)
     passage = Passage(law, lines, rule, velocity)
     if control == "depth":

@@ -1,1 +1,148 @@
-"""placeholder while being written"""
+"""The plan: a scene turned into the least work that answers it, before anything is computed."""
+
+import dataclasses
+
+import numpy as np
+
+from ..mapping.direction import directions, shared_grid_size
+from ..mapping.lines import AbstractLines
+from ..mapping.profile import Profile
+from ..material.relaxation import Relaxation
+from .condense import Condensation, choose
+from .passage import Control, estimate_sizes
+from .rule import Rule, ladder
+
+
+@dataclasses.dataclass(frozen=True)
+class Plan:
+    """What will be computed, what is skipped, and why; `print(plan)` says it in words."""
+
+    quantity: str  # "friction" or "rolling"
+    scene: str  # indenter and foundation, in words
+    model: str  # the model's name, as in every result
+    control: Control
+    points: int
+    rtol: float
+    averaged: bool  # whether the direction average is taken
+    marched: bool  # whether the profile has to be marched through in time steps
+    rules: tuple[Rule, ...]  # sampling rules, to be tried in this order
+    condensation: Condensation
+    branch_times: tuple[float, ...] | None  # relaxation times [s]; None while JAX traces
+    directions: int  # directions per velocity
+    shared: bool  # velocities share line solutions, one grid per load and temperature-shifted curve
+    solutions: int  # line solutions to be computed, to within one per curve
+    temperatures: int  # different temperatures asked for
+    traced: bool = False  # under a JAX transformation: values are not known, so nothing that depends on them is skipped
+    skip: bool = True
+
+    def __str__(self) -> str:
+        return "\n".join([f"Plan: {self.quantity}, {self.scene}", *_described(self)])
+
+
+def make_plan(
+    quantity: str,
+    scene: str,
+    model: str,
+    law: Relaxation,
+    lines: AbstractLines,
+    control: Control,
+    value: np.ndarray | None,  # load or depth of each point; None while traced
+    velocity: np.ndarray | None,  # times a_T
+    points: int,
+    temperatures: int,
+    averaged: bool,
+    rtol: float,
+    skip: bool,
+) -> Plan:
+    """Plans a scene from its numbers; while JAX traces, from what is known without them."""
+    marched = isinstance(lines.shape, Profile) and not lines.shape.convex
+    elastic_only = law.moduli.shape[0] == 0 and velocity is not None and float(law.viscosity) == 0
+    averaged = averaged and not elastic_only
+    count = directions(rtol).cosines.size if averaged else 1
+    common = dict(
+        quantity=quantity, scene=scene, model=model, control=control, points=points, rtol=rtol, averaged=averaged,
+        marched=marched, directions=count, temperatures=temperatures, skip=skip,
+    )  # fmt: skip
+    if value is None or velocity is None:
+        size = points * count + (points if averaged and control == "depth" else 0)
+        return Plan(
+            **common, rules=ladder(lines.shape, rtol)[:1], condensation=Condensation(law.moduli.shape[0]),
+            branch_times=None, shared=False, solutions=size, traced=True,
+        )  # fmt: skip
+    slow, fast, least, most = velocity.min(), velocity.max(), value.min(), value.max()
+    corners = np.array([slow, slow, fast, fast]), np.array([least, most, least, most])
+    sizes = np.asarray(estimate_sizes(law, lines, control, corners[1], corners[0]))
+    slowest = slow * (float(directions(rtol).cosines[-1]) if averaged else 1.0)
+    shortest, longest = 0.5 * sizes.min() / fast, 4 * sizes.max() / slowest
+    how = choose(law, shortest, longest, rtol) if skip and not marched else Condensation(law.moduli.shape[0])
+    largest = float(np.asarray(lines.shape.largest_contact))
+    rules = ladder(lines.shape, rtol, largest / (1.3 * sizes.max()))
+    shared, solutions = False, points * count
+    if averaged and control == "depth":
+        solutions += points
+    elif averaged:
+        curves = [velocity[value == x] for x in np.unique(value)]
+        with_grid = sum(shared_grid_size(v, rtol) for v in curves) + points
+        shared = skip and with_grid < solutions
+        solutions = with_grid if shared else solutions
+    times = tuple(float(t) for t in np.asarray(law.times))
+    return Plan(
+        **common, rules=rules, condensation=how, branch_times=times, shared=shared, solutions=solutions
+    )  # fmt: skip
+
+
+def _described(plan: Plan) -> list[str]:
+    lines = [f"  model        {plan.model}"]
+    what = f"{plan.points} point{'s' * (plan.points != 1)} by {plan.control}, relative error of mu {plan.rtol:g}"
+    lines.append(f"  asked        {what}")
+    lines.append(f"  contact      {_contact(plan)}")
+    lines += [f"  branches     {text}" for text in _branches(plan)]
+    if plan.temperatures > 1:
+        text = f"{plan.temperatures} temperatures enter as shifted velocities v a_T: one spectrum serves all"
+        lines.append(f"  temperature  {text}")
+    lines.append(f"  directions   {_directions(plan)}")
+    lines.append("  not needed   the transient, the history of other elements (in steady motion one passage is the field),")
+    lines.append("               surface shape and pressure in 3D, derivatives: none of them asked for")
+    return lines
+
+
+def _contact(plan: Plan) -> str:
+    rule = plan.rules[0]
+    if plan.marched:
+        return "profile not convex: elements may touch again, so they are marched through it by exact contact steps in diffrax"
+    if rule.exact:
+        return "closed form: the profile is polynomial, its integrals with every branch are exact, no time steps"
+    more = f"; up to {plan.rules[-1].samples} where the error estimate asks for it" if len(plan.rules) > 1 else ""
+    return f"{rule.samples} samples of the profile along the contact, exact in every branch, no time steps{more}"
+
+
+def _branches(plan: Plan) -> list[str]:
+    how = plan.condensation
+    if how.branches == 0:
+        return ["none"]
+    if plan.traced or plan.branch_times is None:
+        return [f"all {how.branches} integrated: under a JAX transformation their values are not known"]
+    texts = [f"{len(how.kept)} of {how.branches} integrated"]
+    for name, chosen, reason in (
+        ("springs", how.springs, "too slow to relax in any passage"),
+        ("dashpots", how.dashpots, "relaxed long before any passage ends"),
+    ):
+        if chosen:
+            times = [plan.branch_times[k] for k in chosen]
+            span = f"tau = {times[0]:.3g} s" if len(times) == 1 else f"tau = {min(times):.3g} to {max(times):.3g} s"
+            texts.append(f"{len(chosen)} as {name} ({span}): {reason}")
+    if how.springs or how.dashpots:
+        texts.append(f"this costs at most {how.cost:.1e} of mu, counted in the error")
+    elif not plan.skip:
+        texts.append("skipping switched off")
+    return texts
+
+
+def _directions(plan: Plan) -> str:
+    if not plan.averaged:
+        return "one: no direction average"
+    each = f"{plan.directions} per velocity"
+    if plan.shared:
+        alone = plan.points * plan.directions
+        return f"{each}; velocities share one line curve per load: {plan.solutions} line solutions instead of {alone}"
+    return f"{each}: {plan.solutions} line solutions"

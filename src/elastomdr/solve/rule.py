@@ -2,8 +2,12 @@
 
 import dataclasses
 import functools
+import math
 
 import numpy as np
+
+from ..mapping.profile import Profile
+from ..mapping.shapes import AbstractShape, Cone, Cylinder, Paraboloid, PowerLaw
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,3 +43,29 @@ def graded(levels: int, ratio: float = 0.15) -> tuple[float, ...]:
     """Divisions of [0, 1] that shrink geometrically towards both ends, for an algebraic singularity there."""
     left = [0.0] + [0.5 * ratio**k for k in range(levels, 0, -1)]
     return tuple(left + [0.5] + [1 - x for x in reversed(left)])
+
+
+def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0) -> tuple[Rule, ...]:
+    """Rules for a shape, coarse to fine; the first is expected to meet `rtol`, the others wait for where it does not.
+
+    `smallest` is the ratio of the radius of a sphere to the contact radius, if known: the profile of a sphere is analytic up
+    to R, so that its Legendre series falls as rho^-m with rho = R/a + sqrt((R/a)^2 - 1).
+    """
+    if isinstance(shape, (Paraboloid, Cylinder)):
+        return (Rule(4, exact=True),)
+    if isinstance(shape, Cone):
+        return (Rule(2, split=True, exact=True),)
+    if isinstance(shape, PowerLaw) and shape.exponent == int(shape.exponent) and shape.exponent <= 10:
+        return (Rule(2 * int(shape.exponent), split=bool(shape.exponent % 2), exact=True),)
+    if isinstance(shape, PowerLaw):
+        levels = max(2, math.ceil(math.log10(1 / rtol) / shape.exponent))
+        return tuple(Rule(nodes, split=True, fractions=graded(levels + more)) for nodes, more in ((8, 0), (10, 2), (14, 4)))
+    if isinstance(shape, Profile):
+        pieces = (2, 8, 24) if rtol >= 1e-5 else (8, 24)
+        return tuple(Rule(10, split=True, fractions=tuple(np.linspace(0, 1, n + 1).tolist())) for n in pieces)
+    sizes = (6, 8, 10, 12, 16, 24, 32)
+    if smallest <= 1:
+        return tuple(Rule(n) for n in sizes[4:])
+    rho = smallest + math.sqrt(smallest**2 - 1)
+    needed = math.log(10 / rtol) / math.log(rho) + 4
+    return tuple(Rule(n) for n in sizes if n >= needed) or (Rule(sizes[-1]),)

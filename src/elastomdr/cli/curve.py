@@ -1,0 +1,63 @@
+"""What the verbs friction and rolling share: compute a curve, print its summary, write its table and its figure."""
+
+import os
+import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..errors import ConvergenceWarning, InputError
+from .cache import enable_cache
+from .main import DONE, NOT_CONVERGED
+from .scene import Scene
+
+
+def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> int:
+    """Computes, prints and writes; returns the exit status. Nothing is written before everything is computed."""
+    folder = _folder(out)
+    enable_cache()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)  # said below, in one line
+        curve = call(scene.material, scene.shape, **scene.arguments)
+    notes = [("scene", scene.path.name)] + ([("title", scene.title)] if scene.title else [])
+    stem = f"{scene.path.stem}-{verb}"
+    files = {
+        folder / f"{stem}.csv": curve.csv(notes).encode(),
+        folder / f"{stem}.png": curve.png(scene.title),
+    }
+    _write(folder, files)
+    if scene.title:
+        print(scene.title)
+    print(curve.summary())
+    print("wrote " + " and ".join(str(path) for path in files))
+    failed = int((~curve.converged).sum())
+    if failed:
+        points = f"{failed} of {curve.converged.size} points did not converge"
+        print(f"elastomdr: warning: {points}; their cells in the table are empty.", file=sys.stderr)
+    return NOT_CONVERGED if failed else DONE
+
+
+def _folder(out: str) -> Path:
+    """The folder to write into. Refuses, before anything is computed, what can be seen to be none."""
+    folder = Path(out)
+    try:
+        there = next((f for f in (folder, *folder.absolute().parents) if f.exists()), None)
+        usable = there is not None and there.is_dir() and os.access(there, os.W_OK)
+    except (OSError, ValueError):
+        usable = False
+    if not usable:
+        raise InputError(f"--out must be a folder that can be written, got {out!r}.")
+    return folder
+
+
+def _write(folder: Path, files: dict[Path, bytes]) -> None:
+    from ..results.table import write_files
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"--out must be a folder that can be written, got {str(folder)!r}: {error.strerror}."
+        ) from error
+    write_files(files)

@@ -1,0 +1,61 @@
+"""The command `elastomdr`: reads what is asked for and hands it to the verb's own file, loaded only then."""
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from .. import __version__
+from ..errors import InputError
+
+DONE, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 130
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message} (see {self.prog} --help)")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs the command line; returns 0 when done, 2 for bad input, 3 when some points did not converge."""
+    try:
+        arguments = _parser().parse_args(argv)
+        status = importlib.import_module(f".{arguments.verb}", __package__).run(arguments)
+        sys.stdout.flush()
+        return status
+    except InputError as error:
+        print(f"elastomdr: error: {' '.join(str(error).split())}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("elastomdr: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output, such as `head`, has what it wanted
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="elastomdr",
+        description="Rubber friction and rolling resistance from a material file: one table and one figure per run.",
+        epilog="Exit status: 0 done, 2 bad input, 3 some points did not converge.",
+    )
+    parser.add_argument("--version", action="version", version=f"elastomdr {__version__}")
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
+    for verb, what in (("friction", "friction"), ("rolling", "rolling resistance")):
+        words = f"{what} against velocity: writes NAME-{verb}.csv and NAME-{verb}.png"
+        command = verbs.add_parser(verb, help=words, description=words[0].upper() + words[1:] + ".")
+        command.add_argument("scene", metavar="SCENE.toml", help="the scene to compute")
+        command.add_argument("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
+    words = "what friction or rolling would compute, skip and condense, and why"
+    command = verbs.add_parser("plan", help=words, description=f"Prints {words}.")
+    command.add_argument("scene", metavar="SCENE.toml", help="the scene to plan")
+    command.add_argument(
+        "--quantity", choices=("friction", "rolling"), default="friction", help="what to plan for (default: friction)"
+    )
+    words = "the library of materials, or the numbers and sources of one of them"
+    command = verbs.add_parser("materials", help=words, description=f"Prints {words}.")
+    command.add_argument("name", metavar="NAME", nargs="?", help="a name in the library, or a material file")
+    return parser

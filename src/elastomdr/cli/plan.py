@@ -1,0 +1,17 @@
+"""`elastomdr plan SCENE.toml`: what would be computed, skipped and condensed, and why."""
+
+import argparse
+
+from .cache import enable_cache
+from .main import DONE
+from .scene import read_scene
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Prints the plan of a scene; returns the exit status."""
+    scene = read_scene(arguments.scene)
+    enable_cache()
+    from .. import plan
+
+    print(plan(scene.material, scene.shape, **scene.arguments, quantity=arguments.quantity))
+    return DONE

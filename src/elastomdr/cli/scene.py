@@ -1,0 +1,139 @@
+"""The scene file: a TOML file with unit strings becomes the arguments of `em.friction`, `em.rolling` and `em.plan`."""
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from .indenter import read_indenter
+from .keys import Keys, choice, flag, one, one_or_more, positive_number, text
+from .units import FORCE, LENGTH, TEMPERATURE, VELOCITY
+
+_MOST_POINTS = 100_000
+_MOST_BYTES = 10_000_000  # a scene is a page of text; what is larger is some other file
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What a scene file asks for, in SI units."""
+
+    path: Path
+    title: str | None
+    material: Any  # a Prony, or a Foundation where the scene has a layer or two bodies
+    shape: Any
+    arguments: dict[str, Any]  # keyword arguments: velocity, load or depth, temperature, average, rtol
+
+
+def read_scene(path: str) -> Scene:
+    """Reads a scene file. Raises `InputError`, in one line that begins with the file's name, for whatever is wrong."""
+    file = Path(path)
+    try:
+        return _scene(file, _toml(file))
+    except InputError as error:
+        raise InputError(f"{file.name or path}: {error}") from error
+
+
+def _toml(path: Path) -> dict[str, Any]:
+    try:
+        with path.open("rb") as file:
+            content = file.read(_MOST_BYTES + 1)
+        if len(content) > _MOST_BYTES:
+            raise InputError(f"the scene must be a TOML file, got one of more than {_MOST_BYTES // 1_000_000} MB.")
+        return tomllib.loads(content.decode())
+    except OSError as error:
+        raise InputError(f"the scene cannot be read: {error.strerror or error}.") from error
+    except (ValueError, RecursionError) as error:  # not UTF-8, not TOML, no valid path
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"the scene is not valid TOML: {error}.") from error
+
+
+def _scene(path: Path, content: dict[str, Any]) -> Scene:
+    top = Keys(content, "", ("title", "material", "other", "temperature", "indenter", "layer", "contact", "numerics"))
+    title = top.get("title", text) if "title" in top else None
+    if "indenter" not in top or "contact" not in top:
+        missing = "indenter" if "indenter" not in top else "contact"
+        raise InputError(f"[{missing}] is missing: a scene has a material, an [indenter] and a [contact].")
+    arguments = _contact(top.get("contact", lambda _, value: value))
+    if "temperature" in top:
+        arguments["temperature"] = top.get("temperature", one_or_more(TEMPERATURE))
+    arguments |= _numerics(content.get("numerics", {}))
+    shape = read_indenter(content["indenter"], path.parent)
+    material = _material(top, content.get("layer"), shape, path.parent)
+    return Scene(path, title, material, shape, _on_axes(arguments))
+
+
+def _material(top: Keys, layer: Any, shape: Any, folder: Path) -> Any:
+    from .. import Cylinder, half_space, load_material
+    from .. import layer as on_layer
+
+    def load(name: str, value: Any) -> Any:
+        where = text(name, value)
+        is_file = where.endswith(".toml") or "/" in where or "\\" in where
+        try:
+            return load_material(str(folder / where) if is_file else where)
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from error
+
+    material = top.get("material", load)
+    if layer is not None:
+        keys = Keys(layer, "layer", ("thickness", "bonded"))
+        thickness = keys.get("thickness", one(LENGTH))
+        if "other" in top:
+            raise InputError("other and [layer] exclude each other: two bodies are two half-spaces in contact.")
+        return on_layer(material, thickness, bonded=keys.get("bonded", flag) if "bonded" in keys else True)
+    if isinstance(shape, Cylinder):
+        raise InputError("[layer] is missing: a cylinder acts on a layer; give [layer] thickness.")
+    return half_space(material, top.get("other", load)) if "other" in top else material
+
+
+def _contact(content: Any) -> dict[str, Any]:
+    keys = Keys(content, "contact", ("load", "depth", "velocity"))
+    if ("load" in keys) == ("depth" in keys):
+        got = "both" if "load" in keys else "neither"
+        raise InputError(f'[contact] must have either a load, such as "10 N", or a depth, such as "0.1 mm", got {got}.')
+    control, kind = ("load", FORCE) if "load" in keys else ("depth", LENGTH)
+    return {"velocity": keys.get("velocity", _velocity), control: keys.get(control, one_or_more(kind))}
+
+
+def _velocity(name: str, value: Any) -> Any:
+    if not isinstance(value, dict):
+        return one_or_more(VELOCITY)(name, value)
+    import numpy as np
+
+    keys = Keys(value, name.strip("[").replace("] ", "."), ("from", "to", "points"))
+    first, last = keys.get("from", one(VELOCITY)), keys.get("to", one(VELOCITY))
+    points = keys.get("points", _points)
+    if not first < last:
+        raise InputError(f"{name} must go from a smaller to a larger value, got from {value['from']} to {value['to']}.")
+    return np.geomspace(first, last, points)
+
+
+def _points(name: str, value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= _MOST_POINTS:
+        raise InputError(f"{name} must be a whole number from 2 to {_MOST_POINTS}, got {value!r}.")
+    return value
+
+
+def _numerics(content: Any) -> dict[str, Any]:
+    keys = Keys(content, "numerics", ("rtol", "average"))
+    arguments: dict[str, Any] = {}
+    if "rtol" in keys:
+        arguments["rtol"] = keys.get("rtol", positive_number)
+    if "average" in keys:
+        average = keys.get("average", choice("direction", "line"))
+        arguments["average"] = None if average == "line" else average
+    return arguments
+
+
+def _on_axes(arguments: dict[str, Any]) -> dict[str, Any]:
+    """Gives each list an axis of its own: temperature first, then load or depth, velocity last."""
+    import numpy as np
+
+    shaped, after = dict(arguments), 0
+    for name in ("velocity", "load", "depth", "temperature"):
+        if np.ndim(arguments.get(name, 0.0)) == 1:
+            shaped[name] = np.asarray(arguments[name]).reshape(-1, *[1] * after)
+            after += 1
+    return shaped

@@ -1,0 +1,90 @@
+"""Texts with units, such as "5 mm" or "20 degC", into SI numbers."""
+
+import difflib
+import functools
+import math
+import re
+from typing import Any, NamedTuple
+
+from ..errors import InputError
+
+
+class Kind(NamedTuple):
+    """A kind of quantity: its name, its SI unit, an example to put into messages."""
+
+    name: str
+    unit: str
+    example: str
+
+
+LENGTH = Kind("a length", "m", "5 mm")
+FORCE = Kind("a force", "N", "10 N")
+VELOCITY = Kind("a velocity", "m/s", "0.1 m/s")
+TEMPERATURE = Kind("a temperature", "K", "20 degC")
+
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+_USUAL = (
+    *("m", "mm", "um", "nm", "cm", "km", "inch", "metre", "meter", "millimetre", "millimeter", "micrometer"),
+    *("m/s", "mm/s", "um/s", "nm/s", "km/h", "m/min", "N", "mN", "uN", "kN", "MN", "newton", "lbf", "N/m"),
+    *("degC", "degF", "kelvin", "K", "celsius", "Pa", "kPa", "MPa", "GPa"),
+)
+
+
+def quantity(name: str, text: Any, kind: Kind) -> float:
+    """The SI value of a text with a unit; lengths, forces and velocities must be positive.
+
+    Number and unit are read apart from each other, so that "-35 degC" is a temperature and not a difference of two.
+    Raises `InputError`, naming the argument, for a bare number, an unknown unit, a unit of another kind, or a value
+    that is not positive (a temperature: not above absolute zero) and finite.
+    """
+    if not isinstance(text, str):
+        raise InputError(
+            f'{name} must be {kind.name} with its unit, as a text such as "{kind.example}", got {_toml(text)}.'
+        )
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise InputError(f'{name} must be a number and a unit, such as "{kind.example}", got "{text}".')
+    number, unit = float(match[1]), match[2]
+    if not unit:
+        raise InputError(
+            f'{name} must be {kind.name} with its unit, such as "{kind.example}", got "{text}" without one.'
+        )
+    value = number_in(name, number, unit, kind)
+    if not (value > 0 and math.isfinite(value)):
+        accepted = "above absolute zero" if kind is TEMPERATURE else "positive"
+        raise InputError(f'{name} must be {accepted} and finite, got "{text}".')
+    return value
+
+
+def number_in(name: str, number: float, unit: str, kind: Kind) -> float:
+    """The SI value of `number`, given in `unit`. Raises `InputError` as `quantity` does, but takes any sign."""
+    registry = _registry()
+    try:
+        parsed = registry.parse_units(unit)
+    except Exception as error:  # pint lets its tokenizer's errors through, of many types
+        near = difflib.get_close_matches(unit, _USUAL, n=1, cutoff=0.5)
+        near = near or [usual for usual in _USUAL if usual.lower() == unit.lower()]
+        hint = f" Did you mean {near[0]!r}?" if near else f' Write it as in "{kind.example}".'
+        raise InputError(f"{name} has a unit that is not known: {unit!r}.{hint}") from error
+    wanted = registry.parse_units(kind.unit)
+    if not _alike(parsed.dimensionality, wanted.dimensionality) or str(parsed).startswith("delta_"):
+        raise InputError(f'{name} must be {kind.name}, such as "{kind.example}", got the unit {unit!r} ({parsed}).')
+    try:
+        return float(registry.Quantity(number, parsed).to(wanted).magnitude)
+    except (OverflowError, ArithmeticError):
+        return math.inf
+
+
+def _alike(first: Any, second: Any) -> bool:
+    return all(math.isclose(first.get(d, 0), second.get(d, 0), abs_tol=1e-9) for d in {*first, *second})
+
+
+@functools.cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def _toml(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else repr(value)

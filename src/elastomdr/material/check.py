@@ -1,0 +1,114 @@
+"""Whether a material file is consistent: its numbers with physics, its units with polymers, its sources complete."""
+
+import os
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from .format import read_document
+from .library import load_material, locate
+
+_MODULI = (1.0, 1e11)  # [Pa]
+_GLASSY = (1e4, 1e11)  # [Pa]
+_TIMES = (1e-15, 1e12)  # [s]
+_TEMPERATURES = (100.0, 600.0)  # [K]
+
+
+def check_material(name_or_path: str | os.PathLike[str]) -> list[str]:
+    """What is wrong with a material file, one line per finding; an empty list where nothing is.
+
+    Looks at moduli, times and temperatures outside what a polymer in SI units has, storage and loss moduli below zero
+    or a relaxation function that rises within the range of validity, a reference temperature or a shift law that does
+    not cover that range, and missing ranges, sources and grades. A file that does not load is a finding, not an error.
+    """
+    try:
+        path = locate(name_or_path)
+        document = read_document(path)
+        material = load_material(path)
+    except InputError as error:
+        return [str(error)]
+    findings = _numbers(document) + _passivity(material, document.get("range", {}))
+    findings += _temperatures(material, document) + _sources(document)
+    if document.get("name") != path.stem:
+        findings.append(f"name is {document.get('name')!r}, but the file is called {path.name}")
+    if not document.get("description"):
+        findings.append("description is missing")
+    return findings
+
+
+def _numbers(document: dict[str, Any]) -> list[str]:
+    findings = [_outside(f"moduli[{k}]", value, _MODULI, "Pa") for k, value in enumerate(document["moduli"])]
+    if document["equilibrium"] != 0:
+        findings.append(_outside("equilibrium", document["equilibrium"], _MODULI, "Pa"))
+    glassy = document["equilibrium"] + sum(document["moduli"])
+    findings.append(_outside("equilibrium plus all moduli", glassy, _GLASSY, "Pa"))
+    findings += [_outside(f"times[{k}]", value, _TIMES, "s") for k, value in enumerate(document["times"])]
+    if "bulk" in document:
+        findings.append(_outside("bulk", document["bulk"], _MODULI, "Pa"))
+    return [finding for finding in findings if finding]
+
+
+def _passivity(material: Any, limits: dict[str, Any]) -> list[str]:
+    findings = [
+        f"{key} in [range] starts at {limits[key][0]:g}, which is not above 0"
+        for key in ("frequency", "time")
+        if key in limits and not limits[key][0] > 0
+    ]
+    if findings:
+        return findings
+    if "frequency" in limits:
+        omega = np.geomspace(limits["frequency"][0], limits["frequency"][1], 200)
+    elif "time" in limits:
+        omega = 1 / np.geomspace(limits["time"][1], limits["time"][0], 200)
+    else:
+        return ["frequency (or time) is missing in [range]"]
+    if (np.asarray(material.storage(omega)) < 0).any():
+        findings.append("the storage modulus is negative within the range")
+    if (np.asarray(material.loss(omega)) < 0).any():
+        findings.append("the loss modulus is negative within the range")
+    relaxation = np.asarray(material.relaxation(1 / omega[::-1]))
+    if (np.diff(relaxation) > 1e-12 * relaxation[0]).any() or (relaxation < 0).any():
+        findings.append("the relaxation function rises or is negative within the range")
+    return findings
+
+
+def _temperatures(material: Any, document: dict[str, Any]) -> list[str]:
+    limits, reference = document.get("range", {}).get("temperature"), document.get("reference_temperature")
+    if limits is None:
+        return ["temperature is missing in [range]"]
+    findings = [_outside("temperature in [range]", value, _TEMPERATURES, "K") for value in limits]
+    if reference is None:
+        findings.append("reference_temperature is missing")
+    else:
+        findings.append(_outside("reference_temperature", reference, (limits[0], limits[1]), "K"))
+    if material.shift is not None:
+        try:
+            material.shift.a(np.asarray(limits, dtype=float))
+        except InputError as error:
+            findings.append(f"the shift law does not cover the range: {error}")
+    return [finding for finding in findings if finding]
+
+
+def _sources(document: dict[str, Any]) -> list[str]:
+    groups = ["moduli", "poisson" if "poisson" in document else "bulk", "range"]
+    if "shift" in document:
+        groups.insert(1, "shift")
+    sources = document.get("source", {})
+    findings = [f"[source.{group}] describes numbers that are not there" for group in sources if group not in groups]
+    for group in groups:
+        source = sources.get(group, {})
+        findings += [f"{key} is missing in [source.{group}]" for key in ("citation", "grade") if not source.get(key)]
+    moduli = sources.get("moduli", {})
+    if moduli.get("grade") == "fitted here":
+        findings += [
+            f"{key} is missing in [source.moduli], which says 'fitted here'"
+            for key in ("storage_residual", "loss_residual")
+            if key not in moduli
+        ]
+    return findings
+
+
+def _outside(name: str, value: float, limits: tuple[float, float], unit: str) -> str:
+    low, high = limits
+    return "" if low <= value <= high else f"{name} is {value:g} {unit}, outside {low:g} to {high:g} {unit}"

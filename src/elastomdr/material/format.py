@@ -1,0 +1,174 @@
+"""The TOML format of a material file: its keys, their types and units, reading and writing; see materials/README.md."""
+
+import contextlib
+import os
+import tomllib
+import uuid
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, closest
+
+GRADES = ("measured", "published fit", "fitted here", "illustrative")
+
+_TEXT, _NUMBER, _NUMBERS, _PAIR, _TABLE = (
+    "a text in quotes",
+    "a finite number",
+    "a list of finite numbers",
+    "a list of two numbers, the lower first",
+    "a table",
+)
+_KEYS = {
+    "name": _TEXT,
+    "description": _TEXT,
+    "kind": _TEXT,
+    "reference_temperature": _NUMBER,
+    "poisson": _NUMBER,
+    "bulk": _NUMBER,
+    "equilibrium": _NUMBER,
+    "viscosity": _NUMBER,
+    "moduli": _NUMBERS,
+    "times": _NUMBERS,
+    "shift": _TABLE,
+    "range": _TABLE,
+    "source": _TABLE,
+}
+_REQUIRED = ("kind", "equilibrium", "moduli", "times")
+SHIFT_KEYS = {
+    "WLF": {"c1": _NUMBER, "c2": _NUMBER, "reference": _NUMBER},
+    "Arrhenius": {"energy": _NUMBER, "reference": _NUMBER},
+    "VFT": {"b": _NUMBER, "t0": _NUMBER, "reference": _NUMBER},
+    "table": {"temperature": _NUMBERS, "log10_a": _NUMBERS},
+}
+_RANGE_KEYS: dict[str, str] = dict.fromkeys(("frequency", "time", "temperature"), _PAIR)
+_SOURCE_GROUPS: dict[str, str] = dict.fromkeys(("moduli", "shift", "poisson", "bulk", "range"), _TABLE)
+_SOURCE_KEYS = {
+    "citation": _TEXT,
+    "grade": _TEXT,
+    "note": _TEXT,
+    "storage_residual": _NUMBER,
+    "loss_residual": _NUMBER,
+}
+_COMMENTS = {
+    "kind": '"shear" (G) or "tensile" (E), for all moduli below',
+    "reference_temperature": "[K]",
+    "poisson": "Poisson's ratio, constant [1]",
+    "bulk": "bulk modulus, constant [Pa]",
+    "equilibrium": "relaxed modulus [Pa]",
+    "viscosity": "parallel dashpot [Pa s]",
+    "moduli": "one per relaxation time [Pa]",
+    "times": "relaxation times at the reference temperature, ascending [s]",
+    "c1": "[1]",
+    "c2": "[K]",
+    "energy": "[J/mol]",
+    "b": "[K]",
+    "t0": "[K]",
+    "reference": "[K]",
+    "log10_a": "[1]",
+    "frequency": "at the reference temperature [rad/s]",
+    "time": "at the reference temperature [s]",
+    "temperature": "[K]",
+    "storage_residual": "relative, root mean square [1]",
+    "loss_residual": "relative, root mean square [1]",
+}
+_HEADER = "# Material of elastomdr, SI units throughout; the format is described in materials/README.md.\n"
+
+
+def read_document(path: Path) -> dict[str, Any]:
+    """A material file's content, with known keys and right types only; raises `InputError`, one line with the path."""
+    try:
+        raw = path.read_bytes()
+        document = tomllib.loads(raw.decode("utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}).") from error
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise InputError(f"{path}, line {line}: a material file must be UTF-8 text.") from error
+    except (ValueError, RecursionError) as error:  # tomllib's own error is a ValueError and says line and column
+        raise InputError(f"{path}: not valid TOML: {' '.join(str(error).split())}.") from error
+    validate(path, document)
+    return document
+
+
+def write_document(document: Mapping[str, Any], path: Path) -> None:
+    """Writes a material file, with the unit of every key in a comment; it appears complete or not at all.
+
+    Raises `InputError` where the content does not fit the format or the file cannot be written.
+    """
+    import tomli_w
+
+    validate(path, document)
+    # Texts hold no line breaks once written, so that every line starts with a key, a bracket or a list's entry.
+    text = _HEADER + "".join(line + _comment(line) + "\n" for line in tomli_w.dumps(document).splitlines())
+    draft = path.with_name(f".{path.name}.{uuid.uuid4().hex}.tmp")
+    try:
+        with open(draft, "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(draft, path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from error
+    finally:
+        with contextlib.suppress(OSError):
+            draft.unlink()
+
+
+def validate(path: Path, document: Mapping[str, Any]) -> None:
+    """Raises `InputError` for unknown or missing keys and wrong types; the numbers' meaning is not looked at."""
+    _validate_table(path, "", document, _KEYS, _REQUIRED)
+    if "poisson" not in document and "bulk" not in document:
+        raise InputError(f"{path}: key 'poisson' (or 'bulk') is missing.")
+    if "shift" in document:
+        shift = document["shift"]
+        law = shift.get("law")
+        if not isinstance(law, str) or law not in SHIFT_KEYS:
+            hint = closest(law, SHIFT_KEYS) if isinstance(law, str) else ""
+            raise InputError(f"{path}: law in [shift] must be one of {', '.join(SHIFT_KEYS)}, got {law!r}.{hint}")
+        _validate_table(path, "shift", shift, {"law": _TEXT, **SHIFT_KEYS[law]}, SHIFT_KEYS[law])
+    _validate_table(path, "range", document.get("range", {}), _RANGE_KEYS)
+    _validate_table(path, "source", document.get("source", {}), _SOURCE_GROUPS)
+    for group, source in document.get("source", {}).items():
+        _validate_table(path, f"source.{group}", source, _SOURCE_KEYS)
+        grade = source.get("grade", GRADES[0])
+        if grade not in GRADES:
+            raise InputError(
+                f"{path}: grade in [source.{group}] must be one of {', '.join(GRADES)}, got {grade!r}."
+                f"{closest(grade, GRADES)}"
+            )
+
+
+def brief(value: Any) -> str:
+    """What was received, short enough for one line of an error message."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _validate_table(
+    path: Path, where: str, table: Mapping[str, Any], keys: Mapping[str, str], required: Iterable[str] = ()
+) -> None:
+    place = f" in [{where}]" if where else ""
+    for key, value in table.items():
+        if key not in keys:
+            raise InputError(f"{path}: unknown key {key!r}{place}.{closest(key, keys)} Keys are {', '.join(keys)}.")
+        if not _is_of_type(value, keys[key]):
+            raise InputError(f"{path}: {key}{place} must be {keys[key]}, got {brief(value)}.")
+    for key in required:
+        if key not in table:
+            raise InputError(f"{path}: key {key!r}{place} is missing.")
+
+
+def _is_of_type(value: Any, accepted: str) -> bool:
+    if accepted == _NUMBER:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+    if accepted == _NUMBERS:
+        return isinstance(value, list) and all(_is_of_type(entry, _NUMBER) for entry in value)
+    if accepted == _PAIR:
+        return _is_of_type(value, _NUMBERS) and len(value) == 2 and value[0] < value[1]
+    return isinstance(value, str if accepted == _TEXT else dict)
+
+
+def _comment(line: str) -> str:
+    key, equals, _ = line.partition(" = ")
+    return f"  # {_COMMENTS[key]}" if equals and key in _COMMENTS else ""

@@ -1,0 +1,191 @@
+"""The material library: TOML files, one per material, with the source and the grade of every group of numbers.
+
+Listing the names reads no file and loads neither NumPy nor JAX.
+"""
+
+import importlib.metadata
+import importlib.util
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError, closest
+from .format import SHIFT_KEYS, brief, read_document, write_document
+
+if TYPE_CHECKING:
+    from .prony import Prony
+
+SEARCH_VARIABLE = "ELASTOMDR_MATERIALS"
+ENTRY_POINTS = "elastomdr.materials"
+
+
+def materials() -> list[str]:
+    """Names in the library, sorted: the package's own, those in `ELASTOMDR_MATERIALS`, those of installed packages."""
+    return sorted(_files())
+
+
+def load_material(name_or_path: str | os.PathLike[str]) -> "Prony":
+    """The material of a name in the library, or of a TOML file.
+
+    A text that ends in .toml or holds a slash is a path. Raises `InputError`, one line that names the file, for an
+    unknown name, an unreadable file, unknown or missing keys, and numbers without meaning.
+    """
+    path = locate(name_or_path)
+    document = read_document(path)
+    from .prony import Prony
+    from .shift import VFT, WLF, Arrhenius, ShiftTable
+
+    try:
+        numbers = {key: document[key] for key in ("poisson", "bulk", "viscosity") if key in document}
+        shift = document.get("shift")
+        if shift is not None:
+            laws = {"WLF": WLF, "Arrhenius": Arrhenius, "VFT": VFT, "table": ShiftTable}
+            shift = laws[shift["law"]](**{key: value for key, value in shift.items() if key != "law"})
+        material = Prony(
+            document["equilibrium"],
+            document["moduli"],
+            document["times"],
+            kind=document["kind"],
+            shift=shift,
+            name=document.get("name", path.stem),
+            citation=_citation(document.get("source", {})),
+            **numbers,
+        )
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    reference = document.get("reference_temperature")
+    if shift is not None and reference is not None and not abs(float(shift.reference) - reference) < 1e-6:
+        raise InputError(
+            f"{path}: reference_temperature must be that of the shift law, where its factor is 1: "
+            f"got {reference:g} K and {float(shift.reference):g} K."
+        )
+    return material
+
+
+def material_info(name_or_path: str | os.PathLike[str]) -> dict[str, Any]:
+    """What the file says about a material, without its lists: description, sources and grades, ranges, the path.
+
+    Adds `branches`, `glassy` (equilibrium plus all moduli [Pa]), `shortest_time` and `longest_time` [s]; loads no JAX.
+    Raises `InputError` like `load_material`, but does not judge the numbers.
+    """
+    path = locate(name_or_path)
+    document = read_document(path)
+    moduli, times = document.pop("moduli"), document.pop("times")
+    return {
+        "name": path.stem,
+        "path": str(path),
+        **document,
+        "branches": len(times),
+        "glassy": document["equilibrium"] + sum(moduli),
+        "shortest_time": min(times, default=None),
+        "longest_time": max(times, default=None),
+    }
+
+
+def save_material(material: "Prony", path: str | os.PathLike[str], *, info: Mapping[str, Any] | None = None) -> None:
+    """Writes a material as a TOML file that `load_material` reads back bit for bit.
+
+    `info` carries what a `Prony` does not: `description`, `reference_temperature`, `range` and `source`, as
+    `material_info` returns them (its other entries are passed over); without it, the material's citation becomes the
+    source of the moduli. The file appears complete or not at all. Raises `InputError` for anything but a `Prony` with
+    concrete numbers, and where the file cannot be written.
+    """
+    from .._runtime import is_traced
+    from .prony import Prony
+
+    if not isinstance(material, Prony):
+        raise InputError(f"material must be a Prony, got {brief(material)}.")
+    if is_traced(material):
+        raise InputError("material must hold concrete numbers to be saved, got values that JAX traces.")
+    info = info or {}
+    reference = info.get("reference_temperature")
+    if reference is None and material.shift is not None and math.isfinite(float(material.shift.reference)):
+        reference = float(material.shift.reference)
+    cited = {"moduli": {"citation": material.citation}} if material.citation else None
+    document = {
+        "name": material.name,
+        "description": info.get("description"),
+        "kind": material.kind,
+        "reference_temperature": reference,
+        "poisson": None if material.poisson is None else float(material.poisson),
+        "bulk": None if material.bulk is None else float(material.bulk),
+        "equilibrium": float(material.equilibrium),
+        "viscosity": float(material.viscosity) or None,
+        "moduli": [float(value) for value in material.moduli],
+        "times": [float(value) for value in material.times],
+        "shift": _shift_table(material.shift),
+        "range": info.get("range"),
+        "source": info.get("source", cited),
+    }
+    write_document({key: value for key, value in document.items() if value is not None}, Path(path))
+
+
+def locate(name_or_path: str | os.PathLike[str]) -> Path:
+    """The file of a name in the library, or the path itself; raises `InputError` where there is none."""
+    if not isinstance(name_or_path, (str, os.PathLike)):
+        raise InputError(f"material must be a name in the library or a path, got {brief(name_or_path)}.")
+    text = os.fspath(name_or_path)
+    path = Path(text)
+    if isinstance(name_or_path, os.PathLike) or text.endswith(".toml") or "/" in text or os.sep in text:
+        if not path.exists():
+            hint = closest(path.name, (other.name for other in path.parent.glob("*.toml")))
+            raise InputError(f"{path}: there is no such file.{hint}")
+        return path
+    files = _files()
+    if text not in files:
+        raise InputError(
+            f"material {text!r} is not in the library.{closest(text, files)} "
+            "Accepted are the names of em.materials() and paths that end in .toml."
+        )
+    if len(files[text]) > 1:
+        raise InputError(
+            f"material {text!r} is there more than once: {', '.join(map(str, files[text]))}. Give the path instead."
+        )
+    return files[text][0]
+
+
+def _files() -> dict[str, list[Path]]:
+    """Every material file, by name. A name that is there twice is an error only for who asks for it."""
+    own = Path(__file__).parent / "data"  # where the wheel has them; a checkout has them at its root
+    folders = [own if own.is_dir() else Path(__file__).parents[3] / "materials"]
+    for entry in filter(None, os.environ.get(SEARCH_VARIABLE, "").split(os.pathsep)):
+        if not Path(entry).is_dir():
+            raise InputError(f"{SEARCH_VARIABLE} must list directories, got {entry!r}, which is none.")
+        folders.append(Path(entry))
+    for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
+        try:
+            spec = importlib.util.find_spec(point.module)
+        except ImportError:
+            spec = None
+        if spec is None or not spec.submodule_search_locations:
+            raise InputError(
+                f"Entry point {point.name!r} of {ENTRY_POINTS} must be a package with TOML files, got {point.value!r}."
+            )
+        folders += map(Path, spec.submodule_search_locations)
+    files: dict[str, list[Path]] = {}
+    for folder in dict.fromkeys(folder.resolve() for folder in folders):
+        for path in folder.glob("*.toml"):
+            files.setdefault(path.stem, []).append(path)
+    return files
+
+
+def _citation(source: Mapping[str, Mapping[str, Any]]) -> str:
+    """The papers behind the moduli and the shift law, each once."""
+    texts = (source.get(group, {}).get("citation", "") for group in ("moduli", "shift"))
+    return "; ".join(dict.fromkeys(filter(None, texts)))
+
+
+def _shift_table(shift: Any) -> dict[str, Any] | None:
+    from .shift import VFT, WLF, Arrhenius, ShiftTable
+
+    if shift is None:
+        return None
+    if isinstance(shift, ShiftTable):
+        lists = {"temperature": shift.temperature, "log10_a": shift.log10_a_table}
+        return {"law": "table", **{key: [float(entry) for entry in value] for key, value in lists.items()}}
+    for law in (WLF, Arrhenius, VFT):
+        if isinstance(shift, law):
+            return {"law": law.__name__, **{key: float(getattr(shift, key)) for key in SHIFT_KEYS[law.__name__]}}
+    raise InputError(f"material.shift must be a WLF, Arrhenius, VFT or ShiftTable to be saved, got {brief(shift)}.")

@@ -1,0 +1,173 @@
+"""Friction and rolling resistance against velocity: what `em.friction` and `em.rolling` return."""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from .._runtime import significant
+from .axes import curves, in_words, peak
+from .table import AbstractResult, Column
+
+_SHOWN = 6  # curves that a summary lists one by one
+
+
+class Contact(NamedTuple):
+    """Where the contact begins and ends on the central line, both counted from the apex."""
+
+    leading: Float[Array, "..."]  # leading edge a, ahead of the apex [m]
+    trailing: Float[Array, "..."]  # trailing edge b, behind the apex [m]
+
+
+class AbstractCurve(AbstractResult):
+    """A coefficient against velocity, and what belongs to each of its points."""
+
+    velocity: eqx.AbstractVar[Float[Array, "..."]]
+    error: eqx.AbstractVar[Float[Array, "..."]]
+    converged: eqx.AbstractVar[Bool[Array, "..."]]
+
+    quantity: eqx.AbstractClassVar[str]  # what the curve is called in a title
+    symbol: eqx.AbstractClassVar[str]  # what its coefficient is called in a sentence
+    coefficient_field: eqx.AbstractClassVar[str]  # the field that a figure shows against velocity
+
+    def plot(self, ax: Any = None, title: str | None = None) -> Any:
+        """Draws the coefficient against velocity, one line per temperature, load or depth; returns matplotlib Axes.
+
+        With `ax=None` on a new figure, which is the `.figure` of the answer.
+        """
+        from .figure import draw
+
+        return draw(self, ax, title)
+
+    def png(self, title: str | None = None) -> bytes:
+        """The figure as a PNG image, 200 dots per inch."""
+        from .figure import png
+
+        return png(self, title)
+
+    def heading(self) -> str:
+        """A title: the quantity, and the material where it is known."""
+        material = dict(self.inputs).get("material")
+        return f"{self.quantity}, {material}" if material else self.quantity
+
+    def findings(self) -> Iterator[tuple[str, str]]:
+        """Inputs, model, largest coefficient and where, both ends, how many points failed, the largest error."""
+        fields = {column.key: value for column, value in self.fields().items()}
+        yield "quantity", self.quantity
+        yield from self.inputs
+        yield "model", self.model
+        _, all_curves = curves(fields)
+        for curve in all_curves[:_SHOWN]:
+            velocity, value = (np.atleast_1d(fields[k][curve.at]) for k in ("velocity", self.coefficient_field))
+            yield "at " + curve.label if curve.label else "result", self._extremes(velocity, value)
+        if len(all_curves) > _SHOWN:
+            yield "...", f"and {len(all_curves) - _SHOWN} more curves"
+        failed = int(np.sum(~fields["converged"]))
+        points = f"{fields['converged'].size}, {'all converged' if not failed else f'{failed} did not converge'}"
+        largest = np.fmax.reduce(fields["error"], axis=None, initial=0.0)
+        yield "points", f"{points}; largest estimated error of {self.symbol}: {significant(float(largest), 2)}"
+
+    def _extremes(self, velocity: np.ndarray, value: np.ndarray) -> str:
+        order = np.argsort(velocity, kind="stable")
+        order = order[np.isfinite(value[order])]
+        velocity, value = velocity[order], value[order]
+        top = peak(velocity, value)
+        if top is None:
+            return "no point converged"
+
+        def point(x: float, y: float) -> str:
+            return f"{significant(y)} at {in_words('velocity', x)}"
+
+        if np.ptp(velocity) == 0:
+            return f"{self.symbol} = " + " to ".join(dict.fromkeys(point(velocity[0], y) for y in (value.min(), top.y)))
+        ends = ", ".join(point(float(velocity[i]), float(value[i])) for i in (0, -1))
+        where = "" if top.inside else " (an end of the range)"
+        return f"{top.kind} {self.symbol} = {point(top.x, top.y)}{where}; ends: {ends}"
+
+
+class FrictionCurve(AbstractCurve):
+    """Friction of an indenter that slides steadily over a viscoelastic foundation; every field has one value per point.
+
+    `mu` is the friction force over the normal force, `error` its estimated error (absolute). A point that did not
+    converge is NaN with `converged=False`. `temperature` is None where none was given.
+    """
+
+    velocity: Float[Array, "..."]  # sliding velocity v [m/s]
+    mu: Float[Array, "..."]  # friction coefficient
+    normal_force: Float[Array, "..."]  # F_N [N]
+    friction_force: Float[Array, "..."]  # F_x, against the motion [N]
+    depth: Float[Array, "..."]  # indentation depth d [m]
+    contact: Contact  # leading and trailing edge [m]
+    error: Float[Array, "..."]  # estimated error of mu
+    converged: Bool[Array, "..."]
+    temperature: Float[Array, "..."] | None  # T [K]
+    model: str = eqx.field(static=True)
+    plan: Any = eqx.field(static=True)
+    inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+
+    quantity = "Friction"
+    symbol = "mu"
+    coefficient_field = "mu"
+
+    @property
+    def table(self) -> tuple[Column, ...]:
+        return (
+            Column("velocity", "velocity", "m/s"),
+            Column("temperature", "temperature", "K"),
+            Column("mu", "friction coefficient", "-"),
+            Column("normal_force", "normal force", "N"),
+            Column("friction_force", "friction force", "N"),
+            *_CONTACT,
+        )
+
+
+class RollingCurve(AbstractCurve):
+    """Rolling resistance of a body on a viscoelastic foundation; every field has one value per point.
+
+    From the dissipated power P: `resistance` is P/v, `coefficient` that over the normal force (its estimated, absolute
+    error is `error`), `moment` is resistance times the rolling radius. A point that did not converge is NaN with
+    `converged=False`. `temperature` is None where none was given.
+    """
+
+    velocity: Float[Array, "..."]  # rolling velocity v [m/s]
+    coefficient: Float[Array, "..."]  # rolling resistance coefficient
+    resistance: Float[Array, "..."]  # resisting force P/v [N]
+    moment: Float[Array, "..."]  # resisting moment [N m]
+    power: Float[Array, "..."]  # dissipated power P [W]
+    normal_force: Float[Array, "..."]  # F_N [N]
+    depth: Float[Array, "..."]  # indentation depth d [m]
+    contact: Contact  # leading and trailing edge [m]
+    error: Float[Array, "..."]  # estimated error of the coefficient
+    converged: Bool[Array, "..."]
+    temperature: Float[Array, "..."] | None  # T [K]
+    model: str = eqx.field(static=True)
+    plan: Any = eqx.field(static=True)
+    inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+
+    quantity = "Rolling resistance"
+    symbol = "coefficient"
+    coefficient_field = "coefficient"
+
+    @property
+    def table(self) -> tuple[Column, ...]:
+        return (
+            Column("velocity", "velocity", "m/s"),
+            Column("temperature", "temperature", "K"),
+            Column("coefficient", "rolling resistance coefficient", "-"),
+            Column("resistance", "resistance", "N"),
+            Column("moment", "moment", "N m"),
+            Column("power", "dissipated power", "W"),
+            Column("normal_force", "normal force", "N"),
+            *_CONTACT,
+        )
+
+
+_CONTACT = (
+    Column("depth", "depth", "m"),
+    Column("contact.leading", "leading edge", "m"),
+    Column("contact.trailing", "trailing edge", "m"),
+    Column("error", "estimated error of the coefficient", "-"),
+    Column("converged", "converged", ""),
+)

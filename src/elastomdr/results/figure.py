@@ -1,0 +1,127 @@
+"""Figures of results: the one module that imports matplotlib, and only when something is drawn."""
+
+import io
+import os
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._runtime import significant
+from .axes import Peak, curves, in_words, peak
+from .table import write_files
+
+if TYPE_CHECKING:
+    from .curve import AbstractCurve
+
+_VISIBLE = 0.004  # part of the figure's height from which an error band can be seen
+_LEGEND = 12  # curves that a legend names; of more, it names as many, evenly spread
+_INK, _FAINT, _BLUE = "#222222", "#666666", "#1f5a94"
+_DPI = 200
+
+
+def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None) -> Any:
+    """Draws a coefficient against velocity on `ax`, or on a new figure; returns the Axes.
+
+    One line per temperature, load or depth, its largest value marked, the estimated error as a band where it can be
+    seen, points that did not converge left out and counted. Without a velocity axis, the last axis takes its place.
+    """
+    fields = {column.key: value for column, value in result.fields().items()}
+    axis, all_curves = curves(fields)
+    ax = _new_axes(len(all_curves) > 1) if ax is None else ax
+    value, error = fields[result.coefficient_field], fields["error"]
+    highest = float(np.fmax.reduce(value, axis=None, initial=0.0)) or 1.0
+    velocity = fields["velocity"]
+    against_velocity = axis.name == "velocity" or not axis.unit
+    for curve, colour, named in zip(all_curves, _colours(len(all_curves)), _named(len(all_curves)), strict=True):
+        x = np.atleast_1d(velocity[curve.at] if against_velocity else axis.values)
+        order = np.argsort(x, kind="stable")
+        x, y, e = x[order], np.atleast_1d(value[curve.at])[order], np.atleast_1d(error[curve.at])[order]
+        top = peak(x, y)
+        text = _in_words(top, "velocity" if against_velocity else axis.name)
+        label = f"{curve.label}: {text}".replace("degC", "°C") if named and len(all_curves) > 1 else None
+        marker = "o" if x.size == 1 else None
+        ax.plot(x, y, color=colour, linewidth=1.8, marker=marker, markersize=5, label=label, zorder=3)
+        if (e > _VISIBLE * highest).any():
+            ax.fill_between(x, y - e, y + e, color=colour, alpha=0.2, linewidth=0, zorder=2)
+        if top is not None and x.size > 1:
+            ax.plot(top.x, top.y, "o", color=colour, markersize=5.5, zorder=4)
+            if len(all_curves) == 1:
+                scale = np.log if against_velocity else np.asarray
+                _write_above(ax, top, text, float((scale(top.x) - scale(x[0])) / (scale(x[-1]) - scale(x[0]))))
+    if against_velocity:
+        ax.set_xscale("log")
+        ax.set_xlabel(f"{'Sliding' if result.coefficient_field == 'mu' else 'Rolling'} velocity [m/s]")
+    else:
+        ax.set_xlabel(f"{axis.name.capitalize()} [{axis.unit}]")
+    ax.set_ylabel(
+        "Friction coefficient [-]" if result.coefficient_field == "mu" else "Rolling resistance coefficient [-]"
+    )
+    ax.set_ylim(0.0, 1.16 * highest)
+    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
+    ax.set_axisbelow(True)
+    ax.spines[["top", "right"]].set_visible(False)
+    failed = int(np.sum(~fields["converged"]))
+    note = f"{failed} of {fields['converged'].size} points did not converge and are left out" if failed else ""
+    _write_title(ax, title or result.heading(), result.model, note)
+    if len(all_curves) > 1:
+        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
+    return ax
+
+
+def png(result: "AbstractCurve", title: str | None = None) -> bytes:
+    """The figure of a result as a PNG image, 200 dots per inch."""
+    buffer = io.BytesIO()
+    draw(result, title=title).figure.savefig(buffer, format="png", dpi=_DPI)
+    return buffer.getvalue()
+
+
+def save(result: "AbstractCurve", path: str | os.PathLike[str], title: str | None = None) -> None:
+    """Writes the figure as PNG, whole or not at all. Raises `InputError` where the file cannot be written."""
+    write_files({path: png(result, title)})
+
+
+def _new_axes(wide: bool) -> Any:
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(8.6, 4.4) if wide else (6.6, 4.4), layout="constrained").add_subplot()
+
+
+def _write_title(ax: Any, title: str, model: str, note: str) -> None:
+    """Above the axes, from the top: the title, the model's name in small print, and in red what is missing."""
+    inches = ax.figure.get_figure(root=True).get_size_inches()[0] * ax.get_position(original=True).width
+    small = textwrap.wrap(model, max(30, int(17 * inches)))
+    above = {"xy": (0, 1), "xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom", "fontsize": 8}
+    ax.annotate(note, xytext=(0, 6), color="#a02020", **above)
+    ax.annotate("\n".join(small), xytext=(0, 18 if note else 6), color=_FAINT, linespacing=1.2, **above)
+    heading = "\n".join(textwrap.wrap(title, max(24, int(9.5 * inches))))
+    lines = len(small) + bool(note)
+    ax.set_title(heading, loc="left", fontsize=12, fontweight="bold", color=_INK, pad=11 + 11 * lines)
+
+
+def _write_above(ax: Any, top: Peak, text: str, part: float) -> None:
+    """Labels the peak; `part` is its place along the axis, from 0 to 1, so that the text stays inside the figure."""
+    side = "left" if part < 0.25 else "right" if part > 0.75 else "center"
+    place = {"xytext": (0, 8), "textcoords": "offset points", "ha": side, "va": "bottom"}
+    ax.annotate(text, xy=(top.x, top.y), fontsize=9, color=_INK, **place)
+
+
+def _in_words(top: Peak | None, name: str) -> str:
+    if top is None:
+        return "no point converged"
+    place = float(significant(top.x, 3)) if name == "velocity" else top.x
+    return f"{top.kind} {significant(top.y, 3)} at {in_words(name, place)}"
+
+
+def _colours(count: int) -> list[Any]:
+    if count == 1:
+        return [_BLUE]
+    import matplotlib
+
+    return list(matplotlib.colormaps["viridis"](np.linspace(0.0, 0.85, count)))
+
+
+def _named(count: int) -> np.ndarray:
+    shown = np.zeros(count, dtype=bool)
+    shown[np.linspace(0, count - 1, min(count, _LEGEND)).round().astype(int)] = True
+    return shown

@@ -1,0 +1,56 @@
+"""Steady frictionless rolling of a sphere, or of a cylinder on a layer."""
+
+from typing import Any
+
+from .._runtime import in_float64
+from ..errors import InputError
+from ..mapping.shapes import AbstractShape
+from ..results.curve import RollingCurve
+from .steady import set_up, solve
+
+
+@in_float64
+def rolling(
+    material: Any,
+    shape: Any,
+    *,
+    velocity: Any,
+    load: Any = None,
+    depth: Any = None,
+    pressure: Any = None,
+    temperature: Any = None,
+    average: str | None = "direction",
+    rtol: float = 1e-6,
+    skip: bool = True,
+) -> RollingCurve:
+    """Rolling resistance of a sphere, or the indentation rolling resistance of a belt under a cylinder.
+
+    Without friction in the contact a rolling body solves the same pressure problem as a sliding one. The resistance is
+    taken from the power that the rubber dissipates, F = P/v, and the moment is M = R F. (The moment of the MDR line's own
+    forces is half of that, since the line is not the half-space's pressure; the power is right in both models.)
+    `coefficient` is the resisting force over the normal force. Arguments, errors and limits as for `friction`;
+    raises `InputError` for bodies that do not roll.
+    """
+    if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
+        raise InputError(f"shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a {shape.label}.")
+    scene = set_up(
+        "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+        temperature=temperature, average=average, rtol=rtol, skip=skip,
+    )  # fmt: skip
+    found = solve(scene)
+    return RollingCurve(
+        velocity=found.velocity,
+        coefficient=found.mu,
+        resistance=found.friction_force,
+        moment=found.friction_force * shape.rolling_radius,
+        power=found.friction_force * found.velocity,
+        normal_force=found.normal_force,
+        depth=found.depth,
+        contact=found.contact,
+        error=found.error,
+        converged=found.converged,
+        temperature=scene.temperature,
+        model=scene.plan.model,
+        plan=scene.plan,
+        inputs=scene.inputs,
+    )

@@ -1,0 +1,201 @@
+"""What friction and rolling share: from a user's arguments to a plan and its result."""
+
+import warnings
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from .._runtime import as_float64, is_traced, positive, require
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import Foundation, as_foundation
+from ..mapping.lines import AbstractLines, SingleLine, Strips
+from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch, PowerLaw
+from ..material.relaxation import Relaxation
+from ..results.curve import Contact
+from ..solve.passage import Control
+from ..solve.plan import Plan, make_plan
+from ..solve.sweep import run
+
+AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
+BARE = "bare MDR line (textbook; overstates half-space sliding friction by up to a factor of 2)"
+LAYER = "thin layer of independent elements (exact for the layer; no direction average needed)"
+
+
+class Scene(NamedTuple):
+    """A steady scene, checked and with its point arrays broadcast and flattened."""
+
+    foundation: Foundation
+    law: Relaxation
+    lines: AbstractLines
+    control: Control
+    value: Float[Array, " points"]  # load [N] or depth [m]
+    velocity: Float[Array, " points"]  # as given [m/s]
+    reduced: Float[Array, " points"]  # velocity times a_T [m/s]
+    temperature: Any  # broadcast to `shape`, or None
+    shape: tuple[int, ...]  # of the result's fields
+    plan: Plan
+    inputs: tuple[tuple[str, str], ...]
+
+
+class Steady(NamedTuple):
+    """Solved scene, every field in the broadcast shape; NaN where a point did not converge."""
+
+    velocity: Float[Array, "..."]
+    mu: Float[Array, "..."]
+    error: Float[Array, "..."]
+    normal_force: Float[Array, "..."]
+    friction_force: Float[Array, "..."]
+    depth: Float[Array, "..."]
+    contact: Contact
+    converged: Bool[Array, "..."]
+
+
+def set_up(
+    quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
+    average: str | None, rtol: float, skip: bool,
+) -> Scene:  # fmt: skip
+    """Checks the arguments and plans the scene. Raises `InputError` for whatever has no meaning."""
+    lines, foundation = _contact(material, shape)
+    if pressure is not None:
+        raise InputError(
+            f"pressure belongs to a rough surface; a {shape.label} takes load or depth, got pressure={pressure}."
+        )
+    if (load is None) == (depth is None):
+        given = "neither" if load is None else f"load={load} and depth={depth}"
+        raise InputError(f"load or depth must be given, and only one of them, got {given}.")
+    if average not in ("direction", None):
+        raise InputError(f"average must be 'direction' or None (the bare line), got {average!r}.")
+    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-1:
+        raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
+    control: Control = "load" if depth is None else "depth"
+    velocity, value = as_float64("velocity", velocity), as_float64(control, load if depth is None else depth)
+    positive("velocity", velocity)
+    positive(control, value)
+    law, kelvin = foundation.law(), None
+    arrays = [velocity, value]
+    if temperature is not None:
+        kelvin = as_float64("temperature", temperature)
+        if foundation.shift is None:
+            raise InputError(
+                f"temperature was given ({_brief(kelvin)} K), but {foundation.name or 'the material'} has no shift law; "
+                "give the material one with shift=em.WLF(...), or leave the temperature out."
+            )
+        arrays.append(kelvin)
+    try:
+        result_shape = np.broadcast_shapes(*(np.shape(a) for a in arrays))
+    except ValueError as error:
+        shapes = ", ".join(str(np.shape(a)) for a in arrays)
+        raise InputError(f"velocity, {control} and temperature must broadcast, got shapes {shapes}.") from error
+    factor = 1.0 if kelvin is None else foundation.shift.a(kelvin)
+    traced = is_traced(law, lines, velocity, value, factor)
+    numpy = jnp if traced else np
+
+    def flat(array: Any) -> Any:
+        return numpy.broadcast_to(array, result_shape).reshape(-1)
+
+    if not traced:
+        _check_size(lines, control, value)
+    reduced = flat(velocity * factor)
+    layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
+    model = LAYER if layer else AVERAGED if average == "direction" else BARE
+    name = f"{_describe(shape)} on {foundation.name or ('a layer' if layer else 'a half-space')}"
+    plan = make_plan(
+        quantity, name, model, law, lines, control, None if traced else flat(value), None if traced else reduced,
+        int(np.prod(result_shape)), 1 if kelvin is None else int(np.size(kelvin)),
+        average == "direction" and not layer, float(rtol), skip,
+    )  # fmt: skip
+    inputs = [("material", foundation.name or "given directly"), ("shape", _describe(shape))]
+    inputs.append((control, f"{_brief(value)} {'N' if control == 'load' else 'm'}"))
+    inputs.append(("velocity", f"{_brief(velocity)} m/s"))
+    if kelvin is not None:
+        inputs.append(("temperature", f"{_brief(kelvin)} K"))
+    inputs.append(("relative tolerance", f"{rtol:g}"))
+    broadcast = None if kelvin is None else numpy.broadcast_to(kelvin, result_shape)
+    return Scene(
+        foundation, law, lines, control, flat(value), flat(velocity), reduced, broadcast, result_shape, plan, tuple(inputs)
+    )
+
+
+def solve(scene: Scene) -> Steady:
+    """Runs the plan; points that failed are NaN, and one warning counts them."""
+    result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
+    traced = is_traced(result.mu)
+    numpy = jnp if traced else np
+    good = result.line.converged
+
+    def shaped(field: Any) -> Any:
+        return numpy.where(good, field, numpy.nan).reshape(scene.shape)
+
+    if not traced and not good.all():
+        warnings.warn(
+            f"{int((~good).sum())} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN.",
+            ConvergenceWarning,
+            stacklevel=4,
+        )
+    force = result.line.normal_force
+    return Steady(
+        velocity=scene.velocity.reshape(scene.shape),
+        mu=shaped(result.mu),
+        error=shaped(result.error),
+        normal_force=shaped(force),
+        friction_force=shaped(result.mu * force),
+        depth=shaped(result.line.depth),
+        contact=Contact(shaped(result.line.leading), shaped(result.line.trailing)),
+        converged=good.reshape(scene.shape),
+    )
+
+
+def _contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
+    foundation = as_foundation(material)
+    if not isinstance(shape, AbstractShape):
+        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    if isinstance(shape, FlatPunch):
+        raise InputError(
+            "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite rate at "
+            "any velocity, so that the friction depends on how the edge is rounded. Give the rounding: em.PowerLaw with a "
+            "large exponent, or em.Profile with the punch's own edge radius."
+        )
+    if isinstance(shape, PowerLaw) and shape.exponent < 1:
+        raise InputError(
+            f"exponent must be 1 or more in sliding, got {shape.exponent:g}: a body with an infinitely sharp tip has no "
+            "steady sliding solution."
+        )
+    if isinstance(shape, Cylinder):
+        if foundation.per_area is False:
+            raise InputError(
+                "material must be a layer under a Cylinder, got a half-space: use em.layer(material, thickness, ...). "
+                "A cylinder on a half-space is no MDR problem."
+            )
+        return SingleLine(shape), foundation
+    if foundation.per_area:
+        return Strips(shape), foundation
+    return SingleLine(shape), foundation
+
+
+def _check_size(lines: AbstractLines, control: Control, value: Any) -> None:
+    largest = float(np.asarray(lines.shape.largest_contact))
+    if control == "depth" and np.isfinite(largest):
+        with jax.enable_x64(True):
+            deepest = float(lines.depth(jnp.asarray(largest * (1 - 1e-12))))
+        require("depth", value, f"below {deepest:.4g} m, where the contact reaches the end of the profile", lambda d: d < deepest)
+
+
+def _describe(shape: AbstractShape) -> str:
+    numbers = [
+        f"{name} {float(np.asarray(x)):.6g}"
+        for name, x in vars(shape).items()
+        if not is_traced(x) and isinstance(x, (float, np.ndarray)) and np.ndim(x) == 0
+    ]
+    return ", ".join([shape.label, *numbers])
+
+
+def _brief(array: Any) -> str:
+    if is_traced(array):
+        return "traced"
+    array = np.asarray(array)
+    if array.size == 1:
+        return f"{float(array.reshape(())):.6g}"
+    return f"{array.min():.4g} to {array.max():.4g} ({array.size} values)"

@@ -1,0 +1,164 @@
+"""Carries out a plan: all points of a scene at once, direction-averaged or not, to the tolerance asked for."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..mapping.direction import directions, interpolation_error, quadrature_error, shared_grid
+from ..mapping.lines import AbstractLines
+from ..material.relaxation import Relaxation
+from .condense import condensed
+from .passage import Control, Passages, solve_passages
+from .plan import Plan
+from .rule import Rule
+
+_ROUNDING = 1e-13  # relative, for what no estimate sees
+_BATCH = 4096  # points solved at once: bounds the memory
+
+
+class Sweep(NamedTuple):
+    """Friction of each point, and the line passage at that point's own velocity and load."""
+
+    mu: Float[Array, " points"]
+    error: Float[Array, " points"]  # estimated error of mu
+    line: Passages
+
+
+def run(
+    plan: Plan,
+    law: Relaxation,
+    lines: AbstractLines,
+    value: Float[Array, " points"],  # load [N] or depth [m]
+    velocity: Float[Array, " points"],  # times a_T [m/s]
+) -> Sweep:
+    """The friction of every point of a plan; points that miss the tolerance come back with `line.converged` False."""
+    if plan.traced:
+        return _traced(plan, law, lines, value, velocity)
+    law = condensed(law, plan.condensation)
+    own = _solve(plan, law, lines, plan.control, value, velocity)
+    if not plan.averaged:
+        mu, error, good = own.mu, own.error, own.converged
+    else:
+        load = value if plan.control == "load" else own.normal_force
+        rtol = plan.rtol
+        for _ in range(3):
+            average = _shared if plan.shared else _direct
+            mu, error, good = average(plan, law, lines, load, velocity, rtol)
+            if bool(np.all(error <= plan.rtol * mu)) or not bool(np.all(good)):
+                break
+            rtol = max(rtol / 30, 1e-15)
+        good = good & own.converged
+    error = error + mu * (plan.condensation.cost + _ROUNDING)
+    good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
+    return Sweep(mu, error, own._replace(converged=good))
+
+
+def _shared(plan, law, lines, load, velocity, rtol):
+    """Velocities at the same load share one line curve, evenly spaced in log v."""
+    loads, curve = np.unique(load, return_inverse=True)
+    grids = [shared_grid(velocity[curve == i], rtol) for i in range(loads.size)]
+    sizes = [grid.velocity.size for grid in grids]
+    every = _solve(
+        plan, law, lines, "load", np.repeat(loads, sizes), np.concatenate([grid.velocity for grid in grids]), rtol
+    )
+    mu, error = np.empty_like(velocity), np.empty_like(velocity)
+    good = np.empty(velocity.shape, bool)
+    tail = directions(rtol).tail
+    for i, grid in enumerate(grids):
+        part = slice(sum(sizes[:i]), sum(sizes[: i + 1]))
+        line, chosen = every.mu[part], curve == i
+        average = grid.weights @ line
+        mu[chosen] = average
+        error[chosen] = (
+            quadrature_error(average, grid.check @ line, tail)
+            + interpolation_error(average, grid.lower @ line)
+            + np.abs(grid.weights) @ every.error[part]
+        )
+        good[chosen] = ~(np.abs(grid.weights) @ ~every.converged[part] > 0)
+    return mu, error, good
+
+
+def _direct(plan, law, lines, load, velocity, rtol):
+    """Every velocity has its own directions: for few points, or where each has its own load."""
+    rule = directions(rtol)
+    slowed = velocity[:, None] * rule.cosines
+    every = _solve(plan, law, lines, "load", np.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel(), rtol)
+    line, spread, found = (x.reshape(slowed.shape) for x in (every.mu, every.error, every.converged))
+    mu = line @ rule.weights
+    return mu, quadrature_error(mu, line @ rule.check, rule.tail) + spread @ rule.weights, found.all(axis=1)
+
+
+def _solve(
+    plan: Plan, law: Relaxation, lines: AbstractLines, control: Control, value: np.ndarray, velocity: np.ndarray,
+    rtol: float | None = None,
+) -> Passages:  # fmt: skip
+    """Passages as NumPy arrays, in batches, with the rules of the plan tried in turn where the error asks for it."""
+    wanted = 0.1 * (plan.rtol if rtol is None else rtol)
+    value, velocity = np.asarray(value), np.asarray(velocity)
+    if plan.marched:
+        from .march import march_passages  # loads diffrax, which the other routes do without
+
+        return _as_numpy(march_passages(law, lines, control, value, velocity, max(wanted, 1e-9)))
+    parts = []
+    for start in range(0, velocity.size, _BATCH):
+        here = slice(start, start + _BATCH)
+        for rule in plan.rules:
+            part = _padded(law, lines, rule, control, value[here], velocity[here])
+            if not np.any(part.converged & (part.error > wanted * part.mu)):
+                break
+        parts.append(part)
+    return Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
+
+
+def _padded(law, lines, rule: Rule, control: Control, value: np.ndarray, velocity: np.ndarray) -> Passages:
+    """Solves with the number of points rounded up, so that few sizes are compiled."""
+    count = velocity.size
+    size = next(n for n in _sizes() if n >= count)
+    fill = [(0, size - count)]
+    out = solve_passages(law, lines, rule, control, np.pad(value, fill, "edge"), np.pad(velocity, fill, "edge"))
+    return Passages(*(np.asarray(field)[:count] for field in out))
+
+
+def _sizes():
+    size = 8
+    while True:
+        yield size
+        if size >= 64:
+            yield size * 3 // 2
+        size *= 2
+
+
+def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array) -> Sweep:
+    """The same under a JAX transformation: no sharing, no batches, one rule; convergence is judged by the estimate."""
+    rule = plan.rules[0]
+
+    def solve(control, value, velocity):
+        if plan.marched:
+            from .march import march_passages
+
+            return march_passages(law, lines, control, value, velocity, max(0.1 * plan.rtol, 1e-9))
+        return solve_passages(law, lines, rule, control, value, velocity)
+
+    own = solve(plan.control, value, velocity)
+    mu, error, good = own.mu, own.error, own.converged
+    if plan.averaged:
+        average = directions(plan.rtol)
+        load = value if plan.control == "load" else own.normal_force
+        slowed = velocity[:, None] * average.cosines
+        spread = jnp.broadcast_to(load[:, None], slowed.shape)
+        every = solve("load", spread.ravel(), slowed.ravel())
+        line = every.mu.reshape(slowed.shape)
+        mu = line @ average.weights
+        relative = jnp.abs(line @ average.check / mu - 1)
+        error = mu * (0.1 * relative**2 + average.tail) + every.error.reshape(slowed.shape) @ average.weights
+        good = own.converged & every.converged.reshape(slowed.shape).all(axis=1)
+    error = jax.lax.stop_gradient(error + mu * _ROUNDING)
+    good = jax.lax.stop_gradient(good & (error <= plan.rtol * mu))
+    return Sweep(mu, error, own._replace(converged=good))
+
+
+def _as_numpy(passages: Passages) -> Passages:
+    return Passages(*(np.asarray(field) for field in passages))
