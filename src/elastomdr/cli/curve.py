@@ -43,7 +43,7 @@ def _folder(out: str) -> Path:
     folder = Path(out)
     try:
         there = next((f for f in (folder, *folder.absolute().parents) if f.exists()), None)
-        usable = there is not None and there.is_dir() and os.access(there, os.W_OK)
+        usable = there is not None and there.is_dir() and os.access(there, os.W_OK) and "\0" not in out
     except (OSError, ValueError):
         usable = False
     if not usable:

@@ -1,33 +1,29 @@
 """Texts with units, such as "5 mm" or "20 degC", into SI numbers."""
 
-import difflib
 import functools
 import math
 import re
 from typing import Any, NamedTuple
 
-from ..errors import InputError
+from ..errors import InputError, closest
 
 
 class Kind(NamedTuple):
-    """A kind of quantity: its name, its SI unit, an example to put into messages."""
+    """A kind of quantity: its name, its SI unit, an example to put into messages, units to suggest."""
 
     name: str
     unit: str
     example: str
+    usual: str = ""
 
 
-LENGTH = Kind("a length", "m", "5 mm")
-FORCE = Kind("a force", "N", "10 N")
-VELOCITY = Kind("a velocity", "m/s", "0.1 m/s")
-TEMPERATURE = Kind("a temperature", "K", "20 degC")
+_LENGTHS = "m mm um nm cm km inch metre meter millimetre millimeter micrometre micrometer nanometre nanometer"
+LENGTH = Kind("a length", "m", "5 mm", _LENGTHS)
+FORCE = Kind("a force", "N", "10 N", "N mN uN kN MN newton millinewton kilonewton lbf")
+VELOCITY = Kind("a velocity", "m/s", "0.1 m/s", "m/s mm/s um/s nm/s cm/s km/h m/min mm/min")
+TEMPERATURE = Kind("a temperature", "K", "20 degC", "degC degF K kelvin celsius fahrenheit")
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
-_USUAL = (
-    *("m", "mm", "um", "nm", "cm", "km", "inch", "metre", "meter", "millimetre", "millimeter", "micrometer"),
-    *("m/s", "mm/s", "um/s", "nm/s", "km/h", "m/min", "N", "mN", "uN", "kN", "MN", "newton", "lbf", "N/m"),
-    *("degC", "degF", "kelvin", "K", "celsius", "Pa", "kPa", "MPa", "GPa"),
-)
 
 
 def quantity(name: str, text: Any, kind: Kind) -> float:
@@ -62,9 +58,7 @@ def number_in(name: str, number: float, unit: str, kind: Kind) -> float:
     try:
         parsed = registry.parse_units(unit)
     except Exception as error:  # pint lets its tokenizer's errors through, of many types
-        near = difflib.get_close_matches(unit, _USUAL, n=1, cutoff=0.5)
-        near = near or [usual for usual in _USUAL if usual.lower() == unit.lower()]
-        hint = f" Did you mean {near[0]!r}?" if near else f' Write it as in "{kind.example}".'
+        hint = closest(unit, kind.usual.split()) or f' Write it as in "{kind.example}".'
         raise InputError(f"{name} has a unit that is not known: {unit!r}.{hint}") from error
     wanted = registry.parse_units(kind.unit)
     if not _alike(parsed.dimensionality, wanted.dimensionality) or str(parsed).startswith("delta_"):

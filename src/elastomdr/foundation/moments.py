@@ -14,8 +14,8 @@ from jaxtyping import Array, Float
 
 
 @jax.custom_jvp
-def contract(coefficients: tuple[Array, ...], z: Float[Array, "*shape"]) -> Float[Array, "*shape"]:
-    """sum_j c_j mu_j(z) for z >= 0 and at least two coefficients, each broadcastable against z.
+def contract(coefficients: tuple[Array, ...], z: Float[Array, "*shape"]) -> Float[Array, "..."]:
+    """sum_j c_j mu_j(z) for z >= 0 and at least two coefficients, broadcast against each other.
 
     One sweep: the ratios i_j/i_{j-1} by backward recurrence where z is small, forward recurrence where it is large,
     the sum taken along the way. Start: Amos' bound (Math. Comp. 28, 1974). Recurrences: DLMF 10.51.
@@ -27,7 +27,7 @@ def contract(coefficients: tuple[Array, ...], z: Float[Array, "*shape"]) -> Floa
 
     j = count + (8 if count <= 9 else 26)
     ratio = small / (j + 1.5 + jnp.sqrt((j + 1.5) ** 2 + small**2))
-    total = jnp.zeros_like(z)
+    total = 0.0
     for j in range(j, 0, -1):
         ratio = small / ((2 * j + 1) + small * ratio)
         if j < count:
@@ -55,12 +55,6 @@ def _contract_jvp(primals, tangents):
     )
     value = contract(coefficients, z)
     return value, contract(coefficient_tangents, z) + z_tangent * contract(derivative, z)
-
-
-def relaxed(coefficients: tuple[Array, ...], z: Float[Array, "*shape"]) -> Float[Array, "*shape"]:
-    """c_0 - sum_j c_j mu_j(z): the moments of 1 - exp(-z c), without cancellation, since 1 - mu_0 = (z/2)(mu_0 + mu_1)."""
-    first = 0.5 * z * contract((coefficients[0], coefficients[0]), z)
-    return first - contract((jnp.zeros_like(coefficients[0]), *coefficients[1:]), z)
 
 
 def _mean_decay(z: Array) -> Array:

@@ -1,15 +1,15 @@
 """The exact contact step: independent viscoelastic elements under a rigid body, as a `diffrax` solver.
 
-One element of displacement u carries the force density q = E_inf u + eta u' + sum_k f_k with f_k' = E_k u' - f_k/tau_k
-under Signorini's conditions q >= 0, u >= w(t), q (u - w) = 0, w being where the rigid surface is. Over a step h the
-displacement is taken as linear; everything else is then exact, for every h:
+One element of displacement u carries the force density q = E_inf u + eta u' + sum_k f_k, f_k' = E_k u' - f_k/tau_k, under
+Signorini's conditions q >= 0, u >= w(t), q (u - w) = 0, with w(t) the place of the rigid surface (Popov & Hess 2015,
+ch. 7). Over a step h the displacement is taken as linear; all else is then exact, for every h:
 
     f_k+ = e_k f_k + E_k phi_k (u+ - u),    e_k = exp(-h/tau_k),    phi_k = (1 - e_k) tau_k/h,
 
-the force at the end is linear in u+, so that u+ = max(u_free, w+) decides between contact and no contact, and the
-integrals of q dt and q du are closed forms. The element's path is a possible one and its forces on that path are exact:
-no step, however long, creates energy. Kelvin elements (`Foundation.kelvin`: no branch, a dashpot) and Maxwell elements
-(`Foundation.maxwell`: one branch, E_inf = 0) are the smallest cases. Contact algorithm: Popov & Hess 2015, ch. 7 and 19.
+the force at the end is linear in u+, so that u+ = max(u_free, w+) decides about contact, u_free being the displacement
+that needs no force, and int q dt, int q du are closed forms. The branches make a motion that is possible for them, so
+no step, however long, gains energy. Kelvin elements (`Foundation.kelvin`: no branch, a dashpot) and Maxwell elements
+(`Foundation.maxwell`: one branch, E_inf = 0) are the smallest cases.
 """
 
 from collections.abc import Callable
@@ -22,33 +22,35 @@ from jaxtyping import Array, Float
 
 from ..material.relaxation import AbstractRelaxation
 
-_SETTLED = 80.0  # z beyond which exp(-z/2) is below rounding: the dashpot has no time of its own within the step
+_SETTLED = 80.0  # z = h K/eta from which exp(-z/2) is below rounding: the dashpot has settled within the step
 
 
 class Elements(NamedTuple):
-    """State of n elements with k branches each. Integrals count from the state that `rest` makes."""
+    """State of n elements with k branches each; the integrals count from `rest`. Layers: Pa in place of Pa m."""
 
     u: Float[Array, " n"]  # displacement, positive into the material [m]
-    f: Float[Array, "k n"]  # force densities f_k of the branches [Pa m; Pa for a layer], likewise below
-    q: Float[Array, " n"]  # contact force density, zero out of contact; see `contact_step` for the dashpot's share
-    impulse: Float[Array, " n"]  # int q dt
-    work: Float[Array, " n"]  # int q du
-    inelastic: Float[Array, " n"]  # int (q - E_inf u) du: keeps the digits of a loss that is small beside the work
+    f: Float[Array, "k n"]  # force densities f_k of the branches [Pa m]
+    q: Float[Array, " n"]  # contact force density, zero out of contact; with a dashpot see `contact_step` [Pa m]
+    impulse: Float[Array, " n"]  # int q dt [Pa m s]
+    work: Float[Array, " n"]  # int q du [Pa m^2]
+    inelastic: Float[Array, " n"]  # int (q - E_inf u) du: keeps its digits where little is lost [Pa m^2]
     away: Float[Array, " n"]  # time since the element was last in contact, or since the start [s]
 
 
 class Coefficients(NamedTuple):
-    """What a step of given length needs of the law; branches first, then elements (or 1)."""
+    """What a step of given length needs of the law: arrays (n,) or (1,), those of the branches (k, n) or (k, 1)."""
 
     h: Array  # step [s]
     equilibrium: Array  # E_inf
-    viscosity: Array  # eta
+    rate: Array  # eta/h
     decay: Array  # e_k
+    mean: Array  # phi_k, the mean of a decaying f_k over the step
     gain: Array  # E_k phi_k
-    mean: Array  # phi_k: mean of a decaying f_k over the step
-    seen: Array  # what is left of f_k where Signorini's conditions look at it
-    stiffness: Array  # S = dq/du+
+    seen: Array  # share of f_k in the force on which Signorini's conditions are put
+    stiffness: Array  # S, change of that force per change of u
     drag: Array  # mean force of branches and dashpot per change of u
+    end: Array  # change of the force at the end per change of u
+    blow: Array  # further loss where contact begins within the step
 
 
 def rest(law: AbstractRelaxation, n: int) -> Elements:
@@ -57,72 +59,86 @@ def rest(law: AbstractRelaxation, n: int) -> Elements:
     return Elements(zero, jnp.zeros((law.moduli.shape[0], n)), zero, zero, zero, zero, zero)
 
 
-def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
-    """Coefficients of a step h [s]: a scalar or one per element, accurate for h/tau_k from 1e-200 to 1e200.
-
-    The law's times may be (k, n) and its other numbers (n,), one law per element: so points of different velocity
-    march together in units of their own passage.
-    """
-    h = jnp.asarray(h)
-    moduli, times = _by_element(law.moduli), _by_element(law.times)
-    equilibrium, viscosity = jnp.asarray(law.equilibrium), jnp.asarray(law.viscosity)
-    y = h / times
-    decay, mean = jnp.exp(-y), _phi1(y)
-    gain = moduli * mean
-    static = equilibrium + jnp.sum(gain, axis=0)
-    seen, stiffness = _signorini(static, viscosity, y, decay, h)
-    drag = jnp.sum(moduli * _phi2(y), axis=0) + viscosity / h
-    return Coefficients(h, equilibrium, viscosity, decay, gain, mean, seen, stiffness, drag)
-
-
 def contact_step(law: AbstractRelaxation, state: Elements, w_start: Array, w_end: Array, h: Any) -> Elements:
     """The state after a step h [s] in which the rigid surface moves from `w_start` to `w_end` [m, shape (n,)].
 
-    Signorini's conditions hold at the end of the step to rounding: u+ = max(u_free, w+) and q+ = S (u+ - u_free), u_free
-    being the displacement that needs no force. Second order in h; at a jump of q (a first touch) u is still linear.
+    Signorini's conditions hold at the end to rounding, with q+ = S (u+ - u_free). Second order in h. `h` is a scalar or
+    (n,); the law's times may be (k, n) and its other numbers (n,), one law per element.
 
-    Without a dashpot q+ is the force at the end, E_inf u+ + sum f_k+. A dashpot's eta u' is known only as a mean over
-    the step, and adding it to end values would make free recovery first order. So with a dashpot q is the mean over the
-    last part of the step that the dashpot itself remembers, weight exp(-(h - t) K/eta), K = E_inf + sum E_k phi_k: free
-    recovery of a Kelvin element is exact, u+ = u exp(-E h/eta), and a long step sees the end alone.
+    Without a dashpot q+ is the force at the end, E_inf u+ + sum f_k+. A dashpot knows eta u' only as a mean over the
+    step; beside end values of the rest it would recover from contact at first order only. So with a dashpot q is the
+    mean over the part of the step that the dashpot remembers, weight exp(-(h - t) K/eta) with K = E_inf + sum E_k phi_k:
+    a Kelvin element recovers exactly, u+ = u exp(-E h/eta), and a long step sees its end alone.
     """
     return advance(coefficients(law, h), state, w_start, w_end)
+
+
+def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
+    """Coefficients of `contact_step`, to full relative accuracy whatever h/tau_k."""
+    h = jnp.atleast_1d(jnp.asarray(h))
+    moduli, times = _by_element(law.moduli), _by_element(law.times)
+    equilibrium, viscosity = jnp.atleast_1d(jnp.asarray(law.equilibrium)), jnp.atleast_1d(jnp.asarray(law.viscosity))
+    y = h[None] / times
+    decay, mean, half = jnp.exp(-y), _phi1(y), _phi2(y)
+    gain = moduli * mean
+    seen, stiffness = _signorini(equilibrium + jnp.sum(gain, axis=0), viscosity, y, decay, h)
+    # On a ramp a branch loses E_k (phi2 - phi1^2/2) (u+ - u)^2, a dashpot eta/h (u+ - u)^2.
+    blow = jnp.sum(moduli * (half - 0.5 * mean**2), axis=0) + viscosity / h
+    drag = jnp.sum(moduli * half, axis=0) + viscosity / h
+    return Coefficients(h, equilibrium, viscosity / h, decay, mean, gain, seen, stiffness, drag, equilibrium+jnp.sum(gain,axis=0)+viscosity/h, blow)
 
 
 def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> Elements:
     """`contact_step` with its coefficients at hand."""
     u, f = state.u, state.f
-    held = c.equilibrium * u + jnp.sum(c.seen * f, axis=0)  # force if u stays
+    held = c.equilibrium * u + jnp.sum(c.seen * f, axis=0)  # force if u stays where it is
     recovery, pushed = -held / c.stiffness, w_end - u
     contact = pushed > recovery
     change = jnp.where(contact, pushed, recovery)
     end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
-    force = held + c.stiffness * pushed  # if the surface is followed; negative where that takes tension
+    force = held + c.stiffness * pushed  # if u follows the surface; it takes tension where this is negative
 
-    mean = jnp.sum(c.mean * f, axis=0) + c.drag * change
-    inelastic = state.inelastic + mean * change
-    # A surface that comes from a distance strikes within the step; the dashpot then sees a shorter, faster motion:
-    # eta theta (1 - theta) (slope jump)^2 h more, with theta the fraction of the step before contact.
-    struck = jnp.where(contact, (u - w_start) * (pushed - recovery), 0.0)
-    inelastic = inelastic + c.viscosity / c.h * jnp.maximum(struck, 0.0)
+    faded = jnp.sum(c.mean * f, axis=0)  # mean over the step if u stays
+    drag = faded + c.drag * change
+    spring = c.equilibrium * (u + 0.5 * change)
+    work, impulse = drag * change, c.h * (spring + drag)  # on the straight path; the spring's work is counted by u
 
-    left = ~contact & (state.q > 0)  # contact ends where the force, linear in time, passes zero
-    held_on = jnp.where(left, state.q / jnp.where(left, state.q - force, 1.0), 0.0)
+    # The same with u on the surface, whose force may pass into tension: all up to there, nothing after.
+    end_force = c.equilibrium * u + jnp.sum(c.decay * f, axis=0) + c.end * pushed
+    start_force = 2 * (c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed) - end_force
+    pulled = end_force < 0
+    start_force = jnp.where(pulled, jnp.maximum(start_force, 0.0), 0.0)
+    kept = start_force / jnp.where(pulled, start_force - end_force, 1.0)
+    area = 0.5 * start_force * kept
+    free = ~contact & (state.q <= 0)
+    edge = pulled & ~free
+    slack = c.rate * change**2
+    lost = c.rate * jnp.abs(change) * c.h
+    work = jnp.where(edge, jnp.clip(area * pushed - spring * change, work - slack, work + slack), work)
+    impulse = jnp.where(edge, jnp.clip(c.h * area, impulse - lost, impulse + lost), impulse)
+    # Free recovery takes no work and no impulse, the straight path between its ends a little. Only where that is work
+    # done on the element is it kept, so that work never falls behind the energy stored.
+    work = jnp.where(free, jnp.maximum(work, -spring * change), work)
+    impulse = jnp.where(free, 0.0, impulse)
+    # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
+    # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
+    struck = jnp.where(contact & (u > w_start), (u - w_start) * (pushed - recovery), 0.0)
+    inelastic = state.inelastic + work + c.blow * struck
     return Elements(
         u=end,
         f=c.decay * f + c.gain * change,
         q=jnp.where(contact, jnp.maximum(force, 0.0), 0.0),
-        impulse=state.impulse + c.h * (c.equilibrium * (u + 0.5 * change) + mean),
+        impulse=state.impulse + impulse,
         work=inelastic + 0.5 * c.equilibrium * end**2,
         inelastic=inelastic,
-        away=jnp.where(contact, 0.0, state.away * jnp.where(left, 0.0, 1.0) + c.h * (1 - held_on)),
+        away=jnp.where(contact, 0.0, state.away) + c.h * jnp.where(free, 1.0, jnp.where(edge, 1 - kept, 0.0)),
     )
 
 
 class RigidSurface(diffrax.AbstractTerm):
-    """Where the rigid surface is: `position(t)` [m], one value per element, for `ContactStep`.
+    """Where the rigid surface is, `position(t)` [m, shape (n,)]: the term that `ContactStep` solves.
 
-    It is not a vector field: `vf` is the position itself and `contr` the positions at both ends of a step.
+    It is no vector field: `vf` is the position, `contr` the positions at both ends of a step.
     """
 
     position: Callable[[Any], Array]
@@ -134,7 +150,7 @@ class RigidSurface(diffrax.AbstractTerm):
         return self.position(t0), self.position(t1)
 
     def prod(self, vf: Array, control: tuple[Array, Array]) -> Elements:
-        raise NotImplementedError("RigidSurface constrains the elements; solve it with ContactStep.")
+        raise NotImplementedError("RigidSurface is a constraint, not a vector field: solve it with ContactStep.")
 
 
 class ContactStep(diffrax.AbstractSolver):
@@ -143,8 +159,8 @@ class ContactStep(diffrax.AbstractSolver):
         diffeqsolve(RigidSurface(w), ContactStep(), t0, t1, dt0, y0=rest(law, n), args=law)
 
     `samples` contact steps of equal length make one step of the solver, since `diffeqsolve` costs microseconds a step;
-    the coefficients are computed once for all of them. Output between steps is interpolated linearly. Differentiable in
-    forward and reverse mode (`adjoint=diffrax.DirectAdjoint()` for both): reverse mode stores one state per `samples`.
+    they share their coefficients, and output between the solver's steps is interpolated linearly. Differentiable, in
+    reverse mode with one stored state per step of the solver; `adjoint=diffrax.DirectAdjoint()` allows both modes.
     """
 
     samples: int = 1
@@ -168,14 +184,15 @@ class ContactStep(diffrax.AbstractSolver):
         made_jump: Any,
     ) -> tuple[Elements, None, dict[str, Elements], None, diffrax.RESULTS]:
         times = t0 + (t1 - t0) * jnp.linspace(0.0, 1.0, self.samples + 1)
+        surface = jax.vmap(lambda t: terms.vf(t, y0, args))(times)
 
         @jax.checkpoint
-        def block(law: AbstractRelaxation, start: Elements, w: Array) -> Elements:
+        def block(law: AbstractRelaxation, start: Elements, surface: Array) -> Elements:
             c = coefficients(law, (t1 - t0) / self.samples)
-            end, _ = jax.lax.scan(lambda y, ends: (advance(c, y, *ends), None), start, (w[:-1], w[1:]))
-            return end
+            ends = (surface[:-1], surface[1:])
+            return jax.lax.scan(lambda state, w: (advance(c, state, *w), None), start, ends)[0]
 
-        y1 = block(args, y0, jax.vmap(lambda t: terms.vf(t, y0, args))(times))
+        y1 = block(args, y0, surface)
         return y1, None, {"y0": y0, "y1": y1}, None, diffrax.RESULTS.successful
 
     def func(self, terms: Any, t0: Any, y0: Elements, args: AbstractRelaxation) -> Array:
@@ -183,40 +200,40 @@ class ContactStep(diffrax.AbstractSolver):
 
 
 def _signorini(static: Array, viscosity: Array, y: Array, decay: Array, h: Array) -> tuple[Array, Array]:
-    """`seen` and S: means of exp(-t/tau_k) and of the force per change of u, weighted by exp(-(h - t) K/eta).
+    """`seen` and S of the force that Signorini's conditions are put on.
 
-    With z = h K/eta: seen_k = z (exp(-y_k) - exp(-z)) / ((z - y_k) (1 - exp(-z))) and S = K/(1 - exp(-z)). No dashpot is
-    z = infinity, the values at the end of the step; no stiffness is z = 0, the plain means.
+    With z = h K/eta the mean of exp(-t/tau_k) under the weight exp(-(h - t) K/eta) is
+    seen_k = z (exp(-y_k) - exp(-z)) / ((z - y_k) (1 - exp(-z))), and S = K/(1 - exp(-z)). Without a dashpot z is
+    infinite and both are values at the end of the step; without stiffness z is zero and they are plain means.
     """
     present = viscosity > 0
     z = h * static / jnp.where(present, viscosity, 1.0)
     settled = ~present | (z > _SETTLED)
+    lag = jnp.where(settled, viscosity / jnp.where(settled, h * static, 1.0), 0.0)  # 1/z
     z = jnp.where(settled, _SETTLED, z)
     stiffness = jnp.where(settled, static, viscosity / h / _phi1(z))
-    lag = jnp.where(settled, viscosity / jnp.where(settled, h * static, 1.0), 0.0)  # 1/z
-    # |z - y| loses nothing that matters: exp(-min) phi1(|z - y|) is smooth there.
-    unsettled = jnp.exp(-jnp.minimum(y, z)) * _phi1(jnp.abs(z - y)) / _phi1(z)
-    seen = jnp.where(settled, decay / (1 - jnp.minimum(y * lag, 0.5)), unsettled)
-    return seen, stiffness
+    z, lag, settled = z[None], lag[None], settled[None]
+    early = jnp.exp(-jnp.minimum(y, z)) * _phi1(jnp.abs(z - y)) / _phi1(z)
+    late = decay / (1 - jnp.minimum(y * lag, 0.5))  # beyond 0.5 nothing is left of the branch
+    return jnp.where(settled, late, early), stiffness
 
 
 def _phi1(y: Array) -> Array:
     """(1 - exp(-y))/y for y >= 0."""
     safe = jnp.where(y > 0, y, 1.0)
-    return jnp.where(y > 0, -jnp.expm1(-safe) / safe, 1.0)
+    return jnp.where(y > 0, -jnp.expm1(-safe) / safe, 1 - 0.5 * y)
 
 
 def _phi2(y: Array) -> Array:
-    """(1 - phi1(y))/y, by its series where the difference would lose digits."""
-    small = jnp.minimum(y, 1.0)
+    """(1 - phi1(y))/y for y >= 0, by its series where the difference would lose digits."""
+    small, large = jnp.minimum(y, 1.0), jnp.maximum(y, 1.0)
     series = jnp.ones_like(y)
-    for k in range(17, 2, -1):
+    for k in range(19, 2, -1):
         series = 1 - small / k * series
-    large = jnp.maximum(y, 1.0)
     return jnp.where(y < 1, 0.5 * series, (1 - _phi1(large)) / large)
 
 
 def _by_element(branches: Array) -> Array:
-    """(k,) as (k, 1); (k, n) as it is."""
+    """(k,) as (k, 1), (k, n) as it is."""
     branches = jnp.asarray(branches)
     return branches[:, None] if branches.ndim == 1 else branches

@@ -26,6 +26,8 @@ class Profile(AbstractShape):
 
     r: Float[Array, " n"]  # [m]
     z: Float[Array, " n"]  # [m]
+    apex: Float[Array, "3"]  # A_0, A_1, A_2 of f' in the first interval
+    jumps: Float[Array, " n-2"]  # c_i at the inner points
     sharp: bool = eqx.field(static=True)  # f'(0) > 0
     convex: bool = eqx.field(static=True)  # g is convex: an element that has left the contact never touches again
     label: ClassVar[str] = "profile from points"
@@ -51,6 +53,9 @@ class Profile(AbstractShape):
             if apex == "auto":
                 start = CubicSpline(r, z, bc_type="not-a-knot").derivative()([0.0, r[1]])
                 self.sharp = bool(abs(start[0]) > 0.2 * abs(start[1]))
+        first, jumps = _spline_matrices(r, self.sharp)
+        self.apex, self.jumps = first @ z, jumps @ z
+        if not is_traced(z):
             if (np.diff(z) < 0).any():
                 raise InputError(f"z must not fall with r, got a fall at r={r[1:][np.diff(z) < 0][0]:g}.")
             x = np.linspace(0.0, float(r[-1]), 8 * r.size + 1)[1:]
@@ -63,19 +68,13 @@ class Profile(AbstractShape):
                 )
             self.convex = bool((np.diff(slope) > -1e-6 * slope.max()).all())
 
-    def _pieces(self) -> tuple[Array, Array, Array]:
-        """Coefficients of f'(r): the first interval's quadratic A_0..A_2, inner knots r_i and their jumps c_i."""
-        knots = np.asarray(self.r)
-        slopes, second, jumps = (jnp.asarray(m) @ jnp.asarray(self.z) for m in _spline_matrices(knots, self.sharp))
-        return jnp.stack([slopes[0], second[0], 0.5 * second[1]]), jnp.asarray(knots[1:-1]), 0.5 * jumps
-
     def _height(self, r: Array) -> Array:
-        first, knots, jumps = self._pieces()
+        first, knots, jumps = map(jnp.asarray, (self.apex, self.r[1:-1], self.jumps))
         inner = jnp.sum(jumps * jnp.maximum(r[..., None] - knots, 0.0) ** 3, axis=-1) / 3
         return self._guard(r, first[0] * r + first[1] * r**2 / 2 + first[2] * r**3 / 3 + inner)
 
     def _profile(self, x: Array) -> Array:
-        first, knots, jumps = self._pieces()
+        first, knots, jumps = map(jnp.asarray, (self.apex, self.r[1:-1], self.jumps))
         x = jnp.abs(x)
         base = x * (0.5 * jnp.pi * first[0] + x * (first[1] + 0.25 * jnp.pi * first[2] * x))
         k0, k1, k2 = _abel_integrals(x[..., None], knots)
@@ -83,7 +82,7 @@ class Profile(AbstractShape):
 
     def _slope(self, x: Array) -> Array:
         # dg/dx = int_0^x (r f')' / sqrt(x^2 - r^2) dr: the same integrals on another quadratic.
-        first, knots, jumps = self._pieces()
+        first, knots, jumps = map(jnp.asarray, (self.apex, self.r[1:-1], self.jumps))
         sign, x = jnp.sign(x), jnp.abs(x)
         base = 0.5 * jnp.pi * first[0] + x * (2 * first[1] + 0.75 * jnp.pi * first[2] * x)
         k0, k1, k2 = _abel_integrals(x[..., None], knots)
@@ -109,11 +108,8 @@ def _abel_integrals(x: Array, knots: Array) -> tuple[Array, Array, Array]:
     return k0, k1, jnp.where(inside, k2, 0.0)
 
 
-def _spline_matrices(r: np.ndarray, sharp: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Linear maps from heights to f'(0), to (f''(0), f''' of the first piece), and to the jumps of f''' at inner knots."""
+def _spline_matrices(r: np.ndarray, sharp: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Linear maps from heights to f' = A_0 + A_1 r + A_2 r^2 in the first interval, and to its jumps c_i at inner points."""
     start = "not-a-knot" if sharp else (1, np.zeros(r.size))
-    coefficients = CubicSpline(r, np.eye(r.size), bc_type=(start, "not-a-knot")).c  # (4, intervals, n)
-    slope = coefficients[2, :1]
-    second = np.stack([2 * coefficients[1, 0], 6 * coefficients[0, 0]])
-    jumps = 6 * np.diff(coefficients[0], axis=0)
-    return slope, second, jumps
+    cubic, square, linear, _ = CubicSpline(r, np.eye(r.size), bc_type=(start, "not-a-knot")).c  # (intervals, n) each
+    return np.stack([linear[0], 2 * square[0], 3 * cubic[0]]), 3 * np.diff(cubic, axis=0)

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import sys
 import tomllib
 import uuid
 from collections.abc import Iterable, Mapping
@@ -161,7 +162,7 @@ def _validate_table(
 
 def _is_of_type(value: Any, accepted: str) -> bool:
     if accepted == _NUMBER:
-        return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
     if accepted == _NUMBERS:
         return isinstance(value, list) and all(_is_of_type(entry, _NUMBER) for entry in value)
     if accepted == _PAIR:

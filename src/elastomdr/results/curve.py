@@ -82,9 +82,11 @@ class AbstractCurve(AbstractResult):
 
         if np.ptp(velocity) == 0:
             return f"{self.symbol} = " + " to ".join(dict.fromkeys(point(velocity[0], y) for y in (value.min(), top.y)))
-        ends = ", ".join(point(float(velocity[i]), float(value[i])) for i in (0, -1))
-        where = "" if top.inside else " (an end of the range)"
-        return f"{top.kind} {self.symbol} = {point(top.x, top.y)}{where}; ends: {ends}"
+        low, high = (point(float(velocity[i]), float(value[i])) for i in (0, -1))
+        largest = f"{top.kind} {self.symbol} = {point(top.x, top.y)}"
+        if top.inside:
+            return f"{largest}; ends: {low}, {high}"
+        return f"{largest}, an end of the range; at the other end {low if top.x == velocity[-1] else high}"
 
 
 class FrictionCurve(AbstractCurve):
@@ -115,7 +117,7 @@ class FrictionCurve(AbstractCurve):
     def table(self) -> tuple[Column, ...]:
         return (
             Column("velocity", "velocity", "m/s"),
-            Column("temperature", "temperature", "K"),
+            Column("temperature", "temperature", "K", optional=True),
             Column("mu", "friction coefficient", "-"),
             Column("normal_force", "normal force", "N"),
             Column("friction_force", "friction force", "N"),
@@ -154,7 +156,7 @@ class RollingCurve(AbstractCurve):
     def table(self) -> tuple[Column, ...]:
         return (
             Column("velocity", "velocity", "m/s"),
-            Column("temperature", "temperature", "K"),
+            Column("temperature", "temperature", "K", optional=True),
             Column("coefficient", "rolling resistance coefficient", "-"),
             Column("resistance", "resistance", "N"),
             Column("moment", "moment", "N m"),

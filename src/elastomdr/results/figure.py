@@ -3,6 +3,7 @@
 import io
 import os
 import textwrap
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -78,7 +79,7 @@ def png(result: "AbstractCurve", title: str | None = None) -> bytes:
 
 def save(result: "AbstractCurve", path: str | os.PathLike[str], title: str | None = None) -> None:
     """Writes the figure as PNG, whole or not at all. Raises `InputError` where the file cannot be written."""
-    write_files({path: png(result, title)})
+    write_files({Path(path): png(result, title)})
 
 
 def _new_axes(wide: bool) -> Any:
@@ -110,7 +111,7 @@ def _in_words(top: Peak | None, name: str) -> str:
     if top is None:
         return "no point converged"
     place = float(significant(top.x, 3)) if name == "velocity" else top.x
-    return f"{top.kind} {significant(top.y, 3)} at {in_words(name, place)}"
+    return f"{top.kind} {significant(top.y, 3)} at {in_words(name, place)}".replace("degC", "°C")
 
 
 def _colours(count: int) -> list[Any]:

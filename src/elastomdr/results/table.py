@@ -25,6 +25,7 @@ class Column(NamedTuple):
     field: str  # a dotted path, such as "contact.leading"
     name: str
     unit: str  # "-" for a plain number, "" for yes or no
+    optional: bool = False  # whether the field may be None
 
     @property
     def title(self) -> str:
@@ -91,7 +92,7 @@ class AbstractResult(eqx.Module):
         it takes to read back the same float64; one that is not known, since its point failed, is an empty cell. The
         file appears when it is complete, or not at all. Raises `InputError` where it cannot be written.
         """
-        write_files({path: self.csv().encode()})
+        write_files({Path(path): self.csv().encode()})
 
     def csv(self, notes: Iterable[tuple[str, str]] = ()) -> str:
         """The text that `to_csv` writes; `notes` are more pairs of name and text for its header."""
@@ -136,14 +137,16 @@ class AbstractResult(eqx.Module):
         return {**dict(self.inputs), "model": self.model, "elastomdr": __version__}
 
     def __repr__(self) -> str:
-        leaves = jax.tree.leaves(self)
-        if is_traced(self) or not all(isinstance(leaf, (np.ndarray, np.generic, jax.Array)) for leaf in leaves):
-            shapes = {str(getattr(leaf, "shape", "?")) for leaf in leaves}
-            return f"{type(self).__name__}({self.model}; not computed, shape {' or '.join(sorted(shapes))})"
-        return f"{type(self).__name__}\n" + self.summary()
+        values = [(column, operator.attrgetter(column.field)(self)) for column in self.table]
+        arrays = (np.ndarray, np.generic, jax.Array)
+        known = all(isinstance(x, arrays) or (x is None and column.optional) for column, x in values)
+        if known and not is_traced(self):
+            return f"{type(self).__name__}\n{self.summary()}"
+        shapes = sorted({str(np.shape(x)) for _, x in values if isinstance(x, arrays)})
+        return f"{type(self).__name__}({self.model}; without numbers, shape {' or '.join(shapes) or 'unknown'})"
 
 
-def write_files(files: Mapping[str | os.PathLike[str], bytes]) -> None:
+def write_files(files: Mapping[Path, bytes]) -> None:
     """Writes files that are complete whenever they are there: to neighbours first, then all of them moved into place.
 
     Raises `InputError` in one line, and leaves nothing behind, where a folder is missing or cannot be written.
@@ -153,7 +156,7 @@ def write_files(files: Mapping[str | os.PathLike[str], bytes]) -> None:
     prepared: dict[Path, Path] = {}
     target = Path()
     try:
-        for target, content in ((Path(path), content) for path, content in files.items()):
+        for target, content in files.items():
             if target.is_dir():
                 raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
             handle, name = tempfile.mkstemp(dir=target.parent, prefix=".elastomdr-")

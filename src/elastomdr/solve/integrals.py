@@ -18,7 +18,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..foundation.moments import contract, relaxed
+from ..foundation.moments import contract
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .rule import Rule, gauss
@@ -35,26 +35,25 @@ class Passage(NamedTuple):
 
 def exit_density(p: Passage, size: Array, ratio: Array) -> Float[Array, "lines points"]:
     """Line force density q(-b) at the trailing edges b = ratio times entry."""
-    entry = p.lines.entry(size)
-    exit = ratio * entry
-    start, width = _panels(p.rule, entry, exit)
-    samples = p.lines.slope(_positions(p.rule, start, width, exit), size, _line_index(p))
-    density, _ = _integrate(p, start, width, samples)
-    return density - p.velocity * p.law.viscosity * p.lines.slope(_spread(exit), size, _line_index(p))[:, 0, 0]
+    span = _Span(p, size, ratio)
+    return _integrate(p, span, span.slope_samples())[0] + span.dashpot_density()
 
 
 def normal_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, " points"], Float[Array, " points"]]:
     """Normal force [N] of all lines, and its estimated sampling error."""
-    entry = p.lines.entry(size)
-    exit = ratio * entry
-    line = _line_index(p)
-    start, width = _panels(p.rule, entry, exit)
-    top = p.lines.profile(_spread(entry), size, line)
-    samples = top - p.lines.profile(_positions(p.rule, start, width, exit), size, line)
-    force, tail = _integrate(p, start, width, samples)
-    rise = (top - p.lines.profile(_spread(exit), size, line))[:, 0, 0]
+    span = _Span(p, size, ratio)
+    force, tail = _integrate(p, span, span.indentation_samples())
     weight = p.lines.weight(size)
-    return jnp.sum(weight * (force + p.velocity * p.law.viscosity * rise), axis=0), jnp.sum(weight * tail, axis=0)
+    return jnp.sum(weight * (force + span.dashpot_force()), axis=0), jnp.sum(weight * tail, axis=0)
+
+
+def balance(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, "lines points"], Float[Array, " points"]]:
+    """`exit_density` and `normal_force` together: the two equations of a passage, at the cost of one."""
+    span = _Span(p, size, ratio)
+    both = jnp.stack([span.slope_samples(), span.indentation_samples()])
+    density, force = _integrate(p, span, both)[0]
+    force = jnp.sum(p.lines.weight(size) * (force + span.dashpot_force()), axis=0)
+    return density + span.dashpot_density(), force
 
 
 def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, " points"], Float[Array, " points"]]:
@@ -63,55 +62,83 @@ def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, 
     Branches slower than the passage are nearly springs. Their integral is taken of 1 - exp(-r/s), beside the exact
     int C dr = [g(a) - g(b)]^2/2, so that a loss of 1e-20 of the stored energy keeps its digits.
     """
-    entry = p.lines.entry(size)
-    exit = ratio * entry
-    line = _line_index(p)
-    start, width = _panels(p.rule, entry, exit)
-    correlation = _autocorrelation(p, size, entry, exit)
-    samples = correlation(_positions(p.rule, start, width, jnp.zeros_like(exit)))
-    coefficients = _legendre(p.rule, samples)
-
+    span = _Span(p, size, ratio)
+    correlation = _autocorrelation(p, size, span.entry, span.exit)
+    samples = correlation(span.positions(jnp.zeros_like(span.exit)))
+    c = [span.width * x for x in _legendre(p.rule, samples)]
     decay = p.velocity * p.law.times[:, None]
-    slow = decay > (entry + exit)[:, None]  # lines, branches, points
+    slow = (decay > (span.entry + span.exit)[:, None])[:, None]  # lines, 1, branches, points
     moduli = p.law.moduli[:, None]
-    z0, z = start / decay, width / decay
-    scaled = [width * c for c in coefficients]
-    fast_part = jnp.exp(-z0) * contract(tuple(scaled), z)
-    slow_part = -jnp.expm1(-z0) * scaled[0] + jnp.exp(-z0) * relaxed(tuple(scaled), z)
-    total = jnp.sum(moduli * jnp.where(slow[:, None], -slow_part, fast_part), axis=(1, 2))
-    if p.rule.exact:
-        tail = jnp.zeros_like(total)
-    else:
-        last = tuple(jnp.where(j < p.rule.nodes - 2, 0.0, 1.0) * c for j, c in enumerate(scaled))
-        lost = jnp.exp(-z0) * contract(last, z)
-        tail = jnp.abs(jnp.sum(moduli * lost, axis=(1, 2)))
-
-    rise = (p.lines.profile(_spread(entry), size, line) - p.lines.profile(_spread(exit), size, line))[:, 0, 0]
-    springs = p.law.equilibrium + jnp.sum(jnp.where(slow, moduli, 0.0), axis=1)
-    dashpot = p.velocity * p.law.viscosity * correlation(jnp.zeros_like(_spread(exit)))[:, 0, 0]
+    before, z = jnp.exp(-span.start / decay), span.width / decay
+    # 1 - mu_0 = (z/2)(mu_0 + mu_1), hence the third row; one call serves all three.
+    zero = jnp.zeros_like(c[0])
+    rows = zip(c, [zero, *c[1:]], [c[0], c[0]] + [zero] * (len(c) - 2), strict=True)
+    fast, later, first = contract(tuple(jnp.stack(row) for row in rows), z)
+    relaxed = -jnp.expm1(-span.start / decay) * c[0] + before * (0.5 * z * first - later)
+    total = jnp.sum(moduli * jnp.where(slow, -relaxed, before * fast), axis=(1, 2))
+    tail = _tail(p, moduli * before, c, z) if not p.rule.exact else jnp.zeros_like(total)
+    springs = p.law.equilibrium + jnp.sum(jnp.where(slow[:, 0], moduli, 0.0), axis=1)
+    dashpot = p.velocity * p.law.viscosity * correlation(jnp.zeros_like(_spread(span.exit)))[:, 0, 0]
     weight = p.lines.weight(size)
-    force = 0.5 * springs * rise**2 + dashpot + total
+    force = 0.5 * springs * span.rise() ** 2 + dashpot + total
     return jnp.sum(weight * force, axis=0), jnp.sum(weight * tail, axis=0)
 
 
-def _integrate(p: Passage, start: Array, width: Array, samples: Array) -> tuple[Array, Array]:
-    """int E(r/v) h(r) dr from samples of h, and the size of what its last two polynomials add."""
-    coefficients = [width * c for c in _legendre(p.rule, samples)]
+class _Span:
+    """The stretch of contact of every line: its edges, its panels, and the profile sampled on them."""
+
+    def __init__(self, p: Passage, size: Array, ratio: Array):
+        self.p, self.size = p, size
+        self.line = jnp.arange(p.lines.count)[:, None, None, None]
+        self.entry = p.lines.entry(size)
+        self.exit = ratio * self.entry
+        self.start, self.width = _panels(p.rule, self.entry, self.exit)
+
+    def positions(self, exit: Array) -> Float[Array, "lines panels nodes points"]:
+        nodes = jnp.asarray(gauss(self.p.rule.nodes)[0])[:, None]
+        return self.start + self.width * nodes - _spread(exit)
+
+    def slope_samples(self) -> Float[Array, "lines panels nodes points"]:
+        return self.p.lines.slope(self.positions(self.exit), self.size, self.line)
+
+    def indentation_samples(self) -> Float[Array, "lines panels nodes points"]:
+        return self._profile(_spread(self.entry)) - self._profile(self.positions(self.exit))
+
+    def rise(self) -> Float[Array, "lines points"]:
+        """Indentation left at the trailing edge, g(a) - g(b)."""
+        return (self._profile(_spread(self.entry)) - self._profile(_spread(self.exit)))[:, 0, 0]
+
+    def dashpot_density(self) -> Float[Array, "lines points"]:
+        slope = self.p.lines.slope(_spread(self.exit), self.size, self.line)[:, 0, 0]
+        return -self.p.velocity * self.p.law.viscosity * slope
+
+    def dashpot_force(self) -> Float[Array, "lines points"]:
+        return self.p.velocity * self.p.law.viscosity * self.rise()
+
+    def _profile(self, x: Array) -> Array:
+        return self.p.lines.profile(x, self.size, self.line)
+
+
+def _integrate(p: Passage, span: _Span, samples: Array) -> tuple[Array, Array]:
+    """int E(r/v) h(r) dr from samples of h (..., lines, panels, nodes, points), and what its last two polynomials add."""
+    c = [span.width * x for x in _legendre(p.rule, samples)]
     decay = p.velocity * p.law.times[:, None]
-    moduli = p.law.moduli[:, None]
-    before = moduli * jnp.exp(-start / decay)
-    value = jnp.sum(before * contract(tuple(coefficients), width / decay), axis=(1, 2))
-    value = value + p.law.equilibrium * jnp.sum(coefficients[0], axis=(1, 2))
-    if p.rule.exact:
-        return value, jnp.zeros_like(value)
-    last = tuple(jnp.where(j < p.rule.nodes - 2, 0.0, 1.0) * c for j, c in enumerate(coefficients))
-    return value, jnp.abs(jnp.sum(before * contract(last, width / decay), axis=(1, 2)))
+    before = p.law.moduli[:, None] * jnp.exp(-span.start / decay)
+    z = span.width / decay
+    value = jnp.sum(before * contract(tuple(c), z), axis=(-3, -2))
+    value = value + p.law.equilibrium * jnp.sum(c[0], axis=(-3, -2))
+    return value, jnp.zeros_like(value) if p.rule.exact else _tail(p, before, c, z)
 
 
-def _legendre(rule: Rule, samples: Float[Array, "lines panels nodes points"]) -> list[Array]:
-    """Legendre coefficients in 1 - 2c of the samples on each panel, as arrays (lines, panels, 1, points)."""
-    coefficients = jnp.einsum("lpib,ij->lpjb", samples, jnp.asarray(gauss(rule.nodes)[2]))
-    return [coefficients[:, :, j : j + 1] for j in range(rule.nodes)]
+def _tail(p: Passage, before: Array, c: list[Array], z: Array) -> Array:
+    last = tuple(x if j >= p.rule.nodes - 2 else jnp.zeros_like(x) for j, x in enumerate(c))
+    return jnp.abs(jnp.sum(jax.lax.stop_gradient(before * contract(last, z)), axis=(-3, -2)))
+
+
+def _legendre(rule: Rule, samples: Float[Array, "... nodes points"]) -> list[Array]:
+    """Legendre coefficients in 1 - 2c of the samples on each panel, as arrays (..., 1, points)."""
+    coefficients = jnp.einsum("...ib,ij->...jb", samples, jnp.asarray(gauss(rule.nodes)[2]))
+    return [coefficients[..., j : j + 1, :] for j in range(rule.nodes)]
 
 
 def _panels(rule: Rule, entry: Array, exit: Array) -> tuple[Array, Array]:
@@ -126,38 +153,27 @@ def _panels(rule: Rule, entry: Array, exit: Array) -> tuple[Array, Array]:
     return start.reshape(shape), width.reshape(shape)
 
 
-def _positions(rule: Rule, start: Array, width: Array, exit: Array) -> Float[Array, "lines panels nodes points"]:
-    return start + width * jnp.asarray(gauss(rule.nodes)[0])[:, None] - _spread(exit)
-
-
 def _autocorrelation(p: Passage, size: Array, entry: Array, exit: Array):
     """C(r) at distances (lines, panels, nodes, points), by Gauss' rule between the kinks of both factors."""
     c, w, _ = gauss(p.rule.nodes)
     fractions = p.rule.fractions
-    line = _line_index(p)
+    line = jnp.arange(p.lines.count)[:, None, None, None]
 
     def correlation(r: Array) -> Array:
         low, high = -_spread(exit) + 0 * r, _spread(entry) - r
         bounds = [low, jnp.clip(-r, low, high), jnp.clip(0 * r, low, high), high] if p.rule.split else [low, high]
-        pieces = [
-            (left + f0 * (right - left), (f1 - f0) * (right - left))
-            for left, right in zip(bounds[:-1], bounds[1:], strict=True)
-            for f0, f1 in zip(fractions[:-1], fractions[1:], strict=True)
-        ]
-        start, width = (jnp.stack(part) for part in zip(*pieces, strict=True))
+        ends, shares = jnp.stack(bounds), jnp.asarray(fractions).reshape(-1, 1, 1, 1, 1, 1)
+        spans = ends[1:] - ends[:-1]
+        start, width = ends[:-1] + shares[:-1] * spans, (shares[1:] - shares[:-1]) * spans
 
         def add(i, total):
             x = start + width * jnp.asarray(c)[i]
             product = p.lines.slope(x, size, line) * p.lines.slope(x + r, size, line)
-            return total + jnp.asarray(w)[i] * jnp.sum(width * product, axis=0)
+            return total + jnp.asarray(w)[i] * jnp.sum(width * product, axis=(0, 1))
 
         return jax.lax.fori_loop(0, p.rule.nodes, add, jnp.zeros_like(r))
 
     return correlation
-
-
-def _line_index(p: Passage) -> Array:
-    return jnp.arange(p.lines.count)[:, None, None, None]
 
 
 def _spread(edge: Float[Array, "lines points"]) -> Float[Array, "lines 1 1 points"]:

@@ -15,7 +15,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
-from .integrals import Passage, exit_density, friction_force, normal_force
+from .integrals import Passage, balance, exit_density, friction_force, normal_force
 from .rule import Rule, gauss
 
 Control = Literal["load", "depth"]
@@ -52,9 +52,19 @@ def solve_passages(
     derivatives in it, makes the answer differentiable in forward and reverse mode.
     """
     law, lines, value, velocity = jax.tree.map(jnp.asarray, (law, lines, value, velocity))
-    size, ratio, found = _search(*jax.lax.stop_gradient((law, lines, value, velocity)), rule=rule, control=control)
-    size, ratio = jax.lax.stop_gradient((size, ratio))
-    return _polish(law, lines, value, velocity, size, ratio, found, rule=rule, control=control)
+    found = _search(*jax.lax.stop_gradient((law, lines, value, velocity)), rule=rule, control=control)
+    return _polish(law, lines, value, velocity, jax.lax.stop_gradient(found), rule=rule, control=control)
+
+
+class _Found(NamedTuple):
+    """What the search hands to Newton's last step."""
+
+    size: Array
+    ratio: Array
+    converged: Array
+    reached_size: Array  # derivative of load or depth by size
+    density_size: Array  # derivatives of the exit density by size and by ratio
+    density_ratio: Array
 
 
 @functools.partial(jax.jit, static_argnames=("control",))
@@ -75,15 +85,21 @@ def _largest(lines: AbstractLines, value: Array) -> Array:
 
 
 @functools.partial(jax.jit, static_argnames=("rule", "control"))
-def _search(law, lines, value, velocity, *, rule: Rule, control: Control):
+def _search(law, lines, value, velocity, *, rule: Rule, control: Control) -> _Found:
     top = _largest(lines, value)
     ratio = jnp.full((lines.count, *value.shape), 0.8)
     passage = Passage(law, lines, rule, velocity)
     if control == "depth":
         size = _size_of_depth(lines, value, top)
-        ratio, found = _exits(passage, size, ratio)
-        return size, ratio, found
-    return _size_of_load(passage, value, _first_guess(passage, value, top), ratio, top)
+        ratio, converged = _exits(passage, size, ratio)
+    else:
+        size, ratio, converged = _size_of_load(passage, value, _first_guess(passage, value, top), ratio, top)
+    _, tangent = jax.linearize(lambda size, ratio: balance(passage, size, ratio), size, ratio)
+    density_size, force_size = tangent(jnp.ones_like(size), jnp.zeros_like(ratio))
+    density_ratio, _ = tangent(jnp.zeros_like(size), jnp.ones_like(ratio))
+    if control == "depth":
+        _, force_size = jax.jvp(lines.depth, (size,), (jnp.ones_like(size),))
+    return _Found(size, ratio, converged, force_size, density_size, density_ratio)
 
 
 def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
@@ -178,19 +194,17 @@ def _size_of_load(p: Passage, load: Array, log_size: Array, ratio: Array, top: A
 
 
 @functools.partial(jax.jit, static_argnames=("rule", "control"))
-def _polish(law, lines, value, velocity, size, ratio, found, *, rule: Rule, control: Control) -> Passages:
+def _polish(law, lines, value, velocity, found: _Found, *, rule: Rule, control: Control) -> Passages:
     """One Newton step on both equations, then forces and their sampling error."""
-    kept = jax.lax.stop_gradient
     p = Passage(law, lines, rule, velocity)
-    ones = jnp.ones_like(size)
-    reached = (lambda s: normal_force(p, s, ratio)[0]) if control == "load" else lines.depth
-    now, slope = jax.jvp(reached, (size,), (ones,))
-    step = _small(-(now - value) / kept(slope), size)
+    size, ratio = found.size, found.ratio
+    density, reached = balance(p, size, ratio)
+    if control == "depth":
+        reached = lines.depth(size)
+    step = _small((value - reached) / found.reached_size, size)
     pinned = ratio <= 2 * _NEAREST_EXIT
-    q, q_size = jax.jvp(lambda s: exit_density(p, s, ratio), (size,), (ones,))
-    _, q_ratio = jax.jvp(lambda r: exit_density(p, size, r), (ratio,), (jnp.ones_like(ratio),))
-    q_ratio = jnp.where(pinned | (q_ratio == 0), 1.0, q_ratio)
-    ratio_step = -(q + kept(q_size) * step) / kept(q_ratio)
+    slope = jnp.where(pinned | (found.density_ratio == 0), 1.0, found.density_ratio)
+    ratio_step = -(density + found.density_size * step) / slope
     ratio = ratio + jnp.where(pinned, 0.0, _small(ratio_step, ratio))
     size = size + step
 
@@ -205,8 +219,8 @@ def _polish(law, lines, value, velocity, size, ratio, found, *, rule: Rule, cont
         depth=lines.depth(size),
         leading=entry[0],
         trailing=(ratio * entry)[0],
-        error=kept((drag_error + jnp.abs(mu) * normal_error) / normal),
-        converged=found,
+        error=jax.lax.stop_gradient((drag_error + jnp.abs(mu) * normal_error) / normal),
+        converged=found.converged,
     )
 
 

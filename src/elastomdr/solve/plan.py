@@ -64,7 +64,7 @@ def make_plan(
         marched=marched, directions=count, temperatures=temperatures, skip=skip,
     )  # fmt: skip
     if value is None or velocity is None:
-        size = points * count + (points if averaged and control == "depth" else 0)
+        size = points * count + (points if averaged and control == "depth" else 0)  # the depth gives the load first
         return Plan(
             **common, rules=ladder(lines.shape, rtol)[:1], condensation=Condensation(law.moduli.shape[0]),
             branch_times=None, shared=False, solutions=size, traced=True,

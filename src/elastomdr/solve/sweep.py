@@ -38,19 +38,21 @@ def run(
     if plan.traced:
         return _traced(plan, law, lines, value, velocity)
     law = condensed(law, plan.condensation)
-    own = _solve(plan, law, lines, plan.control, value, velocity)
+    rtol = plan.rtol
     if not plan.averaged:
+        own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
         mu, error, good = own.mu, own.error, own.converged
     else:
-        load = value if plan.control == "load" else own.normal_force
-        rtol = plan.rtol
+        deep = _solve(plan, law, lines, "depth", value, velocity, rtol) if plan.control == "depth" else None
+        load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
+        average = _shared if plan.shared else _direct
         for _ in range(3):
-            average = _shared if plan.shared else _direct
-            mu, error, good = average(plan, law, lines, load, velocity, rtol)
+            mu, error, good, own = average(plan, law, lines, load, velocity, rtol)
             if bool(np.all(error <= plan.rtol * mu)) or not bool(np.all(good)):
                 break
             rtol = max(rtol / 30, 1e-15)
-        good = good & own.converged
+        if deep is not None:
+            own, good = deep, good & deep.converged
     error = error + mu * (plan.condensation.cost + _ROUNDING)
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
     return Sweep(mu, error, own._replace(converged=good))
@@ -60,15 +62,16 @@ def _shared(plan, law, lines, load, velocity, rtol):
     """Velocities at the same load share one line curve, evenly spaced in log v."""
     loads, curve = np.unique(load, return_inverse=True)
     grids = [shared_grid(velocity[curve == i], rtol) for i in range(loads.size)]
-    sizes = [grid.velocity.size for grid in grids]
-    every = _solve(
-        plan, law, lines, "load", np.repeat(loads, sizes), np.concatenate([grid.velocity for grid in grids]), rtol
-    )
+    ends = np.cumsum([grid.velocity.size for grid in grids])
+    every_load = np.concatenate([np.repeat(loads, [grid.velocity.size for grid in grids]), load])
+    every_velocity = np.concatenate([grid.velocity for grid in grids] + [velocity])
+    every = _solve(plan, law, lines, "load", every_load, every_velocity, rtol)
+    own = Passages(*(field[ends[-1] :] for field in every))
     mu, error = np.empty_like(velocity), np.empty_like(velocity)
     good = np.empty(velocity.shape, bool)
     tail = directions(rtol).tail
     for i, grid in enumerate(grids):
-        part = slice(sum(sizes[:i]), sum(sizes[: i + 1]))
+        part = slice(ends[i] - grid.velocity.size, ends[i])
         line, chosen = every.mu[part], curve == i
         average = grid.weights @ line
         mu[chosen] = average
@@ -78,7 +81,7 @@ def _shared(plan, law, lines, load, velocity, rtol):
             + np.abs(grid.weights) @ every.error[part]
         )
         good[chosen] = ~(np.abs(grid.weights) @ ~every.converged[part] > 0)
-    return mu, error, good
+    return mu, error, good & own.converged, own
 
 
 def _direct(plan, law, lines, load, velocity, rtol):
@@ -86,17 +89,19 @@ def _direct(plan, law, lines, load, velocity, rtol):
     rule = directions(rtol)
     slowed = velocity[:, None] * rule.cosines
     every = _solve(plan, law, lines, "load", np.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel(), rtol)
-    line, spread, found = (x.reshape(slowed.shape) for x in (every.mu, every.error, every.converged))
-    mu = line @ rule.weights
-    return mu, quadrature_error(mu, line @ rule.check, rule.tail) + spread @ rule.weights, found.all(axis=1)
+    every = Passages(*(field.reshape(slowed.shape) for field in every))
+    own = Passages(*(field[:, 0] for field in every))  # the first direction is the motion itself
+    mu = every.mu @ rule.weights
+    error = quadrature_error(mu, every.mu @ rule.check, rule.tail) + every.error @ rule.weights
+    return mu, error, every.converged.all(axis=1), own
 
 
 def _solve(
     plan: Plan, law: Relaxation, lines: AbstractLines, control: Control, value: np.ndarray, velocity: np.ndarray,
-    rtol: float | None = None,
+    rtol: float,
 ) -> Passages:  # fmt: skip
     """Passages as NumPy arrays, in batches, with the rules of the plan tried in turn where the error asks for it."""
-    wanted = 0.1 * (plan.rtol if rtol is None else rtol)
+    wanted = 0.1 * rtol
     value, velocity = np.asarray(value), np.asarray(velocity)
     if plan.marched:
         from .march import march_passages  # loads diffrax, which the other routes do without
@@ -142,19 +147,20 @@ def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, vel
             return march_passages(law, lines, control, value, velocity, max(0.1 * plan.rtol, 1e-9))
         return solve_passages(law, lines, rule, control, value, velocity)
 
-    own = solve(plan.control, value, velocity)
-    mu, error, good = own.mu, own.error, own.converged
-    if plan.averaged:
+    if not plan.averaged:
+        own = solve(plan.control, value, velocity)
+        mu, error, good = own.mu, own.error, own.converged
+    else:
         average = directions(plan.rtol)
-        load = value if plan.control == "load" else own.normal_force
+        load = value if plan.control == "load" else solve("depth", value, velocity).normal_force
         slowed = velocity[:, None] * average.cosines
-        spread = jnp.broadcast_to(load[:, None], slowed.shape)
-        every = solve("load", spread.ravel(), slowed.ravel())
-        line = every.mu.reshape(slowed.shape)
-        mu = line @ average.weights
-        relative = jnp.abs(line @ average.check / mu - 1)
-        error = mu * (0.1 * relative**2 + average.tail) + every.error.reshape(slowed.shape) @ average.weights
-        good = own.converged & every.converged.reshape(slowed.shape).all(axis=1)
+        every = solve("load", jnp.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel())
+        every = Passages(*(field.reshape(slowed.shape) for field in every))
+        own = Passages(*(field[:, 0] for field in every))  # the first direction is the motion itself
+        mu = every.mu @ average.weights
+        relative = jnp.abs(every.mu @ average.check / mu - 1)
+        error = mu * (0.1 * relative**2 + average.tail) + every.error @ average.weights
+        good = every.converged.all(axis=1)
     error = jax.lax.stop_gradient(error + mu * _ROUNDING)
     good = jax.lax.stop_gradient(good & (error <= plan.rtol * mu))
     return Sweep(mu, error, own._replace(converged=good))

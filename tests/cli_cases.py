@@ -1,0 +1,130 @@
+"""A good scene and a good material, and what to change in them to make each kind of bad input."""
+
+SCENE = """
+title = "Slider"
+material = "rubber.toml"
+temperature = "20 degC"
+
+[indenter]
+shape = "paraboloid"
+radius = "5 mm"
+
+[contact]
+load = "10 N"
+velocity = { from = "1e-3 m/s", to = "1e3 mm/s", points = 4 }
+
+[numerics]
+rtol = 1e-4
+average = "line"
+"""
+MATERIAL = """
+kind = "shear"
+poisson = 0.5
+equilibrium = 1e6
+moduli = [2e6, 1e6]
+times = [1e-3, 1e-2]
+[shift]
+law = "WLF"
+c1 = 8.86
+c2 = 101.6
+reference = 293.15
+"""
+
+# What is wrong: (what to replace, with what), what the message must say.
+BAD_SCENES = {
+    "unknown key": (('title = "Slider"', 'titel = "Slider"'), "Did you mean 'title'"),
+    "unknown table": (("[numerics]", "[numeric]"), "Did you mean 'numerics'"),
+    "unknown key in a table": (("load =", "laod ="), "Did you mean 'load'"),
+    "unknown key in velocity": (("points", "point"), "Did you mean 'points'"),
+    "key of another shape": (('radius = "5 mm"', 'radius = "5 mm"\nlength = "1 m"'), "'length'"),
+    "unknown shape": (('"paraboloid"', '"parabolid"'), "Did you mean 'paraboloid'"),
+    "unknown average": (('"line"', '"lines"'), "Did you mean 'line'"),
+    "unknown unit": (('"5 mm"', '"5 milimetre"'), "Did you mean 'millimetre'"),
+    "no unit": (('"5 mm"', '"5"'), "5 mm"),
+    "bare number": (('"5 mm"', "0.005"), "5 mm"),
+    "wrong dimension": (('"10 N"', '"10 kg"'), "a force"),
+    "coulomb for Celsius": (('"20 degC"', '"20 C"'), "20 degC"),
+    "a difference of temperatures": (('"20 degC"', '"20 delta_degC"'), "20 degC"),
+    "not a number": (('"10 N"', '"ten N"'), "ten N"),
+    "NaN": (('"10 N"', '"nan N"'), "nan N"),
+    "overflow": (('"10 N"', '"1e400 N"'), "finite"),
+    "a decimal comma": (('"5 mm"', '"0,5 mm"'), "radius"),
+    "an expression": (('"10 N"', '"10 N*((("'), "load"),
+    "negative radius": (('"5 mm"', '"-5 mm"'), "radius must be positive"),
+    "negative load": (('"10 N"', '"-10 N"'), "load must be positive"),
+    "zero velocity": (('"1e-3 m/s"', '"0 m/s"'), "velocity] from must be positive"),
+    "negative velocity": (('"1e-3 m/s"', '"-1 m/s"'), "must be positive"),
+    "velocities the wrong way round": (('"1e3 mm/s"', '"1e-4 m/s"'), "smaller to a larger"),
+    "one point": (("points = 4", "points = 1"), "points"),
+    "half a point": (("points = 4", "points = 4.5"), "points"),
+    "too many points": (("points = 4", "points = 100000000"), "points"),
+    "below absolute zero": (('"20 degC"', '"-300 degC"'), "absolute zero"),
+    "below the WLF pole": (('"20 degC"', '"-90 degC"'), "pole"),
+    "no temperatures": (('"20 degC"', "[]"), "empty"),
+    "one bad temperature of two": (('"20 degC"', '["20 degC", "20"]'), "temperature[1]"),
+    "no shift law": (('"rubber.toml"', '"no-shift.toml"'), "shift law"),
+    "load and depth": (('load = "10 N"', 'load = "10 N"\ndepth = "1 mm"'), "both"),
+    "neither load nor depth": (('load = "10 N"', ""), "neither"),
+    "no material": (('material = "rubber.toml"', ""), "material is missing"),
+    "no indenter": (('[indenter]\nshape = "paraboloid"\nradius = "5 mm"', ""), "[indenter] is missing"),
+    "no shape": (('shape = "paraboloid"', ""), "shape is missing"),
+    "no radius": (('radius = "5 mm"', ""), "radius is missing"),
+    "no velocity": (('velocity = { from = "1e-3 m/s", to = "1e3 mm/s", points = 4 }', ""), "velocity is missing"),
+    "a table that is none": (("[numerics]\nrtol = 1e-4", "[numerics]\nrtol = { a = 1 }"), "rtol"),
+    "a text for a table": ((SCENE, 'material = "rubber.toml"\nindenter = "sphere"\ncontact = 3'), "[contact]"),
+    "unknown material": (('"rubber.toml"', '"rubber"'), "not in the library"),
+    "material file not there": (('"rubber.toml"', '"ruber.toml"'), "Did you mean 'rubber.toml'"),
+    "material is a number": (('"rubber.toml"', "5"), "material must be a text"),
+    "rtol too small": (("rtol = 1e-4", "rtol = 1e-15"), "rtol"),
+    "rtol as text": (("rtol = 1e-4", 'rtol = "1e-4"'), "rtol"),
+    "rtol NaN": (("rtol = 1e-4", "rtol = nan"), "rtol"),
+    "a flat punch": (('"paraboloid"', '"flat_punch"'), "edge"),
+    "a cylinder without a layer": (('shape = "paraboloid"', 'shape = "cylinder"\nlength = "1 m"'), "[layer]"),
+    "a bonded incompressible layer": (("[contact]", '[layer]\nthickness = "8 mm"\n[contact]'), "bonded=False"),
+    "layer without thickness": (("[contact]", "[layer]\nbonded = false\n[contact]"), "thickness is missing"),
+    "bonded as text": (("[contact]", '[layer]\nthickness = "8 mm"\nbonded = "no"\n[contact]'), "true or false"),
+    "two bodies and a layer": (
+        ("temperature", 'other = "rubber.toml"\nlayer = { thickness = "1 mm" }\ntemperature'),
+        "exclude",
+    ),
+    "a cone without slope": (('shape = "paraboloid"\nradius = "5 mm"', 'shape = "cone"'), "slope is missing"),
+    "a falling cone": (
+        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "cone"\nslope = -1'),
+        "slope must be positive",
+    ),
+    "a coefficient of another dimension": (
+        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "power_law"\nexponent = 3\ncoefficient = "5 mm"'),
+        "m^-2",
+    ),
+    "a profile without a unit": (
+        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nr = [0, 1]\nz = [0, 1]'),
+        "unit is missing",
+    ),
+    "too short a profile": (
+        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nunit = "mm"\nr = [0, 1]\nz = [0, 1]'),
+        "four points",
+    ),
+    "a profile's file not there": (
+        ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nunit = "mm"\nfile = "tip.csv"'),
+        "tip.csv",
+    ),
+    "not TOML": (("[contact]", "[contact"), "not valid TOML"),
+    "a key twice": (('title = "Slider"', 'title = "a"\ntitle = "b"'), "not valid TOML"),
+    "nested too deeply": (('"Slider"', "[" * 5000), "not valid TOML"),
+    "empty": ((SCENE, ""), "missing"),
+}
+
+BAD_MATERIALS = {
+    "negative times": (("times = [1e-3", "times = [-1e-3"), "times must be positive"),
+    "unsorted times": (("[1e-3, 1e-2]", "[1e-2, 1e-3]"), "times must be ascending"),
+    "NaN moduli": (("moduli = [2e6", "moduli = [nan"), "moduli"),
+    "infinite moduli": (("moduli = [2e6", "moduli = [inf"), "moduli"),
+    "negative moduli": (("moduli = [2e6", "moduli = [-2e6"), "moduli"),
+    "lists of different length": (("[1e-3, 1e-2]", "[1e-3]"), "same length"),
+    "Poisson's ratio too large": (("poisson = 0.5", "poisson = 0.6"), "poisson"),
+    "Poisson's ratio too small": (("poisson = 0.5", "poisson = -1"), "poisson"),
+    "poisson and bulk": (("poisson = 0.5", "poisson = 0.5\nbulk = 2e9"), "exclude"),
+    "unknown kind": (('"shear"', '"sheer"'), "kind"),
+    "unknown key": (("equilibrium", "equilibrum"), "Did you mean 'equilibrium'"),
+    "not TOML": (("[shift]", "[shift"), "not valid TOML"),
+}

@@ -1,0 +1,321 @@
+"""The command line: what it writes, what it refuses and how, and how little it loads."""
+
+import os
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import jax
+import numpy as np
+import pandas as pd
+import pytest
+from cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE
+
+import elastomdr as em
+from elastomdr.cli import cache
+from elastomdr.cli.main import main
+from elastomdr.cli.scene import read_scene
+from elastomdr.errors import ConvergenceWarning
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path, monkeypatch):
+    """A folder with one material, the current one; JAX's settings stay as they are."""
+    (tmp_path / "rubber.toml").write_text(MATERIAL)
+    (tmp_path / "no-shift.toml").write_text(MATERIAL[: MATERIAL.index("[shift]")])
+    monkeypatch.chdir(tmp_path)
+    for verb in ("curve", "plan"):
+        monkeypatch.setattr(f"elastomdr.cli.{verb}.enable_cache", lambda: None)
+    return tmp_path
+
+
+def write(folder: Path, *changes: tuple[str, str], name: str = "scene.toml", text: str = SCENE) -> str:
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / name).write_text(text)
+    return name
+
+
+def refused(capsys, *argv: str) -> str:
+    """Runs what must fail as bad input: status 2, one line on stderr, no file written; returns that line."""
+    before = sorted(Path().rglob("*"))
+    assert main(argv) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("elastomdr: error: ")
+    assert err.count("\n") == 1
+    assert err.endswith("\n")
+    assert "Traceback" not in err
+    assert sorted(Path().rglob("*")) == before
+    return err
+
+
+@pytest.mark.parametrize(
+    ("verb", "call", "coefficient"),
+    [
+        ("friction", em.friction, "friction coefficient [-]"),
+        ("rolling", em.rolling, "rolling resistance coefficient [-]"),
+    ],
+)
+def test_scene_to_table_and_figure(place, capsys, verb, call, coefficient):
+    name = write(place)
+    assert main([verb, name, "--out", "new/folder"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.startswith("Slider\n")
+    assert f"new/folder/scene-{verb}.csv" in out.replace(os.sep, "/")
+    assert sorted(p.name for p in Path("new/folder").iterdir()) == [f"scene-{verb}.csv", f"scene-{verb}.png"]
+    assert Path(f"new/folder/scene-{verb}.png").read_bytes().startswith(b"\x89PNG")
+    lines = Path(f"new/folder/scene-{verb}.csv").read_text().splitlines()
+    header = "\n".join(line for line in lines if line.startswith("# "))
+    for said in (em.__version__, "Slider", "scene.toml", "10 N", "bare MDR line", "units: SI"):
+        assert said in header
+    table = pd.read_csv(f"new/folder/scene-{verb}.csv", comment="#")
+    expected = call(
+        em.load_material("rubber.toml"),
+        em.Paraboloid(5e-3),
+        velocity=np.geomspace(1e-3, 1.0, 4),
+        load=10.0,
+        temperature=293.15,
+        average=None,
+        rtol=1e-4,
+    )
+    assert len(table) == 4
+    assert table["converged"].dtype == bool
+    np.testing.assert_allclose(table["velocity [m/s]"], expected.velocity, rtol=1e-14)
+    np.testing.assert_allclose(
+        table[coefficient], expected.mu if verb == "friction" else expected.coefficient, rtol=1e-14
+    )
+
+
+def test_points_that_fail_give_status_3_and_empty_cells(place, capsys, monkeypatch):
+    computed = em.friction
+
+    def half_failed(*args, **kwargs):
+        curve = computed(*args, **kwargs)
+        warnings.warn("1 of 4 points did not converge", ConvergenceWarning, stacklevel=2)
+        object.__setattr__(curve, "mu", np.where(np.arange(4) == 1, np.nan, curve.mu))
+        object.__setattr__(curve, "converged", np.arange(4) != 1)
+        return curve
+
+    monkeypatch.setattr("elastomdr.friction", half_failed, raising=False)
+    assert main(["friction", write(place)]) == 3
+    out, err = capsys.readouterr()
+    assert "1 did not converge" in out
+    assert err.count("\n") == 1
+    assert "1 of 4" in err
+    table = pd.read_csv("scene-friction.csv", comment="#")
+    assert table["friction coefficient [-]"].isna().tolist() == [False, True, False, False]
+
+
+def test_plan(place, capsys):
+    name = write(place)
+    assert main(["plan", name, "--quantity", "rolling"]) == 0
+    out, err = capsys.readouterr()
+    assert "rolling" in out
+    assert "branches" in out
+    assert err == ""
+    assert not list(place.glob("*.csv"))
+
+
+def test_materials(place, capsys):
+    assert main(["materials"]) == 0
+    listed = capsys.readouterr().out
+    for name in em.materials():
+        assert f"\n{name} " in "\n" + listed
+    assert main(["materials", em.materials()[0]]) == 0
+    assert "source, moduli" in capsys.readouterr().out
+    assert main(["materials", "rubber.toml"]) == 0
+    shown = capsys.readouterr().out
+    for said in ("1 MPa", "4 MPa", "WLF", "c2 = 101.6 K", "reference = 293.15 K", "0.01"):
+        assert said in shown
+    assert "Did you mean" in refused(capsys, "materials", em.materials()[0] + "x")
+
+
+def test_every_library_material_can_be_shown(capsys):
+    for name in em.materials():
+        assert main(["materials", name]) == 0
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("case", BAD_SCENES)
+def test_bad_scene(place, capsys, case):
+    change, said = BAD_SCENES[case]
+    line = refused(capsys, "friction", write(place, change))
+    assert said in line
+    assert "scene.toml" in line or case in ("rtol too small", "no shift law", "below the WLF pole", "a flat punch")
+
+
+@pytest.mark.parametrize("case", BAD_MATERIALS)
+def test_bad_material(place, capsys, case):
+    change, said = BAD_MATERIALS[case]
+    write(place, change, name="rubber.toml", text=MATERIAL)
+    line = refused(capsys, "friction", write(place))
+    assert said in line
+    assert "rubber.toml" in line
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        ("friction", "missing.toml"),
+        ("friction", "."),
+        ("friction", "bad\0name.toml"),
+        ("friction", "latin.toml"),
+        ("friction", "scene.toml", "--out", "rubber.toml"),
+        ("friction", "scene.toml", "--out", "rubber.toml/below"),
+        ("friction", "scene.toml", "--out", "bad\0name"),
+        ("friction",),
+        (),
+        ("frictoin", "scene.toml"),
+        ("friction", "scene.toml", "--outt", "."),
+        ("plan", "scene.toml", "--quantity", "heat"),
+        ("materials", "."),
+        ("materials", "unknown"),
+    ],
+    ids=" ".join,
+)
+def test_bad_command(place, capsys, argv):
+    (place / "latin.toml").write_bytes('title = "Gleitkörper"'.encode("latin-1"))
+    write(place)
+    refused(capsys, *argv)
+
+
+def test_a_file_that_cannot_be_replaced_leaves_nothing_behind(place, capsys):
+    name = write(place)
+    Path("scene-friction.png").mkdir()
+    refused(capsys, "friction", name)
+
+
+def test_interrupt_is_one_line(place, capsys, monkeypatch):
+    def stopped(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("elastomdr.cli.friction.read_scene", stopped)
+    assert main(["friction", write(place)]) == 130
+    assert capsys.readouterr().err == "elastomdr: interrupted\n"
+
+
+def test_lists_get_axes_of_their_own(place):
+    name = write(
+        place,
+        ('"20 degC"', '["293.15 K", "-35 degC", "77 degF"]'),
+        ('load = "10 N"', 'depth = ["1 mm", "20 µm"]'),
+        ('"1e-3 m/s"', '"3.6e-3 km/h"'),
+    )
+    arguments = read_scene(name).arguments
+    assert arguments["temperature"].shape == (3, 1, 1)
+    np.testing.assert_allclose(arguments["temperature"].ravel(), [293.15, 238.15, 298.15])
+    np.testing.assert_allclose(arguments["depth"], [[1e-3], [2e-5]])
+    np.testing.assert_allclose(arguments["velocity"], np.geomspace(1e-3, 1.0, 4))
+    assert arguments["average"] is None
+    one = read_scene(write(place, ('"20 degC"', '["20 degC"]'), ('"10 N"', '"2 lbf"'))).arguments
+    assert one["temperature"] == 293.15
+    assert one["load"] == pytest.approx(8.896443)
+
+
+SHAPES = {
+    'shape = "sphere"\nradius = "5 mm"': em.Sphere(5e-3),
+    'shape = "cone"\nslope = 0.2': em.Cone(0.2),
+    'shape = "power_law"\nexponent = 3\ncoefficient = "2 mm^-2"': em.PowerLaw(3, 2e6),
+    'shape = "power_law"\nexponent = 1\ncoefficient = 0.2': em.PowerLaw(1, 0.2),
+    'shape = "power_law"\nexponent = 2.5\ncoefficient = "100 m^-1.5"': em.PowerLaw(2.5, 100),
+    'shape = "flat_punch"\nradius = "1 cm"': em.FlatPunch(0.01),
+    'shape = "profile"\nunit = "mm"\nr = [0, 1, 2, 3, 4]\nz = [0.0, 0.1, 0.4, 0.9, 1.6]': em.Profile(
+        1e-3 * np.arange(5.0), 1e-4 * np.arange(5.0) ** 2
+    ),
+    'shape = "profile"\nunit = "mm"\nfile = "tip.csv"': em.Profile(1e-3 * np.arange(5.0), 1e-4 * np.arange(5.0) ** 2),
+}
+
+
+@pytest.mark.parametrize("text", SHAPES)
+def test_shapes(place, text):
+    (place / "tip.csv").write_text("# a tip\nr, z\n0, 0\n1, 0.1\n2; 0.4\n3\t0.9\n4 1.6\n")
+    shape = read_scene(write(place, ('shape = "paraboloid"\nradius = "5 mm"', text))).shape
+    assert type(shape) is type(SHAPES[text])
+    for found, expected in zip(*(jax.tree.leaves(s) for s in (shape, SHAPES[text])), strict=True):
+        np.testing.assert_allclose(found, expected, rtol=1e-14)
+
+
+def test_bad_line_in_a_profile(place, capsys):
+    (place / "tip.csv").write_text("0, 0\n1, 0.1\n2, x\n3, 0.9\n")
+    name = write(place, ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nunit = "mm"\nfile = "tip.csv"'))
+    assert "line 3" in refused(capsys, "friction", name)
+
+
+def test_layer_and_two_bodies(place):
+    layer = read_scene(write(place, ("[contact]", '[layer]\nthickness = "8 mm"\nbonded = false\n[contact]'))).material
+    rubber = em.load_material("rubber.toml")
+    np.testing.assert_allclose(layer.moduli, em.layer(rubber, 8e-3, bonded=False).moduli)
+    both = read_scene(write(place, ("temperature", 'other = "rubber.toml"\ntemperature'))).material
+    np.testing.assert_allclose(both.moduli, em.half_space(rubber, rubber).moduli)
+
+
+def test_files_are_looked_for_beside_the_scene(place, monkeypatch):
+    name = write(place)
+    (place / "elsewhere").mkdir()
+    monkeypatch.chdir(place / "elsewhere")
+    assert read_scene(f"../{name}").material.moduli.size == 2
+
+
+@pytest.mark.parametrize(
+    "scene", sorted((Path(__file__).parents[1] / "examples" / "scenes").glob("*.toml")), ids=lambda p: p.stem
+)
+def test_shipped_scenes_can_be_read(scene):
+    shipped = read_scene(str(scene))
+    assert shipped.title
+    verb = "rolling" if shipped.shape.rolling_radius is not None else "friction"
+    assert em.plan(shipped.material, shipped.shape, **shipped.arguments, quantity=verb).points >= 3
+
+
+def run(*argv: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        argv, capture_output=True, text=True, env={**os.environ, **environment}, check=False, timeout=120
+    )
+
+
+@pytest.mark.parametrize("code", ["import elastomdr; dir(elastomdr)", "HELP", "VERSION"])
+def test_what_is_not_needed_is_not_loaded(code):
+    ask = "import elastomdr.cli.main as m\ntry: m.main(['--{}'])\nexcept SystemExit as e: assert not e.code"
+    code = {"HELP": ask.format("help"), "VERSION": ask.format("version")}.get(code, code)
+    heavy = "{'jax', 'matplotlib', 'numpy', 'scipy', 'pint', 'equinox', 'diffrax'}"
+    done = run(sys.executable, "-c", f"{code}\nimport sys; assert not {heavy} & set(sys.modules), sys.modules.keys()")
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_command_itself(place):
+    write(place, ("load", "laod"))
+    command = [sys.executable, "-c", "import sys; from elastomdr.cli.main import main; sys.exit(main())"]
+    done = run(*command, "friction", "scene.toml")
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert run(*command, "--version").stdout.strip() == f"elastomdr {em.__version__}"
+
+
+@pytest.fixture
+def jax_settings():
+    names = (
+        "jax_compilation_cache_dir",
+        "jax_persistent_cache_min_compile_time_secs",
+        "jax_persistent_cache_min_entry_size_bytes",
+    )
+    before = {name: getattr(jax.config, name) for name in names}
+    yield
+    for name, value in before.items():
+        jax.config.update(name, value)
+
+
+@pytest.mark.usefixtures("jax_settings")
+def test_cache_folder(place, monkeypatch):
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(place / "cache"))
+    cache.enable_cache()
+    assert jax.config.jax_compilation_cache_dir == str(place / "cache" / "elastomdr" / "jax")
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(place / "own"))
+    cache.enable_cache()
+    assert jax.config.jax_compilation_cache_dir == str(place / "own")
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(place / "rubber.toml" / "below"))
+    cache.enable_cache()
+    assert jax.config.jax_compilation_cache_dir is None

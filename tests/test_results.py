@@ -1,0 +1,306 @@
+"""Results: tables that other programs read back, figures that say what they show, text that stays true."""
+
+import warnings
+from pathlib import Path
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import matplotlib.figure
+import numpy as np
+import pandas as pd
+import pytest
+
+import elastomdr as em
+from elastomdr.results.axes import curves, dimensions, in_words
+from elastomdr.results.curve import Contact, FrictionCurve, RollingCurve
+from elastomdr.results.figure import save
+
+MODEL = "bare MDR line (a test)"
+INPUTS = (("material", "nbr"), ("shape", "sphere, radius 0.005"), ("load", "10 N"))
+VELOCITY = np.geomspace(1e-6, 1e2, 33)  # its middle is 0.01
+KELVIN = np.array([273.15, 293.15, 313.15])
+
+
+def friction_curve(velocity=VELOCITY, temperature=None, load=10.0, error=1e-9, failed=(), plan="a plan"):
+    """mu = z/(1 + z^2) with z = v a_T/(1 cm/s) and one decade of a_T per 20 K: a peak of 0.5 at z = 1."""
+    given = np.broadcast_arrays(velocity, KELVIN[1] if temperature is None else temperature, load)
+    v, kelvin, force = (np.array(x, dtype=float) for x in given)
+    z = v * 10 ** ((KELVIN[1] - kelvin) / 20) / 1e-2
+    mu = np.array(z / (1 + z**2))
+    for i in failed:
+        mu[..., i] = np.nan
+    converged = np.isfinite(mu)
+    edge = Contact(1e-3 * force, 0.5e-3 * force)
+    return FrictionCurve(
+        velocity=v,
+        mu=mu,
+        normal_force=force * (1 + 1e-9 * mu),  # as a load that was searched for
+        friction_force=mu * force,
+        depth=1e-4 * (1 + mu),
+        contact=edge,
+        error=np.where(converged, error, np.nan),
+        converged=converged,
+        temperature=None if temperature is None else kelvin,
+        model=MODEL,
+        plan=plan,
+        inputs=INPUTS,
+    )
+
+
+def rolling_curve(**changes):
+    c = friction_curve(**changes)
+    return RollingCurve(
+        velocity=c.velocity,
+        coefficient=c.mu,
+        resistance=c.friction_force,
+        moment=5e-3 * c.friction_force,
+        power=c.velocity * c.friction_force,
+        normal_force=c.normal_force,
+        depth=c.depth,
+        contact=c.contact,
+        error=c.error,
+        converged=c.converged,
+        temperature=c.temperature,
+        model=c.model,
+        plan=c.plan,
+        inputs=c.inputs,
+    )
+
+
+def test_csv_reads_back_the_same_numbers(tmp_path):
+    curve = friction_curve(temperature=KELVIN[:, None], failed=[3])
+    curve.to_csv(tmp_path / "curve.csv")
+    table = pd.read_csv(tmp_path / "curve.csv", comment="#")
+    assert list(table) == list(curve.columns())
+    assert list(table)[:3] == ["velocity [m/s]", "temperature [K]", "friction coefficient [-]"]
+    assert (table.dtypes == [float] * 9 + [bool]).all()
+    for title, values in curve.columns().items():
+        np.testing.assert_allclose(table[title], values, rtol=1e-15)
+    assert table["friction coefficient [-]"].isna().sum() == 3
+    rows = [line for line in (tmp_path / "curve.csv").read_text().splitlines() if not line.startswith("#")]
+    assert len(rows) == 1 + 99
+    numbers = np.array([[float(cell or "nan") for cell in row.split(",")[:-1]] for row in rows[1:]])
+    np.testing.assert_array_equal(numbers.T, list(curve.columns().values())[:-1])  # to the last bit
+
+
+def test_csv_header_says_what_the_numbers_are():
+    header = [line for line in friction_curve(failed=[0]).csv([("scene", "a\nb")]).splitlines() if line[0] == "#"]
+    assert all(line.startswith("# ") for line in header)
+    text = "\n".join(header)
+    for said in (em.__version__, MODEL, "material: nbr", "load: 10 N", "SI", "peak mu = 0.5 at 0.01 m/s", "scene: a b"):
+        assert said in text
+    assert "33, 1 did not converge" in text
+
+
+def test_csv_is_whole_or_not_there(tmp_path):
+    target = tmp_path / "curve.csv"
+    target.mkdir()
+    for path in (tmp_path / "missing" / "curve.csv", target, "bad\0name.csv"):
+        with pytest.raises(em.InputError, match=r"path must be a file that can be written.*csv") as raised:
+            friction_curve().to_csv(path)
+        assert "\n" not in str(raised.value)
+    assert list(tmp_path.iterdir()) == [target]
+    old = tmp_path / "old.csv"
+    old.write_text("old")
+    friction_curve().to_csv(old)
+    assert old.read_text().startswith("# elastomdr")
+    (tmp_path / "plain").touch()
+    assert old.stat().st_mode == (tmp_path / "plain").stat().st_mode
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+@pytest.mark.parametrize("make", [friction_curve, rolling_curve])
+def test_dict_pandas_xarray_hold_the_same(make):
+    curve = make(temperature=KELVIN[:, None])
+    content = curve.to_dict()
+    name = curve.coefficient_field
+    assert content["model"] == MODEL
+    assert content["plan"] == "a plan"
+    assert content["inputs"]["load"] == "10 N"
+    np.testing.assert_array_equal(content["leading"], curve.contact.leading)
+    frame = curve.to_pandas()
+    np.testing.assert_array_equal(frame["depth [m]"], curve.depth.ravel())
+    assert frame.attrs["model"] == MODEL
+    data = curve.to_xarray()
+    assert dict(data.sizes) == {"temperature": 3, "velocity": 33}
+    np.testing.assert_array_equal(data[name].sel(temperature=293.15), getattr(curve, name)[1])
+    assert data["velocity"].attrs["units"] == "m/s"
+    assert data.attrs["material"] == "nbr"
+    assert data.attrs["elastomdr"] == em.__version__
+
+
+def test_missing_packages_are_named(monkeypatch):
+    import sys
+
+    for package, method in (("pandas", "to_pandas"), ("xarray", "to_xarray")):
+        monkeypatch.setitem(sys.modules, package, None)
+        with pytest.raises(em.InputError, match=rf"{package}.*pip install elastomdr\[tables\]"):
+            getattr(friction_curve(), method)()
+
+
+def axis_names(curve):
+    fields = {c.key: value for c, value in curve.fields().items()}
+    return [axis.name for axis in dimensions(fields)], [c.label for c in curves(fields)[1]]
+
+
+def test_axes_are_named_after_what_changes_along_them():
+    assert axis_names(friction_curve()) == (["velocity"], [""])
+    assert axis_names(friction_curve(velocity=0.1)) == ([], [""])
+    assert axis_names(friction_curve(temperature=KELVIN[:, None])) == (
+        ["temperature", "velocity"],
+        ["0 degC", "20 degC", "40 degC"],
+    )
+    both = friction_curve(temperature=KELVIN[:2, None, None], load=np.array([[1.0], [10.0]]), failed=[0])
+    assert axis_names(both) == (
+        ["temperature", "load", "velocity"],
+        ["0 degC, 1 N", "0 degC, 10 N", "20 degC, 1 N", "20 degC, 10 N"],
+    )
+    assert axis_names(friction_curve(velocity=0.1, temperature=KELVIN)) == (["temperature"], [""])
+    tied = friction_curve(velocity=VELOCITY * np.array([[1.0], [2.0]]))  # no axis of its own for velocity
+    assert axis_names(tied)[0] == ["axis_0", "axis_1"]
+    assert dict(tied.to_xarray().sizes) == {"axis_0": 2, "axis_1": 33}
+
+
+def test_summary_finds_the_peak_and_the_ends():
+    text = friction_curve().summary()
+    assert "peak mu = 0.5 at 0.01 m/s; ends: 0.0001 at 1e-06 m/s, 0.0001 at 100 m/s" in text
+    assert "33, all converged; largest estimated error of mu: 1e-09" in text
+    assert MODEL in text
+    rising = friction_curve(velocity=np.geomspace(1e-5, 1e-3, 5)).summary()
+    assert "largest mu = 0.0990" in rising
+    assert "an end of the range" in rising
+    falling = friction_curve(velocity=np.geomspace(1e2, 1.0, 5)).summary()
+    assert "largest mu = 0.0099" in falling  # the order in which velocities are given does not matter
+    assert "other end 0.0001 at 100 m/s" in falling
+    assert "no point converged" in friction_curve(failed=range(33)).summary()
+    assert "33 did not converge" in friction_curve(failed=range(33)).summary()
+    assert "mu = 0.5 at 0.01 m/s" in friction_curve(velocity=0.01).summary()
+    many = friction_curve(temperature=np.linspace(270, 320, 20)[:, None]).summary()
+    assert "14 more curves" in many
+    assert "peak coefficient = 0.5" in rolling_curve().summary()
+
+
+def test_repr_is_readable_and_never_fails():
+    assert repr(friction_curve()) == "FrictionCurve\n" + friction_curve().summary()
+    assert repr(jax.tree.map(lambda x: None, friction_curve())).startswith("FrictionCurve(")
+    assert "shape (33,)" in repr(eqx.filter(friction_curve(), eqx.is_inexact_array))
+    assert repr(jax.tree.map(lambda x: "?", rolling_curve())).startswith("RollingCurve(")
+    seen = []
+
+    def under_jit(curve):
+        seen.append((repr(curve), curve.summary()))
+        with pytest.raises(em.InputError, match="traces"):
+            curve.columns()
+        return curve
+
+    back = jax.jit(under_jit)(friction_curve())
+    assert seen[0][0] == seen[0][1]
+    assert "shape (33,)" in seen[0][0]
+    assert back.model == MODEL
+    assert back.inputs == INPUTS
+    assert "peak" in repr(back)
+
+
+def test_curves_are_pytrees():
+    curve = friction_curve(temperature=KELVIN[:, None])
+    assert len(jax.tree.leaves(curve)) == 10
+    doubled = jax.jit(lambda c: jax.tree.map(lambda x: x if x.dtype == bool else 2 * x, c))(curve)
+    np.testing.assert_allclose(doubled.mu, 2 * curve.mu, rtol=1e-6)
+    rows = jax.vmap(lambda c: jnp.nanmax(c.mu))(curve)
+    assert rows.shape == (3,)
+
+
+def drawn(curve, **options):
+    ax = curve.plot(**options)
+    ax.figure.draw_without_rendering()
+    return ax
+
+
+def test_figure_of_one_curve():
+    ax = drawn(friction_curve())
+    assert ax.get_xscale() == "log"
+    assert ax.get_xlabel() == "Sliding velocity [m/s]"
+    assert ax.get_ylabel() == "Friction coefficient [-]"
+    assert ax.get_title(loc="left") == "Friction, nbr"
+    texts = [t.get_text() for t in ax.texts]
+    assert MODEL in texts
+    assert "peak 0.5 at 0.01 m/s" in texts
+    assert ax.get_legend() is None
+    assert not ax.collections  # an error of 1e-9 cannot be seen
+    line, peak = ax.get_lines()
+    np.testing.assert_array_equal(line.get_ydata(), friction_curve().mu)
+    assert (peak.get_xdata()[0], peak.get_ydata()[0]) == (pytest.approx(0.01), pytest.approx(0.5))
+
+
+def test_figure_of_several_curves():
+    ax = drawn(rolling_curve(temperature=KELVIN[:, None], error=0.05, failed=[0, 1]), title="A title")
+    assert ax.get_title(loc="left") == "A title"
+    assert ax.get_ylabel() == "Rolling resistance coefficient [-]"
+    assert ax.get_xlabel() == "Rolling velocity [m/s]"
+    labels = [t.get_text() for t in ax.get_legend().get_texts()]
+    assert [label.split(":")[0] for label in labels] == ["0 °C", "20 °C", "40 °C"]
+    assert len(ax.collections) == 3
+    assert "6 of 99 points did not converge and are left out" in [t.get_text() for t in ax.texts]
+
+
+def test_figure_on_given_axes_and_along_other_axes():
+    figure = matplotlib.figure.Figure()
+    given = figure.add_subplot()
+    assert friction_curve().plot(given) is given
+    warm = drawn(friction_curve(velocity=0.01, temperature=KELVIN))
+    assert warm.get_xlabel() == "Temperature [K]"
+    assert warm.get_xscale() == "linear"
+    assert "peak 0.5 at 20 °C" in [t.get_text() for t in warm.texts]
+    point = drawn(friction_curve(velocity=0.01))
+    assert len(point.get_lines()) == 1
+    unordered = drawn(friction_curve(velocity=VELOCITY[::-1]))
+    assert (np.diff(unordered.get_lines()[0].get_xdata()) > 0).all()
+    crowd = drawn(friction_curve(temperature=np.linspace(270, 320, 40)[:, None]))
+    assert len(crowd.get_legend().get_texts()) == 12
+    drawn(friction_curve(failed=range(33)))
+
+
+@pytest.mark.parametrize("title", ["Short", "A long title " * 12])
+@pytest.mark.parametrize("kelvin", [None, KELVIN[:, None]])
+def test_nothing_overlaps_or_leaves_the_figure(title, kelvin):
+    curve = friction_curve(temperature=kelvin, failed=[0])
+    ax = drawn(curve, title=title)
+    frame = ax.figure.bbox
+    boxes = [t.get_window_extent() for t in [*ax.texts, ax.title, ax._left_title] if t.get_text()]
+    legend = ax.get_legend()
+    boxes += [legend.get_window_extent()] if legend else []
+    for i, box in enumerate(boxes):
+        assert box.x0 >= frame.x0 - 1
+        assert box.x1 <= frame.x1 + 1
+        assert box.y1 <= frame.y1 + 1
+        assert not any(box.overlaps(other) for other in boxes[:i])
+
+
+def test_saved_figure_is_a_png_of_200_dpi(tmp_path):
+    save(friction_curve(), tmp_path / "figure.png", "A title")
+    content = Path(tmp_path / "figure.png").read_bytes()
+    assert content.startswith(b"\x89PNG")
+    assert int.from_bytes(content[16:20], "big") == 1320  # 6.6 inches
+    with pytest.raises(em.InputError, match="can be written"):
+        save(friction_curve(), tmp_path / "missing" / "figure.png")
+
+
+def test_numbers_in_words():
+    assert in_words("temperature", 238.15) == "-35 degC"
+    assert in_words("temperature", 300.0) == "26.85 degC"
+    assert in_words("depth", 1.2e-4) == "0.12 mm"
+    assert in_words("load", 2000.0) == "2000 N"
+    assert in_words("velocity", 1e-6) == "1e-06 m/s"
+
+
+def test_a_computed_curve_is_such_a_result(tmp_path):
+    rubber = em.StandardSolid(1e6, 3e6, 1e-2, name="test rubber")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        curve = em.friction(rubber, em.Paraboloid(5e-3), velocity=[0.01, 0.1, 1.0], load=10.0, average=None)
+    assert "test rubber" in repr(curve)
+    assert curve.columns()["friction coefficient [-]"].shape == (3,)
+    assert hash(jax.tree.structure(curve)) is not None
+    curve.to_csv(tmp_path / "curve.csv")
+    assert len(pd.read_csv(tmp_path / "curve.csv", comment="#")) == 3
