@@ -12,6 +12,8 @@ import numpy as np
 
 from .errors import InputError
 
+Array = jax.Array | np.ndarray  # JAX while tracing or inside a computation, NumPy where values are handed out
+
 P = ParamSpec("P")
 R = TypeVar("R")
 

@@ -4,9 +4,9 @@ from typing import Any
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from .._runtime import as_float64, in_float64, is_traced, positive, scalar
+from .._runtime import Array, as_float64, in_float64, is_traced, positive, scalar
 from ..errors import InputError
 from ..mapping.radok import layer_operator, normal_operator, tangential_operator
 from ..material.prony import Prony

@@ -10,7 +10,9 @@ i_j the modified spherical Bessel function. So a boundary layer at the leading e
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Float
+
+from .._runtime import Array
 
 
 @jax.custom_jvp
@@ -25,10 +27,10 @@ def contract(coefficients: tuple[Array, ...], z: Float[Array, "*shape"]) -> Floa
     half = z / 2
     small, large = jnp.minimum(half, switch), jnp.maximum(half, switch)
 
-    j = count + (8 if count <= 9 else 26)
-    ratio = small / (j + 1.5 + jnp.sqrt((j + 1.5) ** 2 + small**2))
+    top = count + (8 if count <= 9 else 12 if count <= 17 else 26)
+    ratio = small / (top + 1.5 + jnp.sqrt((top + 1.5) ** 2 + small**2))
     total = 0.0
-    for j in range(j, 0, -1):
+    for j in range(top, 0, -1):
         ratio = small / ((2 * j + 1) + small * ratio)
         if j < count:
             total = ratio * (coefficients[j] + total)

@@ -1,8 +1,8 @@
 """The exact contact step: independent viscoelastic elements under a rigid body, as a `diffrax` solver.
 
-One element of displacement u carries the force density q = E_inf u + eta u' + sum_k f_k, f_k' = E_k u' - f_k/tau_k, under
-Signorini's conditions q >= 0, u >= w(t), q (u - w) = 0, with w(t) the place of the rigid surface (Popov & Hess 2015,
-ch. 7). Over a step h the displacement is taken as linear; all else is then exact, for every h:
+One element of displacement u carries the force density q = E_inf u + eta u' + sum_k f_k, f_k' = E_k u' - f_k/tau_k,
+under Signorini's conditions q >= 0, u >= w(t), q (u - w) = 0, with w(t) the place of the rigid surface (Popov & Hess
+2015, ch. 7). Over a step h the displacement is taken as linear; all else is then exact, for every h:
 
     f_k+ = e_k f_k + E_k phi_k (u+ - u),    e_k = exp(-h/tau_k),    phi_k = (1 - e_k) tau_k/h,
 
@@ -18,8 +18,9 @@ from typing import Any, ClassVar, NamedTuple
 import diffrax
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
+from .._runtime import Array
 from ..material.relaxation import AbstractRelaxation
 
 _SETTLED = 80.0  # z = h K/eta from which exp(-z/2) is below rounding: the dashpot has settled within the step
@@ -48,9 +49,9 @@ class Coefficients(NamedTuple):
     gain: Array  # E_k phi_k
     seen: Array  # share of f_k in the force on which Signorini's conditions are put
     stiffness: Array  # S, change of that force per change of u
-    drag: Array  # mean force of branches and dashpot per change of u
     end: Array  # change of the force at the end per change of u
-    blow: Array  # further loss where contact begins within the step
+    drag: Array  # change of the mean force of branches and dashpot per change of u
+    blow: Array  # loss of branches and dashpot on a ramp, per square of the change of u
 
 
 def rest(law: AbstractRelaxation, n: int) -> Elements:
@@ -67,8 +68,10 @@ def contact_step(law: AbstractRelaxation, state: Elements, w_start: Array, w_end
 
     Without a dashpot q+ is the force at the end, E_inf u+ + sum f_k+. A dashpot knows eta u' only as a mean over the
     step; beside end values of the rest it would recover from contact at first order only. So with a dashpot q is the
-    mean over the part of the step that the dashpot remembers, weight exp(-(h - t) K/eta) with K = E_inf + sum E_k phi_k:
-    a Kelvin element recovers exactly, u+ = u exp(-E h/eta), and a long step sees its end alone.
+    mean over the part of the step that the dashpot remembers, weight exp(-(h - t) K/eta) with K = E_inf + sum E_k
+    phi_k: a Kelvin element recovers exactly, u+ = u exp(-E h/eta), and a long step sees its end alone.
+
+    `work` never falls behind the energy stored, E_inf u^2/2 + sum f_k^2/(2 E_k), whatever the step.
     """
     return advance(coefficients(law, h), state, w_start, w_end)
 
@@ -79,13 +82,13 @@ def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
     moduli, times = _by_element(law.moduli), _by_element(law.times)
     equilibrium, viscosity = jnp.atleast_1d(jnp.asarray(law.equilibrium)), jnp.atleast_1d(jnp.asarray(law.viscosity))
     y = h[None] / times
-    decay, mean, half = jnp.exp(-y), _phi1(y), _phi2(y)
+    rate, decay, mean, half = viscosity / h, jnp.exp(-y), _phi1(y), _phi2(y)
     gain = moduli * mean
-    seen, stiffness = _signorini(equilibrium + jnp.sum(gain, axis=0), viscosity, y, decay, h)
-    # On a ramp a branch loses E_k (phi2 - phi1^2/2) (u+ - u)^2, a dashpot eta/h (u+ - u)^2.
-    blow = jnp.sum(moduli * (half - 0.5 * mean**2), axis=0) + viscosity / h
-    drag = jnp.sum(moduli * half, axis=0) + viscosity / h
-    return Coefficients(h, equilibrium, viscosity / h, decay, mean, gain, seen, stiffness, drag, equilibrium+jnp.sum(gain,axis=0)+viscosity/h, blow)
+    static = equilibrium + jnp.sum(gain, axis=0)
+    seen, stiffness = _signorini(static, viscosity, y, decay, h)
+    drag = jnp.sum(moduli * half, axis=0) + rate
+    blow = jnp.sum(moduli * (half - 0.5 * mean**2), axis=0) + rate
+    return Coefficients(h, equilibrium, rate, decay, mean, gain, seen, stiffness, static + rate, drag, blow)
 
 
 def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> Elements:
@@ -94,45 +97,50 @@ def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> E
     held = c.equilibrium * u + jnp.sum(c.seen * f, axis=0)  # force if u stays where it is
     recovery, pushed = -held / c.stiffness, w_end - u
     contact = pushed > recovery
-    change = jnp.where(contact, pushed, recovery)
-    end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
-    force = held + c.stiffness * pushed  # if u follows the surface; it takes tension where this is negative
-
-    faded = jnp.sum(c.mean * f, axis=0)  # mean over the step if u stays
-    drag = faded + c.drag * change
-    spring = c.equilibrium * (u + 0.5 * change)
-    work, impulse = drag * change, c.h * (spring + drag)  # on the straight path; the spring's work is counted by u
-
-    # The same with u on the surface, whose force may pass into tension: all up to there, nothing after.
-    end_force = c.equilibrium * u + jnp.sum(c.decay * f, axis=0) + c.end * pushed
-    start_force = 2 * (c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed) - end_force
-    pulled = end_force < 0
-    start_force = jnp.where(pulled, jnp.maximum(start_force, 0.0), 0.0)
-    kept = start_force / jnp.where(pulled, start_force - end_force, 1.0)
-    area = 0.5 * start_force * kept
     free = ~contact & (state.q <= 0)
-    edge = pulled & ~free
-    slack = c.rate * change**2
-    lost = c.rate * jnp.abs(change) * c.h
-    work = jnp.where(edge, jnp.clip(area * pushed - spring * change, work - slack, work + slack), work)
-    impulse = jnp.where(edge, jnp.clip(c.h * area, impulse - lost, impulse + lost), impulse)
-    # Free recovery takes no work and no impulse, the straight path between its ends a little. Only where that is work
-    # done on the element is it kept, so that work never falls behind the energy stored.
-    work = jnp.where(free, jnp.maximum(work, -spring * change), work)
-    impulse = jnp.where(free, 0.0, impulse)
+    change = jnp.where(contact, pushed, recovery)
+    work, impulse, kept = _integrals(c, u, f, change, pushed, free)
     # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
     # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
     struck = jnp.where(contact & (u > w_start), (u - w_start) * (pushed - recovery), 0.0)
     inelastic = state.inelastic + work + c.blow * struck
+    end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
     return Elements(
         u=end,
         f=c.decay * f + c.gain * change,
-        q=jnp.where(contact, jnp.maximum(force, 0.0), 0.0),
+        q=jnp.where(contact, jnp.maximum(held + c.stiffness * pushed, 0.0), 0.0),
         impulse=state.impulse + impulse,
         work=inelastic + 0.5 * c.equilibrium * end**2,
         inelastic=inelastic,
-        away=jnp.where(contact, 0.0, state.away) + c.h * jnp.where(free, 1.0, jnp.where(edge, 1 - kept, 0.0)),
+        away=jnp.where(contact, 0.0, state.away) + c.h * (1 - kept),
     )
+
+
+def _integrals(c: Coefficients, u: Array, f: Array, change: Array, pushed: Array, free: Array) -> tuple[Array, ...]:
+    """int (q - E_inf u) du and int q dt over a step, and the fraction of the step that the element was in contact."""
+    faded = jnp.sum(c.mean * f, axis=0)
+    drag, spring = faded + c.drag * change, c.equilibrium * (u + 0.5 * change)
+    work, impulse = drag * change, c.h * (spring + drag)  # on the straight path
+
+    # Where following the surface to the end takes tension, contact has ended before: with the force linear in time,
+    # where it passes zero. A dashpot lets go smoothly, so that this is the whole correction; it is limited to the
+    # dashpot's part in the straight path, which for the rest is good to second order and cannot gain energy.
+    last = c.equilibrium * u + jnp.sum(c.decay * f, axis=0) + c.end * pushed
+    first = jnp.maximum(2 * (c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed) - last, 0.0)
+    lost = ~free & (last < 0)
+    kept = jnp.where(lost, first / jnp.where(lost, first - last, 1.0), jnp.where(free, 0.0, 1.0))
+    mean = 0.5 * first * kept
+    share = c.rate * jnp.abs(change)
+    work_kept = jnp.clip(
+        mean * pushed - spring * change, work - share * jnp.abs(change), work + share * jnp.abs(change)
+    )
+    impulse_kept = jnp.clip(c.h * mean, impulse - c.h * share, impulse + c.h * share)
+    work, impulse = jnp.where(lost, work_kept, work), jnp.where(lost, impulse_kept, impulse)
+
+    # Free recovery takes no work and no impulse, the straight path between its ends a little. Only where that is work
+    # done on the element is it kept, so that work never falls behind the energy stored.
+    work = jnp.where(free, jnp.maximum(work, -spring * change), work)
+    return work, jnp.where(free, 0.0, impulse), kept
 
 
 class RigidSurface(diffrax.AbstractTerm):

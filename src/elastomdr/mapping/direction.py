@@ -2,10 +2,10 @@
 
     mu_3D(v) = (2/pi) int_0^{pi/2} cos(phi) mu_line(v cos(phi)) dphi,      at the same normal force.
 
-The line sees the whole slope of the surface, the half-space only its part along the motion; the average replaces the loss
-modulus E''(w) by <cos(phi) E''(w cos(phi))>, and so is exact to first order in the loss for axisymmetric shapes. With
-cos(phi) = sech(t) it becomes (2/pi) int_0^inf sech(t)^2 mu_line(v sech(t)) dt, for which the trapezoidal rule converges
-exponentially: as a function of log v a relaxation spectrum is analytic in a strip of half-width pi/2.
+The line sees the whole slope of the surface, the half-space only its part along the motion; the average replaces the
+loss modulus E''(w) by <cos(phi) E''(w cos(phi))>, and so is exact to first order in the loss for axisymmetric shapes.
+With cos(phi) = sech(t) it becomes (2/pi) int_0^inf sech(t)^2 mu_line(v sech(t)) dt, for which the trapezoidal rule
+converges exponentially: as a function of log v a relaxation spectrum is analytic in a strip of half-width pi/2.
 """
 
 import math
@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+
+from .._runtime import Array
 
 _STENCIL = 14  # points of local Lagrange interpolation in log v
 
@@ -29,8 +31,8 @@ class Directions(NamedTuple):
 def directions(rtol: float) -> Directions:
     """Trapezoidal rule in t; an even number of steps, so that every second node is a rule too.
 
-    The error of step h falls as exp(-pi^2/h); the part left out above t_max is at most (4/pi) exp(-t_max) of the whole, since
-    v mu(v) does not fall with v.
+    The error of step h falls as exp(-pi^2/h); the part left out above t_max is at most (4/pi) exp(-t_max) of the
+    whole, since v mu(v) does not fall with v.
     """
     step = math.pi**2 / math.log(1e4 / rtol)
     count = 2 * math.ceil(math.log(20 / rtol) / step / 2)
@@ -79,8 +81,9 @@ def shared_grid_size(velocity: Float[np.ndarray, " points"], rtol: float) -> int
     return math.ceil(span / _spacing(rtol)) + _STENCIL
 
 
-def quadrature_error(mu: np.ndarray, check: np.ndarray, tail: float) -> np.ndarray:
-    """Error of the average, from the rule with twice the step: halving the step of an exponentially convergent rule squares it.
+def quadrature_error(mu: Array, check: Array, tail: float) -> Array:
+    """Error of the average, from the rule with twice the step: halving the step of an exponentially convergent rule
+    squares it.
 
     The factor 0.1 keeps the estimate 3 to 10 times above the error found on spectra from one branch to broad ones.
     """
@@ -88,9 +91,9 @@ def quadrature_error(mu: np.ndarray, check: np.ndarray, tail: float) -> np.ndarr
     return mu * (0.1 * relative**2 + tail)
 
 
-def interpolation_error(mu: np.ndarray, lower: np.ndarray) -> np.ndarray:
-    """Error of the interpolation in log v, the same relative bound for a whole curve: a single point's difference between two
-    orders may pass through zero, and the largest is within a factor of 3 of the largest error."""
+def interpolation_error(mu: Array, lower: Array) -> Array:
+    """Error of the interpolation in log v, the same relative bound for a whole curve: a single point's difference
+    between two orders may pass through zero, and the largest is within a factor of 3 of the largest error."""
     positive = np.where(mu > 0, mu, 1.0)
     return mu * 3 * np.nanmax(np.abs(lower - mu) / positive, initial=0.0)
 

@@ -11,8 +11,9 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
+from .._runtime import Array
 from .shapes import AbstractShape, Cylinder
 
 STRIPS = 16  # Gauss points over the half-width of a layer contact
@@ -78,7 +79,8 @@ class SingleLine(AbstractLines):
 class Strips(AbstractLines):
     """An axisymmetric body on a thin layer: strips along the motion at y = A sin(theta), Gauss points in theta.
 
-    Exact for a layer, up to the quadrature across the contact, since the layer's elements are independent in both directions.
+    Exact for a layer, up to the quadrature across the contact, since the layer's elements are independent in both
+    directions.
     """
 
     shape: AbstractShape

@@ -5,10 +5,10 @@ from typing import Any, ClassVar
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
-from .._runtime import as_float64, ascending, is_traced, not_negative, require
+from .._runtime import Array, as_float64, ascending, is_traced, not_negative, require
 from ..errors import InputError
 from .shapes import AbstractShape
 
@@ -36,7 +36,8 @@ class Profile(AbstractShape):
         r, z = as_float64("r", r), as_float64("z", z)
         if r.ndim != 1 or r.shape != z.shape or r.shape[0] < 4:
             raise InputError(
-                f"r and z must be lists of the same length with four points at least, got shapes {r.shape} and {z.shape}."
+                "r and z must be lists of the same length with four points at least, "
+                f"got shapes {r.shape} and {z.shape}."
             )
         if is_traced(r):
             raise InputError("r must be plain numbers: a Profile is differentiable in its heights z, not in its radii.")
@@ -49,10 +50,9 @@ class Profile(AbstractShape):
             raise InputError(f"apex must be 'auto', 'smooth' or 'sharp', got {apex!r}.")
         self.r, self.z, self.convex = r, z, True
         self.sharp = apex == "sharp"
-        if not is_traced(z):
-            if apex == "auto":
-                start = CubicSpline(r, z, bc_type="not-a-knot").derivative()([0.0, r[1]])
-                self.sharp = bool(abs(start[0]) > 0.2 * abs(start[1]))
+        if apex == "auto" and not is_traced(z):
+            start = CubicSpline(r, z, bc_type="not-a-knot").derivative()([0.0, r[1]])
+            self.sharp = bool(abs(start[0]) > 0.2 * abs(start[1]))
         first, jumps = _spline_matrices(r, self.sharp)
         self.apex, self.jumps = first @ z, jumps @ z
         if not is_traced(z):
@@ -63,8 +63,8 @@ class Profile(AbstractShape):
             if not (slope > -1e-9 * np.abs(slope).max()).all() or slope.max() <= 0:
                 raise InputError(
                     "z must describe a body whose contact grows as a disc (its MDR profile must rise with x), but "
-                    f"dg/dx = {slope.min():.3g} near x = {x[int(np.argmin(slope))]:.3g} m. Smooth the points, or leave out "
-                    "the part beyond which the contact would jump."
+                    f"dg/dx = {slope.min():.3g} near x = {x[int(np.argmin(slope))]:.3g} m. Smooth the points, or leave "
+                    "out the part beyond which the contact would jump."
                 )
             self.convex = bool((np.diff(slope) > -1e-6 * slope.max()).all())
 
@@ -109,7 +109,9 @@ def _abel_integrals(x: Array, knots: Array) -> tuple[Array, Array, Array]:
 
 
 def _spline_matrices(r: np.ndarray, sharp: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Linear maps from heights to f' = A_0 + A_1 r + A_2 r^2 in the first interval, and to its jumps c_i at inner points."""
+    """Linear maps from heights to f' = A_0 + A_1 r + A_2 r^2 in the first interval, and to its jumps c_i at inner
+    points.
+    """
     start = "not-a-knot" if sharp else (1, np.zeros(r.size))
     cubic, square, linear, _ = CubicSpline(r, np.eye(r.size), bc_type=(start, "not-a-knot")).c  # (intervals, n) each
     return np.stack([linear[0], 2 * square[0], 3 * cubic[0]]), 3 * np.diff(cubic, axis=0)

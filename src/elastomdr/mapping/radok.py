@@ -20,7 +20,7 @@ def normal_operator(material: Prony) -> Relaxation:
     Exact; 2n branches in the second case. Source: Radok 1957; Popov & Hess 2015, ch. 7.
     """
     shear = material.law()
-    if material.bulk is None:
+    if material.poisson is not None:
         return scaled(shear, 2 / (1 - material.poisson))
     return parallel(shear, series(scaled(shear, 3.0), spring(jnp.asarray(9 * material.bulk / 4))))
 
@@ -33,7 +33,7 @@ def tangential_operator(material: Prony) -> Relaxation:
     = (4/3) G + [3/(4G) + 1/(2K)]^-1. Exact. Source: as `normal_operator`.
     """
     shear = material.law()
-    if material.bulk is None:
+    if material.poisson is not None:
         return scaled(shear, 4 / (2 - material.poisson))
     return parallel(scaled(shear, 4 / 3), series(scaled(shear, 4 / 3), spring(jnp.asarray(2 * material.bulk))))
 
@@ -42,15 +42,16 @@ def tangential_operator(material: Prony) -> Relaxation:
 def layer_operator(material: Prony, bonded: bool) -> Relaxation:
     """Modulus of a thin layer on a rigid base [Pa]; divided by the thickness it is the layer's stiffness per area.
 
-    Bonded: K + 4G/3 (no lateral strain). Frictionless base: 2G/(1-nu), which is E/(1-nu^2) (plane strain without lateral
-    stress), the same operator as E*. Thin means: contact width much larger than the thickness. A bonded incompressible layer does not
-    act as a row of springs (its pressure obeys Reynolds' equation) and raises `InputError`.
+    Bonded: K + 4G/3 (no lateral strain). Frictionless base: 2G/(1-nu), which is E/(1-nu^2) (plane strain without
+    lateral stress), the same operator as E*. Thin means: contact width much larger than the thickness. A bonded
+    incompressible layer does not act as a row of springs (its pressure obeys Reynolds' equation) and raises
+    `InputError`.
     Source: Johnson, Contact Mechanics (1985), section 5.8.
     """
     if not bonded:
         return normal_operator(material)
     shear = material.law()
-    if material.bulk is not None:
+    if material.poisson is None:
         law = scaled(shear, 4 / 3)
         return Relaxation(law.equilibrium + material.bulk, law.moduli, law.times, law.viscosity)
     if not is_traced(material.poisson) and material.poisson >= 0.5:

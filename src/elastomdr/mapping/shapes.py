@@ -1,6 +1,7 @@
 """Axisymmetric indenters and their MDR profiles; the cylinder that acts on a layer.
 
-The MDR profile of a body f(r) is g(x) = |x| int_0^|x| f'(r)/sqrt(x^2 - r^2) dr (Popov & Hess 2015, ch. 3). Lengths in m.
+The MDR profile of a body f(r) is g(x) = |x| int_0^|x| f'(r)/sqrt(x^2 - r^2) dr (Popov & Hess 2015, ch. 3). Lengths in
+m.
 """
 
 import abc
@@ -9,9 +10,9 @@ from typing import Any, ClassVar
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from .._runtime import as_float64, in_float64, positive, scalar
+from .._runtime import Array, as_float64, in_float64, positive, scalar
 
 
 class AbstractShape(eqx.Module):

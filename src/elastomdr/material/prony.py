@@ -1,12 +1,14 @@
-"""The viscoelastic solid: a Prony series for shear or tension, a constant Poisson's ratio or bulk modulus, a shift law."""
+"""The viscoelastic solid: a Prony series for shear or tension, a constant Poisson's ratio or bulk modulus, a shift
+law.
+"""
 
 from typing import Any, Literal
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from .._runtime import as_float64, in_float64, is_traced, positive, require, scalar
+from .._runtime import Array, as_float64, in_float64, is_traced, positive, require, scalar
 from ..errors import InputError
 from .relaxation import AbstractRelaxation, KelvinChain, Relaxation, checked, scaled, to_kelvin, to_relaxation
 from .shift import AbstractShift
@@ -87,7 +89,7 @@ class Prony(AbstractRelaxation):
         given = Relaxation(self.equilibrium, self.moduli, self.times, self.viscosity)
         if self.kind == "shear":
             return given
-        if self.bulk is None:
+        if self.poisson is not None:
             return scaled(given, 1 / (2 * (1 + self.poisson)))
         # 1/E = 1/(3G) + 1/(9K): take the bulk part out of the creep function, then invert it.
         chain = to_kelvin(given)

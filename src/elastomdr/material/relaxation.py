@@ -6,9 +6,9 @@ from typing import Any
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from .._runtime import as_float64, ascending, in_float64, is_traced, not_negative, positive
+from .._runtime import Array, as_float64, ascending, in_float64, is_traced, not_negative, positive
 from ..errors import InputError
 from .secular import secular_roots
 
@@ -36,7 +36,9 @@ class AbstractRelaxation(eqx.Module):
 
     @in_float64
     def relaxation(self, t: Any) -> Array:
-        """Stress after a unit strain step, E(t) [Pa], at times t > 0 [s], any shape. A dashpot adds nothing at t > 0."""
+        """Stress after a unit strain step, E(t) [Pa], at times t > 0 [s], any shape. A dashpot adds nothing at t >
+        0.
+        """
         law, t = self.law(), jnp.asarray(as_float64("t", t))
         return law.equilibrium + _sum_branches(law.moduli, jnp.exp(-t[..., None] / law.times))
 
@@ -51,7 +53,7 @@ class AbstractRelaxation(eqx.Module):
         return chain.instantaneous + retarded + t * chain.fluidity
 
     @in_float64
-    def complex_modulus(self, omega: Any) -> Array:
+    def complex_modulus(self, omega: Any) -> Any:
         """E*(omega) = E_inf + sum E_k i w tau_k/(1 + i w tau_k) + i w eta [Pa], at omega > 0 [rad/s], any shape."""
         law, omega = self.law(), jnp.asarray(as_float64("omega", omega))
         x = omega[..., None] * law.times

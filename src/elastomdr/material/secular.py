@@ -12,7 +12,9 @@ the nearer end of its interval, so that it keeps its relative accuracy over any 
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Float
+
+from .._runtime import Array
 
 _BISECTIONS = 64  # halvings of the logarithm of a distance: from 280 decades down to rounding
 _SMALLEST = 1e-140  # its square is still a float64

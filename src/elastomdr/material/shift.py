@@ -7,9 +7,9 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from .._runtime import as_float64, ascending, in_float64, is_traced, not_negative, positive, require, scalar
+from .._runtime import Array, as_float64, ascending, in_float64, is_traced, not_negative, positive, require, scalar
 from ..errors import InputError
 
 GAS_CONSTANT = 8.31446261815324  # R [J/(mol K)], CODATA 2018 (exact)
@@ -131,7 +131,9 @@ class Arrhenius(AbstractShift):
 
 
 class ShiftTable(AbstractShift):
-    """Measured shift factors, joined by monotone cubics (PCHIP); outside the table there is no answer, only an error."""
+    """Measured shift factors, joined by monotone cubics (PCHIP); outside the table there is no answer, only an
+    error.
+    """
 
     temperature: Float[Array, " n"]  # ascending [K]
     log10_a_table: Float[Array, " n"]

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import equinox as eqx
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
 
-from .._runtime import significant
+from .._runtime import Array, significant
 from .axes import curves, in_words, peak
 from .table import AbstractResult, Column
 

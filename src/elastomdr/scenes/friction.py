@@ -27,13 +27,14 @@ def friction(
 
     - `material`: `Prony` (then an incompressible-or-not half-space of it), or `Foundation` (two bodies, a layer).
     - `velocity` [m/s]; `load` [N] or `depth` [m]; `temperature` [K], for a material with a shift law.
-    - `average`: "direction" for the estimate of the three-dimensional half-space, None for the bare line of the textbook.
-      Depth, normal force and contact edges are those of the line at the velocity itself.
+    - `average`: "direction" for the estimate of the three-dimensional half-space, None for the bare line of the
+      textbook. Depth, normal force and contact edges are those of the line at the velocity itself.
     - `rtol`, 1e-3 to 1e-10: relative error of mu to be met. `skip=False` computes also what the plan would leave out.
 
-    Exact for the line and for layers; for the half-space see `elastomdr.mapping.direction`. Raises `InputError`; points that
-    do not converge are NaN and counted in one `ConvergenceWarning`. Differentiable with respect to moduli, times,
-    geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7 and 10, and `docs/theory.md`.
+    Exact for the line and for layers; for the half-space see `elastomdr.mapping.direction`. Raises `InputError`;
+    points that do not converge are NaN and counted in one `ConvergenceWarning`. Differentiable with respect to moduli,
+    times, geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7 and 10, and
+    `docs/theory.md`.
     """
     scene = set_up(
         "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,

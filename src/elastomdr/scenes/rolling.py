@@ -26,8 +26,8 @@ def rolling(
     """Rolling resistance of a sphere, or the indentation rolling resistance of a belt under a cylinder.
 
     Without friction in the contact a rolling body solves the same pressure problem as a sliding one. The resistance is
-    taken from the power that the rubber dissipates, F = P/v, and the moment is M = R F. (The moment of the MDR line's own
-    forces is half of that, since the line is not the half-space's pressure; the power is right in both models.)
+    taken from the power that the rubber dissipates, F = P/v, and the moment is M = R F. (The moment of the MDR line's
+    own forces is half of that, since the line is not the half-space's pressure; the power is right in both models.)
     `coefficient` is the resisting force over the normal force. Arguments, errors and limits as for `friction`;
     raises `InputError` for bodies that do not roll.
     """

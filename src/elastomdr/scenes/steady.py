@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
 
-from .._runtime import as_float64, is_traced, positive, require
+from .._runtime import Array, as_float64, is_traced, positive, require
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.lines import AbstractLines, SingleLine, Strips
@@ -21,6 +21,7 @@ from ..solve.sweep import run
 
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
 BARE = "bare MDR line (textbook; overstates half-space sliding friction by up to a factor of 2)"
+_UNITS = {"radius": " m", "length": " m"}
 LAYER = "thin layer of independent elements (exact for the layer; no direction average needed)"
 
 
@@ -80,8 +81,8 @@ def set_up(
         kelvin = as_float64("temperature", temperature)
         if foundation.shift is None:
             raise InputError(
-                f"temperature was given ({_brief(kelvin)} K), but {foundation.name or 'the material'} has no shift law; "
-                "give the material one with shift=em.WLF(...), or leave the temperature out."
+                f"temperature was given ({_brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift "
+                "law; give the material one with shift=em.WLF(...), or leave the temperature out."
             )
         arrays.append(kelvin)
     try:
@@ -89,7 +90,7 @@ def set_up(
     except ValueError as error:
         shapes = ", ".join(str(np.shape(a)) for a in arrays)
         raise InputError(f"velocity, {control} and temperature must broadcast, got shapes {shapes}.") from error
-    factor = 1.0 if kelvin is None else foundation.shift.a(kelvin)
+    factor = foundation.shift.a(kelvin) if kelvin is not None and foundation.shift is not None else 1.0
     traced = is_traced(law, lines, velocity, value, factor)
     numpy = jnp if traced else np
 
@@ -108,14 +109,24 @@ def set_up(
         average == "direction" and not layer, float(rtol), skip,
     )  # fmt: skip
     inputs = [("material", foundation.name or "given directly"), ("shape", _describe(shape))]
-    inputs.append((control, f"{_brief(value)} {'N' if control == 'load' else 'm'}"))
-    inputs.append(("velocity", f"{_brief(velocity)} m/s"))
+    inputs.append((control, _brief(value, "N" if control == "load" else "m")))
+    inputs.append(("velocity", _brief(velocity, "m/s")))
     if kelvin is not None:
-        inputs.append(("temperature", f"{_brief(kelvin)} K"))
+        inputs.append(("temperature", _brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     broadcast = None if kelvin is None else numpy.broadcast_to(kelvin, result_shape)
     return Scene(
-        foundation, law, lines, control, flat(value), flat(velocity), reduced, broadcast, result_shape, plan, tuple(inputs)
+        foundation,
+        law,
+        lines,
+        control,
+        flat(value),
+        flat(velocity),
+        reduced,
+        broadcast,
+        result_shape,
+        plan,
+        tuple(inputs),
     )
 
 
@@ -154,14 +165,14 @@ def _contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
     if isinstance(shape, FlatPunch):
         raise InputError(
-            "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite rate at "
-            "any velocity, so that the friction depends on how the edge is rounded. Give the rounding: em.PowerLaw with a "
-            "large exponent, or em.Profile with the punch's own edge radius."
+            "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite "
+            "rate at any velocity, so that the friction depends on how the edge is rounded. Give the rounding: "
+            "em.PowerLaw with a large exponent, or em.Profile with the punch's own edge radius."
         )
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
         raise InputError(
-            f"exponent must be 1 or more in sliding, got {shape.exponent:g}: a body with an infinitely sharp tip has no "
-            "steady sliding solution."
+            f"exponent must be 1 or more in sliding, got {shape.exponent:g}: a body with an infinitely sharp tip has "
+            "no steady sliding solution."
         )
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
@@ -180,22 +191,27 @@ def _check_size(lines: AbstractLines, control: Control, value: Any) -> None:
     if control == "depth" and np.isfinite(largest):
         with jax.enable_x64(True):
             deepest = float(lines.depth(jnp.asarray(largest * (1 - 1e-12))))
-        require("depth", value, f"below {deepest:.4g} m, where the contact reaches the end of the profile", lambda d: d < deepest)
+        require(
+            "depth",
+            value,
+            f"below {deepest:.4g} m, where the contact reaches the end of the profile",
+            lambda d: d < deepest,
+        )
 
 
 def _describe(shape: AbstractShape) -> str:
     numbers = [
-        f"{name} {float(np.asarray(x)):.6g}"
+        f"{name} {float(np.asarray(x)):.6g}{_UNITS.get(name, '')}"
         for name, x in vars(shape).items()
-        if not is_traced(x) and isinstance(x, (float, np.ndarray)) and np.ndim(x) == 0
+        if not isinstance(x, bool) and not is_traced(x) and np.ndim(x) == 0
     ]
     return ", ".join([shape.label, *numbers])
 
 
-def _brief(array: Any) -> str:
+def _brief(array: Any, unit: str) -> str:
     if is_traced(array):
         return "traced"
     array = np.asarray(array)
     if array.size == 1:
-        return f"{float(array.reshape(())):.6g}"
-    return f"{array.min():.4g} to {array.max():.4g} ({array.size} values)"
+        return f"{float(array.reshape(())):.6g} {unit}"
+    return f"{array.min():.4g} to {array.max():.4g} {unit} ({array.size} values)"

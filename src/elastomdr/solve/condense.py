@@ -1,10 +1,10 @@
 """Which branches of the spectrum a scene can do without: springs, dashpots, and what that costs.
 
-A branch much slower than the longest passage never relaxes: its modulus joins the equilibrium modulus. One much faster than the
-shortest is a dashpot. With z = passage/tau, the loss of a branch is about E z for z << 1 and E/z for z >> 1. As a spring
-the branch loses the first; as a dashpot it keeps the second and errs by E/z^2. Both are compared with the loss and with
-the modulus that remain, over the whole range of passages of the scene, and the cheapest are condensed while the sum of their
-costs stays within the budget.
+A branch much slower than the longest passage never relaxes: its modulus joins the equilibrium modulus. One much faster
+than the shortest is a dashpot. With z = passage/tau, the loss of a branch is about E z for z << 1 and E/z for z >> 1.
+As a spring the branch loses the first; as a dashpot it keeps the second and errs by E/z^2. Both are compared with the
+loss and with the modulus that remain, over the whole range of passages of the scene, and the cheapest are condensed
+while the sum of their costs stays within the budget.
 """
 
 import dataclasses
@@ -13,7 +13,9 @@ import numpy as np
 
 from ..material.relaxation import Relaxation
 
-_SAFETY = 10.0  # the estimate's constants are those of an elastic paraboloid; contact shape moves them by less than this
+_SAFETY = (
+    10.0  # the estimate's constants are those of an elastic paraboloid; contact shape moves them by less than this
+)
 _SHARE = 0.02  # of rtol, to be spent on condensing
 
 

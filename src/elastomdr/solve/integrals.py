@@ -1,7 +1,7 @@
 """Normal and friction force in steady sliding, with the contact edges where they were put.
 
-Every element sees the same history, so with E(t) the foundation's relaxation function, v the velocity, contact from x = -b
-to x = a, and r the distance between two elements of the contact (r = v times the time between their entries),
+Every element sees the same history, so with E(t) the foundation's relaxation function, v the velocity, contact from x
+= -b to x = a, and r the distance between two elements of the contact (r = v times the time between their entries),
 
     q(-b) = int E(r/v) g'(r - b) dr                      line force density at the trailing edge
     F_N   = int E(r/v) [g(a) - g(r - b)] dr              normal force
@@ -16,8 +16,9 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
+from .._runtime import Array
 from ..foundation.moments import contract
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
@@ -120,7 +121,9 @@ class _Span:
 
 
 def _integrate(p: Passage, span: _Span, samples: Array) -> tuple[Array, Array]:
-    """int E(r/v) h(r) dr from samples of h (..., lines, panels, nodes, points), and what its last two polynomials add."""
+    """int E(r/v) h(r) dr from samples of h (..., lines, panels, nodes, points), and what its last two polynomials
+    add.
+    """
     c = [span.width * x for x in _legendre(p.rule, samples)]
     decay = p.velocity * p.law.times[:, None]
     before = p.law.moduli[:, None] * jnp.exp(-span.start / decay)

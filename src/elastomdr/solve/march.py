@@ -1,12 +1,12 @@
 """Steady sliding where an element may leave and touch again: one element marched through the whole profile.
 
 In steady motion every element has the same history, so the passage of one element from the leading edge x = a to x = -a
-(beyond which the surface only retreats) is the whole field: with the velocity v, int q dx = v int q dt is the normal
-force and int q du the friction force of the line. `solve.passage` is faster and more accurate, but rests on a profile
-that is convex, so that contact is lost once and for all.
+(beyond which the surface only retreats) is the whole field: the normal force is int q dx = v int q dt, and the friction
+force of the line int q du. `solve.passage` is faster and more accurate, but holds for convex profiles, where contact is
+lost once and for all.
 
-All points and lines march together as elements of one `diffrax` solve, each in units of its own passage time. The march
-is of second order in the sample spacing; the answer is the extrapolation of the last two of a series of marches.
+All points and lines march together as the elements of one `diffrax` solve, each in units of its own passage time. The
+march is of second order in the sample spacing; its limit is extrapolated from a series of marches, with an error.
 """
 
 import functools
@@ -18,24 +18,23 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
 
-from .._runtime import is_traced
+from .._runtime import Array, is_traced
 from ..foundation.step import ContactStep, RigidSurface, rest
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
-from .passage import Control, Passages, _first_guess, _size_of_depth
-from .integrals import Passage
-from .rule import Rule
+from .passage import Control, Passages, estimate_sizes
 
 _BLOCK = 64  # contact steps per step of the solver
 _FEWEST, _MOST = 256, 2**15  # samples per passage
 _ITERATIONS = 60  # marches after which the search for a load is given up
 _TILT = 3e-4  # change of log A by which slopes are measured
+_ROUNDING = 1e-15  # of the work turned over, per sample
 
 
 class _March(NamedTuple):
-    """Forces of one march, per point."""
+    """One march, per point."""
 
     size: Float[Array, " points"]  # contact size A [m]
     normal: Float[Array, " points"]  # [N]
@@ -45,12 +44,12 @@ class _March(NamedTuple):
 
 
 class _Passing(eqx.Module):
-    """The rigid surface above an element, w = g(a) - g(x) with x = a (1 - 2 t), t = 0 ... 1 through the passage."""
+    """The rigid surface over one element per line and point: w = g(a) - g(x), x = a (1 - 2 t), t from 0 to 1."""
 
     lines: AbstractLines
     size: Float[Array, " points"]
 
-    def __call__(self, t: Any) -> Float[Array, " lines*points"]:
+    def __call__(self, t: Any) -> Float[Array, " elements"]:
         entry, line = self.lines.entry(self.size), jnp.arange(self.lines.count)[:, None]
         top = self.lines.profile(entry, self.size, line)
         return (top - self.lines.profile(entry * (1 - 2 * t), self.size, line)).reshape(-1)
@@ -64,84 +63,76 @@ def march_passages(
     velocity: Float[Array, " points"],  # times a_T [m/s]
     rtol: float,
 ) -> Passages:
-    """Steady passages by marching; samples double until `rtol` of mu is met, or 2^15 are used up: not converged.
+    """Steady passages by marching; samples double until `rtol` of mu is met or 2^15 are used up: not converged.
 
-    Differentiable as `solve_passages` is. Under `jit` or `vmap`, where errors cannot be looked at, the number of samples
-    follows from `rtol` alone; the error is reported all the same.
+    `trailing` is where contact is lost for the last time, to within one sample. Differentiable as `solve_passages` is.
+    Under `jit` or `vmap`, where errors cannot be looked at, `rtol` alone decides about the number of samples; errors
+    are reported all the same.
     """
     law, lines, value, velocity = jax.tree.map(jnp.asarray, (law, lines, value, velocity))
     frozen = jax.lax.stop_gradient((law, lines, value, velocity))
     blind = is_traced(frozen)
-    samples = _FEWEST
-    if blind:
-        samples = min(max(2 ** math.ceil(math.log2(8 / math.sqrt(rtol))), _FEWEST), _MOST) // 4
-    size = _start(*frozen, control=control)
+    samples = min(max(_power_of_two(8 / math.sqrt(rtol)), 4 * _FEWEST), _MOST) // 4 if blind else _FEWEST
+    size = estimate_sizes(law=frozen[0], lines=frozen[1], control=control, value=frozen[2], velocity=frozen[3])
     marches: list[_March] = []
     while True:
         marches.append(_solve(*frozen, size, samples, 1e-3 * rtol, control=control))
-        size = marches[-1].size
-        if len(marches) > 2:
-            mu, error = _extrapolated(marches)
-            unsettled = marches[-1].good & ~(error <= rtol * jnp.abs(mu))
-            if samples >= _MOST or (blind and len(marches) == 3) or (not blind and not np.any(unsettled)):
+        size = jnp.where(marches[-1].good, marches[-1].size, size)
+        if len(marches) >= 3:
+            good, error = _judged(marches[-3:], samples, rtol, frozen[2] if control == "load" else None)
+            if samples >= _MOST or (blind or not np.any(marches[-1].good & ~good)):
                 break
         samples *= 2
 
-    good = marches[-1].good & marches[-2].good & (error <= rtol * jnp.abs(mu))
+    last = marches[-2:]
     if is_traced(law, lines, value, velocity):
-        steps = ((marches[-2], samples // 2), (marches[-1], samples))
-        marches[-2:] = [
-            _differentiable(law, lines, value, velocity, m.size, control=control, samples=n) for m, n in steps
+        counts = (samples // 2, samples)
+        last = [
+            _differentiable(law, lines, value, velocity, march.size, control=control, samples=count)
+            for march, count in zip(last, counts, strict=True)
         ]
-        mu, _ = _extrapolated(marches)
-    coarse, fine = marches[-2:]
-    size = fine.size + (fine.size - coarse.size) / 3
-    normal = fine.normal + (fine.normal - coarse.normal) / 3
+    limit: _March = jax.tree.map(lambda coarse, fine: fine + (fine - coarse) / 3, last[0][:-1], last[1][:-1])
+    size, normal, drag, _ = limit
     return Passages(
-        mu=mu,
+        mu=drag / normal,
         normal_force=normal,
-        friction_force=mu * normal,
+        friction_force=drag,
         depth=lines.depth(size),
         leading=lines.entry(size)[0],
-        trailing=fine.trailing,
-        error=jax.lax.stop_gradient(error),
+        trailing=last[1].trailing,
+        error=error,
         converged=good,
     )
 
 
-def _extrapolated(marches: list[_March]) -> tuple[Array, Array]:
-    """mu to h -> 0, and its error: the last change, since where between two samples contact ends is not smooth in h."""
-    first, second, third = (m.drag / m.normal for m in marches[-3:])
-    change = third - second
-    rounding = 1e-15 * jnp.abs(third)
-    return third + change / 3, jnp.maximum(jnp.abs(change), 0.25 * jnp.abs(second - first)) + rounding
+def _judged(marches: list[_March], samples: int, rtol: float, load: Array | None) -> tuple[Array, Array]:
+    """Which points have converged, and the error of mu.
 
-
-@functools.partial(jax.jit, static_argnames="control")
-def _start(law: Relaxation, lines: AbstractLines, value: Array, velocity: Array, *, control: Control) -> Array:
-    top = _top(lines, value)
-    if control == "depth":
-        return _size_of_depth(lines, value, top)
-    return jnp.exp(_first_guess(Passage(law, lines, Rule(6), velocity), value, top))
-
-
-def _top(lines: AbstractLines, value: Array) -> Array:
-    """Logarithm of the largest size that the shape allows."""
-    largest = jnp.broadcast_to(jnp.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape)
-    return jnp.log(jnp.minimum(largest * (1 - 1e-13), 1e60))
+    The change from N to 2N samples is three times the error of the limit if the error goes as h^2. Contact ends
+    somewhere between two samples, so that it does not quite; the change itself is taken, or a quarter of the one
+    before. Where the changes do not shrink, the march does not yet see what decides.
+    """
+    first, second, third = (march.drag / march.normal for march in marches)
+    change, before = jnp.abs(third - second), jnp.abs(second - first)
+    error = jnp.where(change > 0.5 * before, 3 * change, jnp.maximum(change, 0.25 * before))
+    if load is not None:
+        error = error + jnp.abs(third * (marches[-1].normal / load - 1))
+    error = error + _ROUNDING * math.sqrt(samples) * jnp.abs(third)
+    good = functools.reduce(jnp.logical_and, (march.good for march in marches))
+    return good & (error <= rtol * jnp.abs(third)), error
 
 
 @functools.partial(jax.jit, static_argnames="control")
 def _solve(law, lines, value, velocity, size, samples, tolerance, *, control: Control) -> _March:
-    """A march at the depth that `size` has, or at the load: secant steps on log F_N against log A, kept in a bracket."""
+    """A march at the given depth, or at the load: secant steps on log F_N against log A, kept in a bracket."""
     if control == "depth":
-        return _march(law, lines, velocity, size, samples)
+        return _march(law, lines, velocity, _at_depth(lines, size, value), samples)
 
     def advance(state):
-        log_size, before, excess_before, slope, low, high, done, count, kept = state
+        log_size, log_before, excess_before, slope, low, high, done, count, kept = state
         march = _march(law, lines, velocity, jnp.exp(log_size), samples)
         excess = jnp.log(march.normal / value)
-        moved = log_size - before
+        moved = log_size - log_before
         secant = (excess - excess_before) / jnp.where(moved == 0, 1.0, moved)
         slope = jnp.where((moved != 0) & (secant > 0.3) & (secant < 30), secant, slope)
         low, high = jnp.where(excess < 0, log_size, low), jnp.where(excess < 0, high, log_size)
@@ -149,56 +140,69 @@ def _solve(law, lines, value, velocity, size, samples, tolerance, *, control: Co
         middle = 0.5 * (jnp.maximum(low, log_size - 3) + jnp.minimum(high, log_size + 3))
         following = jnp.where((following > low) & (following < high), following, middle)
         met = jnp.abs(excess) <= tolerance
-        march = march._replace(good=march.good & met)
-        kept = jax.tree.map(functools.partial(jnp.where, done), kept, march)
-        done = done | met
-        following, before = jnp.where(done, log_size, following), jnp.where(done, before, log_size)
-        return following, before, excess, slope, low, high, done, count + 1, kept
+        kept = jax.tree.map(lambda old, new: jnp.where(done, old, new), kept, march._replace(good=march.good & met))
+        return following, log_size, excess, slope, low, high, done | met, count + 1, kept
 
-    log_size, nan = jnp.log(size), jnp.full_like(value, jnp.nan)
-    none = _March(nan, nan, nan, nan, jnp.zeros(value.shape, bool))
-    state = (log_size, log_size, nan, jnp.full_like(value, 2.5), jnp.full_like(value, -140.0), _top(lines, value))
-    state = (*state, jnp.zeros(value.shape, bool), 0, none)
-    state = jax.lax.while_loop(lambda s: ~jnp.all(s[6]) & (s[7] < _ITERATIONS), advance, state)
-    return state[-1]
+    largest = jnp.broadcast_to(jnp.asarray(lines.shape.largest_contact, dtype=value.dtype), value.shape)
+    top = jnp.log(jnp.minimum(largest * (1 - 1e-13), 1e60))
+    log_size, nan, no = jnp.log(size), jnp.full_like(value, jnp.nan), jnp.zeros(value.shape, bool)
+    start = (log_size, log_size, nan, jnp.full_like(value, 2.5), jnp.full_like(value, -140.0), top, no, 0)
+    state = (*start, _March(nan, nan, nan, nan, no))
+    return jax.lax.while_loop(lambda s: ~jnp.all(s[6]) & (s[7] < _ITERATIONS), advance, state)[-1]
 
 
 @functools.partial(jax.jit, static_argnames=("control", "samples"))
 def _differentiable(law, lines, value, velocity, size, *, control: Control, samples: int) -> _March:
     """A march at a size found before, with derivatives: the size moves with its equation by one Newton step."""
-    kept = jax.lax.stop_gradient
     if control == "depth":
-        depth, slope = jax.jvp(lines.depth, (size,), (jnp.ones_like(size),))
-        size = size - (depth - value) / kept(slope)
-        return _march(law, lines, velocity, size, samples, adjoint=diffrax.DirectAdjoint())
-    march = _march(law, lines, velocity, size, samples, adjoint=diffrax.DirectAdjoint())
-    fixed = kept((law, lines, velocity))
-    up, down = (_march(*fixed, size * math.exp(tilt), samples) for tilt in (_TILT, -_TILT))
-    slope = jax.tree.map(lambda a, b: (a - b) / (2 * _TILT), up[:-1], down[:-1])
-    step = -(march.normal - value) / slope[1]
-    size, normal, drag, trailing = (part + change * step for part, change in zip(march[:-1], slope, strict=True))
-    return _March(size, normal, drag, trailing, march.good)
+        return _march(law, lines, velocity, _at_depth(lines, size, value), samples, differentiable=True)
+    march = _march(law, lines, velocity, size, samples, differentiable=True)
+    fixed = jax.lax.stop_gradient((law, lines, velocity))
+    up, down = (_march(*fixed, size * math.exp(tilt), samples)[:-1] for tilt in (_TILT, -_TILT))
+    slopes = [(high - low) / (2 * _TILT) for high, low in zip(up, down, strict=True)]
+    step = -(march.normal - value) / slopes[1]  # of log A
+    moved = (part + slope * step for part, slope in zip(march[:-1], slopes, strict=True))
+    return _March(*moved, good=march.good)
 
 
-def _march(law, lines, velocity, size, samples, adjoint: diffrax.AbstractAdjoint | None = None) -> _March:
-    """One march of all points and lines with a given number of samples."""
+def _at_depth(lines: AbstractLines, size: Array, depth: Array) -> Array:
+    """One Newton step to the size that has the depth."""
+    now, slope = jax.jvp(lines.depth, (size,), (jnp.ones_like(size),))
+    return size - (now - depth) / jax.lax.stop_gradient(slope)
+
+
+def _march(
+    law: Relaxation,
+    lines: AbstractLines,
+    velocity: Array,
+    size: Array,
+    samples: Any,
+    differentiable: bool = False,
+) -> _March:
+    """One march of all points and lines. The number of samples may be traced, unless it is to be differentiated."""
     entry = lines.entry(size)
-    duration = (2 * entry / velocity).reshape(-1)
-    scaled = Relaxation(law.equilibrium, law.moduli, law.times[:, None] / duration, law.viscosity / duration)
-    solution = diffrax.diffeqsolve(
-        RigidSurface(_Passing(lines, size)),
-        ContactStep(_BLOCK),
-        t0=0.0,
-        t1=1.0,
-        dt0=_BLOCK / samples,
-        y0=rest(law, duration.size),
-        args=scaled,
-        max_steps=_MOST // _BLOCK if adjoint is None else samples // _BLOCK,
-        adjoint=adjoint or diffrax.RecursiveCheckpointAdjoint(),
-        throw=False,
-    )
-    impulse, work, away = (getattr(solution.ys, name)[-1].reshape(entry.shape) for name in ("impulse", "work", "away"))
+    duration = (2 * entry / velocity[None]).reshape(-1)
+    solver, surface, start = ContactStep(_BLOCK), RigidSurface(_Passing(lines, size)), rest(law, duration.size)
+    scaled = Relaxation(law.equilibrium, law.moduli, law.times[:, None] / duration[None], law.viscosity / duration)
+    if differentiable:
+        ends = jnp.linspace(0.0, 1.0, samples // _BLOCK + 1)
+
+        def step(state, ends):
+            return solver.step(surface, *ends, state, scaled, None, False)[0], None
+
+        end, succeeded = jax.lax.scan(step, start, (ends[:-1], ends[1:]))[0], True
+    else:
+        solution = diffrax.diffeqsolve(
+            surface, solver, t0=0.0, t1=1.0, dt0=_BLOCK / samples, y0=start, args=scaled, max_steps=_MOST // _BLOCK,
+            throw=False,
+        )  # fmt: skip
+        end, succeeded = jax.tree.map(lambda leaf: leaf[-1], solution.ys), solution.result == diffrax.RESULTS.successful
+    impulse, work, away = (getattr(end, name).reshape(entry.shape) for name in ("impulse", "work", "away"))
     weight = lines.weight(size)
     normal, drag = jnp.sum(weight * 2 * entry * impulse, axis=0), jnp.sum(weight * work, axis=0)
-    good = (solution.result == diffrax.RESULTS.successful) & jnp.isfinite(normal) & jnp.isfinite(drag)
+    good = succeeded & jnp.isfinite(normal) & jnp.isfinite(drag)
     return _March(size, normal, drag, (entry * (1 - 2 * away))[0], good)
+
+
+def _power_of_two(number: float) -> int:
+    return 2 ** math.ceil(math.log2(number))

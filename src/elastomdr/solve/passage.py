@@ -3,7 +3,8 @@
 In steady motion every element has the same history, so one passage is the whole field. Two kinds of unknown: the
 contact size A, from the load (or the depth), and for each line its trailing edge b, where the force density falls to
 zero. For a convex profile b is unique: after contact is lost the free surface falls ever more slowly (its recovery is
-completely monotone) while the profile retreats ever faster, so it cannot touch again, and holding on would need tension.
+completely monotone) while the profile retreats ever faster, so it cannot touch again, and holding on would need
+tension.
 """
 
 import functools
@@ -11,8 +12,9 @@ from typing import Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
 
+from .._runtime import Array
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .integrals import Passage, balance, exit_density, friction_force, normal_force
@@ -168,7 +170,9 @@ def _exits(p: Passage, size: Array, ratio: Array) -> tuple[Array, Array]:
 
 
 def _size_of_load(p: Passage, load: Array, log_size: Array, ratio: Array, top: Array) -> tuple[Array, Array, Array]:
-    """Contact size for a load: Newton on log F_N against log A, nearly a straight line; its slope needs no dF/db (= q = 0)."""
+    """Contact size for a load: Newton on log F_N against log A, nearly a straight line; its slope needs no dF/db (= q
+    = 0).
+    """
 
     def advance(state):
         log_size, ratio, low, high, done, count = state

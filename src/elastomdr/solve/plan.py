@@ -34,6 +34,7 @@ class Plan:
     temperatures: int  # different temperatures asked for
     traced: bool = False  # under a JAX transformation: values are not known, so nothing that depends on them is skipped
     skip: bool = True
+    elastic: bool = False  # no branch and no dashpot: nothing is lost, mu is zero
 
     def __str__(self) -> str:
         return "\n".join([f"Plan: {self.quantity}, {self.scene}", *_described(self)])
@@ -56,19 +57,19 @@ def make_plan(
 ) -> Plan:
     """Plans a scene from its numbers; while JAX traces, from what is known without them."""
     marched = isinstance(lines.shape, Profile) and not lines.shape.convex
-    elastic_only = law.moduli.shape[0] == 0 and velocity is not None and float(law.viscosity) == 0
-    averaged = averaged and not elastic_only
+    elastic = law.moduli.shape[0] == 0 and velocity is not None and float(law.viscosity) == 0
+    averaged = averaged and not elastic
     count = directions(rtol).cosines.size if averaged else 1
-    common = dict(
+    plan = Plan(
         quantity=quantity, scene=scene, model=model, control=control, points=points, rtol=rtol, averaged=averaged,
-        marched=marched, directions=count, temperatures=temperatures, skip=skip,
+        marched=marched, rules=ladder(lines.shape, rtol)[:1], condensation=Condensation(law.moduli.shape[0]),
+        branch_times=None, directions=count, shared=False, solutions=points * count, temperatures=temperatures,
+        traced=True, skip=skip, elastic=elastic,
     )  # fmt: skip
+    if averaged and control == "depth":
+        plan = dataclasses.replace(plan, solutions=plan.solutions + points)  # the depth gives the load first
     if value is None or velocity is None:
-        size = points * count + (points if averaged and control == "depth" else 0)  # the depth gives the load first
-        return Plan(
-            **common, rules=ladder(lines.shape, rtol)[:1], condensation=Condensation(law.moduli.shape[0]),
-            branch_times=None, shared=False, solutions=size, traced=True,
-        )  # fmt: skip
+        return plan
     slow, fast, least, most = velocity.min(), velocity.max(), value.min(), value.max()
     corners = np.array([slow, slow, fast, fast]), np.array([least, most, least, most])
     sizes = np.asarray(estimate_sizes(law, lines, control, corners[1], corners[0]))
@@ -77,18 +78,13 @@ def make_plan(
     how = choose(law, shortest, longest, rtol) if skip and not marched else Condensation(law.moduli.shape[0])
     largest = float(np.asarray(lines.shape.largest_contact))
     rules = ladder(lines.shape, rtol, largest / (1.3 * sizes.max()))
-    shared, solutions = False, points * count
-    if averaged and control == "depth":
-        solutions += points
-    elif averaged:
+    if averaged and control == "load":
         curves = [velocity[value == x] for x in np.unique(value)]
         with_grid = sum(shared_grid_size(v, rtol) for v in curves) + points
-        shared = skip and with_grid < solutions
-        solutions = with_grid if shared else solutions
+        if skip and with_grid < plan.solutions:
+            plan = dataclasses.replace(plan, shared=True, solutions=with_grid)
     times = tuple(float(t) for t in np.asarray(law.times))
-    return Plan(
-        **common, rules=rules, condensation=how, branch_times=times, shared=shared, solutions=solutions
-    )  # fmt: skip
+    return dataclasses.replace(plan, rules=rules, condensation=how, branch_times=times, traced=False)
 
 
 def _described(plan: Plan) -> list[str]:
@@ -101,7 +97,9 @@ def _described(plan: Plan) -> list[str]:
         text = f"{plan.temperatures} temperatures enter as shifted velocities v a_T: one spectrum serves all"
         lines.append(f"  temperature  {text}")
     lines.append(f"  directions   {_directions(plan)}")
-    lines.append("  not needed   the transient, the history of other elements (in steady motion one passage is the field),")
+    lines.append(
+        "  not needed   the transient, the history of other elements (in steady motion one passage is the field),"
+    )
     lines.append("               surface shape and pressure in 3D, derivatives: none of them asked for")
     return lines
 
@@ -109,7 +107,7 @@ def _described(plan: Plan) -> list[str]:
 def _contact(plan: Plan) -> str:
     rule = plan.rules[0]
     if plan.marched:
-        return "profile not convex: elements may touch again, so they are marched through it by exact contact steps in diffrax"
+        return "profile not convex: elements may touch again, so exact contact steps in diffrax march through it"
     if rule.exact:
         return "closed form: the profile is polynomial, its integrals with every branch are exact, no time steps"
     more = f"; up to {plan.rules[-1].samples} where the error estimate asks for it" if len(plan.rules) > 1 else ""
@@ -118,8 +116,10 @@ def _contact(plan: Plan) -> str:
 
 def _branches(plan: Plan) -> list[str]:
     how = plan.condensation
+    if plan.elastic:
+        return ["none, and no dashpot: nothing is lost, mu is zero and is not computed"]
     if how.branches == 0:
-        return ["none"]
+        return ["none but the dashpot"]
     if plan.traced or plan.branch_times is None:
         return [f"all {how.branches} integrated: under a JAX transformation their values are not known"]
     texts = [f"{len(how.kept)} of {how.branches} integrated"]

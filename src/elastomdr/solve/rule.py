@@ -48,8 +48,8 @@ def graded(levels: int, ratio: float = 0.15) -> tuple[float, ...]:
 def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0) -> tuple[Rule, ...]:
     """Rules for a shape, coarse to fine; the first is expected to meet `rtol`, the others wait for where it does not.
 
-    `smallest` is the ratio of the radius of a sphere to the contact radius, if known: the profile of a sphere is analytic up
-    to R, so that its Legendre series falls as rho^-m with rho = R/a + sqrt((R/a)^2 - 1).
+    `smallest` is the ratio of the radius of a sphere to the contact radius, if known: the profile of a sphere is
+    analytic up to R, so that its Legendre series falls as rho^-m with rho = R/a + sqrt((R/a)^2 - 1).
     """
     if isinstance(shape, (Paraboloid, Cylinder)):
         return (Rule(4, exact=True),)
@@ -59,7 +59,9 @@ def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0) -> tuple[Ru
         return (Rule(2 * int(shape.exponent), split=bool(shape.exponent % 2), exact=True),)
     if isinstance(shape, PowerLaw):
         levels = max(2, math.ceil(math.log10(1 / rtol) / shape.exponent))
-        return tuple(Rule(nodes, split=True, fractions=graded(levels + more)) for nodes, more in ((8, 0), (10, 2), (14, 4)))
+        return tuple(
+            Rule(nodes, split=True, fractions=graded(levels + more)) for nodes, more in ((8, 0), (10, 2), (14, 4))
+        )
     if isinstance(shape, Profile):
         pieces = (2, 8, 24) if rtol >= 1e-5 else (8, 24)
         return tuple(Rule(10, split=True, fractions=tuple(np.linspace(0, 1, n + 1).tolist())) for n in pieces)

@@ -5,8 +5,9 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
+from .._runtime import Array
 from ..mapping.direction import directions, interpolation_error, quadrature_error, shared_grid
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
@@ -41,16 +42,17 @@ def run(
     rtol = plan.rtol
     if not plan.averaged:
         own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
-        mu, error, good = own.mu, own.error, own.converged
+        lossy = 0.0 if plan.elastic else 1.0
+        mu, error, good = lossy * own.mu, lossy * own.error, own.converged
     else:
         deep = _solve(plan, law, lines, "depth", value, velocity, rtol) if plan.control == "depth" else None
         load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
         average = _shared if plan.shared else _direct
-        for _ in range(3):
-            mu, error, good, own = average(plan, law, lines, load, velocity, rtol)
+        mu, error, good, own = average(plan, law, lines, load, velocity, rtol)
+        for finer in (rtol / 30, rtol / 1000):
             if bool(np.all(error <= plan.rtol * mu)) or not bool(np.all(good)):
                 break
-            rtol = max(rtol / 30, 1e-15)
+            mu, error, good, own = average(plan, law, lines, load, velocity, max(finer, 1e-15))
         if deep is not None:
             own, good = deep, good & deep.converged
     error = error + mu * (plan.condensation.cost + _ROUNDING)
@@ -97,7 +99,7 @@ def _direct(plan, law, lines, load, velocity, rtol):
 
 
 def _solve(
-    plan: Plan, law: Relaxation, lines: AbstractLines, control: Control, value: np.ndarray, velocity: np.ndarray,
+    plan: Plan, law: Relaxation, lines: AbstractLines, control: Control, value: Array, velocity: Array,
     rtol: float,
 ) -> Passages:  # fmt: skip
     """Passages as NumPy arrays, in batches, with the rules of the plan tried in turn where the error asks for it."""
@@ -110,15 +112,16 @@ def _solve(
     parts = []
     for start in range(0, velocity.size, _BATCH):
         here = slice(start, start + _BATCH)
-        for rule in plan.rules:
-            part = _padded(law, lines, rule, control, value[here], velocity[here])
+        part = _padded(law, lines, plan.rules[0], control, value[here], velocity[here])
+        for finer in plan.rules[1:]:
             if not np.any(part.converged & (part.error > wanted * part.mu)):
                 break
+            part = _padded(law, lines, finer, control, value[here], velocity[here])
         parts.append(part)
     return Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
 
 
-def _padded(law, lines, rule: Rule, control: Control, value: np.ndarray, velocity: np.ndarray) -> Passages:
+def _padded(law, lines, rule: Rule, control: Control, value: Array, velocity: Array) -> Passages:
     """Solves with the number of points rounded up, so that few sizes are compiled."""
     count = velocity.size
     size = next(n for n in _sizes() if n >= count)

@@ -1,0 +1,1 @@
+"""Problems with exact answers; `steady.PROBLEMS` and `radok.PROBLEMS` list them."""
