@@ -56,8 +56,8 @@ def sphere(radius: float, largest: float) -> tuple[float, ...]:
 
 def slide(line: Line, velocity: float, *, load: float | None = None, leading: float) -> Sliding:
     """Steady sliding with the leading edge `leading` [m], or at a load [N] found from there: Newton's method throughout."""
-    slowest = max(1.0, velocity * max(line.times) / (0.1 * leading))
-    with mp.workdps(DIGITS + 10 + math.ceil((len(line.slope) + 1) * math.log10(slowest))):
+    cancelling = 1 + len(line.slope) * velocity * max(line.times) / leading
+    with mp.workdps(DIGITS + 12 + math.ceil(2 * (len(line.slope) + 1) * math.log10(cancelling))):
         contact = _Contact(line, velocity)
         a, ratio = mp.mpf(leading), mp.mpf("0.7")
         for _ in range(50):
@@ -71,13 +71,20 @@ def slide(line: Line, velocity: float, *, load: float | None = None, leading: fl
 
 
 def direction_average(line: Line, velocity: float, load: float, leading: float) -> float:
-    """(2/pi) int_0^{pi/2} cos(phi) mu_line(v cos(phi)) dphi at the same load, to about 1e-12 of it."""
+    """(2/pi) int_0^{pi/2} cos(phi) mu_line(v cos(phi)) dphi at the same load, to about 1e-12 of it.
 
-    def integrand(angle: float) -> float:
-        slowed = velocity * math.sin(angle)  # the angle counted from pi/2, so that its cosine keeps its digits
-        return math.sin(angle) * slide(line, slowed, load=load, leading=leading).mu
+    With phi = (pi/2)(1 - exp(-y)), since mu_line is smooth in the logarithm of velocity; beyond y = 16 nothing is left.
+    """
+    last = leading
 
-    return 2 / math.pi * quad(integrand, 0, math.pi / 2, epsabs=0, epsrel=1e-11, limit=200)[0]
+    def integrand(y: float) -> float:
+        nonlocal last
+        angle = math.pi / 2 * math.exp(-y)  # pi/2 - phi
+        found = slide(line, velocity * math.sin(angle), load=load, leading=last)
+        last = found.leading
+        return angle * math.sin(angle) * found.mu
+
+    return 2 / math.pi * quad(integrand, 0, 16, epsabs=0, epsrel=1e-11, limit=200)[0]
 
 
 class _Contact:

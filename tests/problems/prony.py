@@ -10,7 +10,7 @@ import mpmath as mp
 
 def line(equilibrium, moduli, times, radius, velocity, *, load=None, size=None):
     """(mu, F_N, F_x, a, b) of the bare line at a load [N] or a leading edge [m]."""
-    with mp.workdps(60):
+    with mp.workdps(120):
         e_inf, radius, velocity = mp.mpf(equilibrium), mp.mpf(radius), mp.mpf(velocity)
         branches = [(mp.mpf(e), velocity * mp.mpf(t)) for e, t in zip(moduli, times, strict=True)]
 

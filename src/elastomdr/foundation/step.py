@@ -35,6 +35,8 @@ class Elements(NamedTuple):
     impulse: Float[Array, " n"]  # int q dt [Pa m s]
     work: Float[Array, " n"]  # int q du [Pa m^2]
     inelastic: Float[Array, " n"]  # int (q - E_inf u) du: keeps its digits where little is lost [Pa m^2]
+    stored: Float[Array, " n"]
+    velocity: Float[Array, " n"]
     away: Float[Array, " n"]  # time since the element was last in contact, or since the start [s]
 
 
@@ -47,6 +49,7 @@ class Coefficients(NamedTuple):
     decay: Array  # e_k
     mean: Array  # phi_k, the mean of a decaying f_k over the step
     gain: Array  # E_k phi_k
+    softness: Array
     seen: Array  # share of f_k in the force on which Signorini's conditions are put
     stiffness: Array  # S, change of that force per change of u
     end: Array  # change of the force at the end per change of u
@@ -57,7 +60,7 @@ class Coefficients(NamedTuple):
 def rest(law: AbstractRelaxation, n: int) -> Elements:
     """n elements that have never been touched."""
     zero = jnp.zeros(n)
-    return Elements(zero, jnp.zeros((law.moduli.shape[0], n)), zero, zero, zero, zero, zero)
+    return Elements(zero, jnp.zeros((law.moduli.shape[0], n)), zero, zero, zero, zero, zero, zero, zero)
 
 
 def contact_step(law: AbstractRelaxation, state: Elements, w_start: Array, w_end: Array, h: Any) -> Elements:
@@ -88,7 +91,7 @@ def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
     seen, stiffness = _signorini(static, viscosity, y, decay, h)
     drag = jnp.sum(moduli * half, axis=0) + rate
     blow = jnp.sum(moduli * (half - 0.5 * mean**2), axis=0) + rate
-    return Coefficients(h, equilibrium, rate, decay, mean, gain, seen, stiffness, static + rate, drag, blow)
+    return Coefficients(h, equilibrium, rate, decay, mean, gain, jnp.where(moduli>0,0.5/jnp.where(moduli>0,moduli,1.0),0.0), seen, stiffness, static + rate, drag, blow)
 
 
 def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> Elements:
@@ -99,7 +102,10 @@ def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> E
     contact = pushed > recovery
     free = ~contact & (state.q <= 0)
     change = jnp.where(contact, pushed, recovery)
-    work, impulse, kept = _integrals(c, u, f, change, pushed, free)
+    f_end = c.decay * f + c.gain * change
+    stored = jnp.sum(c.softness * f_end**2, axis=0)
+    work, impulse, kept = _integrals(c, u, f, change, pushed, free, state.velocity)
+    work = jnp.maximum(work, stored - state.stored)
     # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
     # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
     struck = jnp.where(contact & (u > w_start), (u - w_start) * (pushed - recovery), 0.0)
@@ -107,16 +113,18 @@ def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> E
     end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
     return Elements(
         u=end,
-        f=c.decay * f + c.gain * change,
+        f=f_end,
         q=jnp.where(contact, jnp.maximum(held + c.stiffness * pushed, 0.0), 0.0),
         impulse=state.impulse + impulse,
         work=inelastic + 0.5 * c.equilibrium * end**2,
         inelastic=inelastic,
+        stored=stored,
+        velocity=change/c.h,
         away=jnp.where(contact, 0.0, state.away) + c.h * (1 - kept),
     )
 
 
-def _integrals(c: Coefficients, u: Array, f: Array, change: Array, pushed: Array, free: Array) -> tuple[Array, ...]:
+def _integrals(c: Coefficients, u: Array, f: Array, change: Array, pushed: Array, free: Array, velocity) -> tuple[Array, ...]:
     """int (q - E_inf u) du and int q dt over a step, and the fraction of the step that the element was in contact."""
     faded = jnp.sum(c.mean * f, axis=0)
     drag, spring = faded + c.drag * change, c.equilibrium * (u + 0.5 * change)
@@ -125,22 +133,14 @@ def _integrals(c: Coefficients, u: Array, f: Array, change: Array, pushed: Array
     # Where following the surface to the end takes tension, contact has ended before: with the force linear in time,
     # where it passes zero. A dashpot lets go smoothly, so that this is the whole correction; it is limited to the
     # dashpot's part in the straight path, which for the rest is good to second order and cannot gain energy.
-    last = c.equilibrium * u + jnp.sum(c.decay * f, axis=0) + c.end * pushed
+    last = c.equilibrium * u + jnp.sum(c.decay * f, axis=0) + c.end * pushed + 0.5*c.rate*(pushed-velocity*c.h)
     first = jnp.maximum(2 * (c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed) - last, 0.0)
     lost = ~free & (last < 0)
     kept = jnp.where(lost, first / jnp.where(lost, first - last, 1.0), jnp.where(free, 0.0, 1.0))
     mean = 0.5 * first * kept
-    share = c.rate * jnp.abs(change)
-    work_kept = jnp.clip(
-        mean * pushed - spring * change, work - share * jnp.abs(change), work + share * jnp.abs(change)
-    )
-    impulse_kept = jnp.clip(c.h * mean, impulse - c.h * share, impulse + c.h * share)
-    work, impulse = jnp.where(lost, work_kept, work), jnp.where(lost, impulse_kept, impulse)
-
-    # Free recovery takes no work and no impulse, the straight path between its ends a little. Only where that is work
-    # done on the element is it kept, so that work never falls behind the energy stored.
-    work = jnp.where(free, jnp.maximum(work, -spring * change), work)
-    return work, jnp.where(free, 0.0, impulse), kept
+    work = jnp.where(lost, mean * pushed, jnp.where(free, 0.0, (drag + spring) * change))-spring*change
+    impulse = jnp.where(lost, c.h * mean, jnp.where(free, 0.0, impulse))
+    return work, impulse, kept
 
 
 class RigidSurface(diffrax.AbstractTerm):

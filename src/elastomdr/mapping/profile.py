@@ -112,6 +112,6 @@ def _spline_matrices(r: np.ndarray, sharp: bool) -> tuple[np.ndarray, np.ndarray
     """Linear maps from heights to f' = A_0 + A_1 r + A_2 r^2 in the first interval, and to its jumps c_i at inner
     points.
     """
-    start = "not-a-knot" if sharp else (1, np.zeros(r.size))
+    start: Any = "not-a-knot" if sharp else (1, np.zeros(r.size))
     cubic, square, linear, _ = CubicSpline(r, np.eye(r.size), bc_type=(start, "not-a-knot")).c  # (intervals, n) each
     return np.stack([linear[0], 2 * square[0], 3 * cubic[0]]), 3 * np.diff(cubic, axis=0)

@@ -18,7 +18,7 @@ from .._runtime import Array, as_float64, in_float64, positive, scalar
 class AbstractShape(eqx.Module):
     """A rigid indenter, rising from its lowest point: `height(r)` in three dimensions, `profile_1d(x)` on the line."""
 
-    label: eqx.AbstractClassVar[str]
+    label: ClassVar[str]  # what the shape is called in a sentence
 
     @abc.abstractmethod
     def _height(self, r: Array) -> Array:

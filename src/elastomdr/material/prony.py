@@ -27,8 +27,8 @@ class Prony(AbstractRelaxation):
     moduli: Float[Array, " n"]  # M_k, as given [Pa]
     times: Float[Array, " n"]  # relaxation times tau_k, ascending [s]
     viscosity: Float[Array, ""]  # parallel dashpot, as given [Pa s]
-    poisson: Float[Array, ""] | None  # None where `bulk` is given
-    bulk: Float[Array, ""] | None  # constant bulk modulus [Pa]
+    poisson: Any  # constant Poisson's ratio, a scalar; None where `bulk` is given
+    bulk: Any  # constant bulk modulus, a scalar [Pa]; None where `poisson` is given
     shift: AbstractShift | None
     kind: Literal["shear", "tensile"] = eqx.field(static=True)
     name: str = eqx.field(static=True)

@@ -42,7 +42,7 @@ def secular_roots(
 
     # Which end is nearer: the left-hand side falls through its interval from +infinity to -infinity.
     right_half = excess(fixed_poles, 0.5 * width, fixed_poles, fixed_weights, fixed_constant) > 0
-    right_half = right_half.at[-1].set(False)
+    right_half = right_half & (jnp.arange(n) < n - 1)
     origin = jnp.where(right_half, upper, fixed_poles)
     side = jnp.where(right_half, -1.0, 1.0)
     reach = jnp.where(right_half, 0.5, 1.0) * width

@@ -1,7 +1,7 @@
 """Friction and rolling resistance against velocity: what `em.friction` and `em.rolling` return."""
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
 import numpy as np
@@ -28,9 +28,9 @@ class AbstractCurve(AbstractResult):
     error: eqx.AbstractVar[Float[Array, "..."]]
     converged: eqx.AbstractVar[Bool[Array, "..."]]
 
-    quantity: eqx.AbstractClassVar[str]  # what the curve is called in a title
-    symbol: eqx.AbstractClassVar[str]  # what its coefficient is called in a sentence
-    coefficient_field: eqx.AbstractClassVar[str]  # the field that a figure shows against velocity
+    quantity: ClassVar[str]  # what the curve is called in a title
+    symbol: ClassVar[str]  # what its coefficient is called in a sentence
+    coefficient_field: ClassVar[str]  # the field that a figure shows against velocity
 
     def plot(self, ax: Any = None, title: str | None = None) -> Any:
         """Draws the coefficient against velocity, one line per temperature, load or depth; returns matplotlib Axes.
@@ -109,9 +109,9 @@ class FrictionCurve(AbstractCurve):
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
 
-    quantity = "Friction"
-    symbol = "mu"
-    coefficient_field = "mu"
+    quantity: ClassVar[str] = "Friction"
+    symbol: ClassVar[str] = "mu"
+    coefficient_field: ClassVar[str] = "mu"
 
     @property
     def table(self) -> tuple[Column, ...]:
@@ -148,9 +148,9 @@ class RollingCurve(AbstractCurve):
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
 
-    quantity = "Rolling resistance"
-    symbol = "coefficient"
-    coefficient_field = "coefficient"
+    quantity: ClassVar[str] = "Rolling resistance"
+    symbol: ClassVar[str] = "coefficient"
+    coefficient_field: ClassVar[str] = "coefficient"
 
     @property
     def table(self) -> tuple[Column, ...]:
