@@ -40,7 +40,10 @@ CASES = {
     "neither": (lambda: em.friction(SOLID, SPHERE, velocity=1.0), "load or depth.*neither"),
     "zero velocity": (lambda: em.friction(SOLID, SPHERE, velocity=0.0, load=1.0), "velocity must be positive.*got 0"),
     "one bad velocity": (lambda: em.friction(SOLID, SPHERE, velocity=[1.0, -2.0], load=1.0), "velocity.*got -2"),
-    "infinite load": (lambda: em.friction(SOLID, SPHERE, velocity=1.0, load=np.inf), "load must be positive and finite"),
+    "infinite load": (
+        lambda: em.friction(SOLID, SPHERE, velocity=1.0, load=np.inf),
+        "load must be positive and finite",
+    ),
     "zero depth": (lambda: em.friction(SOLID, SPHERE, velocity=1.0, depth=0.0), "depth must be positive"),
     "pressure": (lambda: em.friction(SOLID, SPHERE, velocity=1.0, pressure=1e5), "pressure belongs to a rough surface"),
     "no shift law": (

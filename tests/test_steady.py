@@ -172,9 +172,10 @@ def test_power_laws_join_up():
     np.testing.assert_allclose(near.mu, exact.mu, rtol=2e-3)
 
 
-@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-7, 1e-10])
-@pytest.mark.parametrize("shape", ["paraboloid", "sphere"])
-def test_rtol_is_honoured_and_covered(rtol, shape):
+@pytest.mark.parametrize(
+    ("shape", "rtol"), [("paraboloid", 1e-3), ("paraboloid", 1e-6), ("paraboloid", 1e-10), ("sphere", 1e-6)]
+)
+def test_rtol_is_honoured_and_covered(shape, rtol):
     foundations = {
         "broad": BROAD,
         "one branch": em.Foundation(4e6, [12e6], [1e-3]),
@@ -182,13 +183,13 @@ def test_rtol_is_honoured_and_covered(rtol, shape):
         "liquid": em.Foundation(0.0, [1e7, 1e6], [1e-4, 1.0]),
         "dashpot": em.Foundation.kelvin(1e6, 1e3),
     }
-    velocity = np.logspace(-2, 3, 11)
+    velocity = np.logspace(-2, 3, 6)
     for name, foundation in foundations.items():
         got = em.friction(foundation, SHAPES[shape], velocity=velocity, load=0.1, rtol=rtol)
         # Independent quadrature in the angle itself, over line solutions that are exact for the line.
         angle, weight = np.polynomial.legendre.leggauss(160)
         angle = np.pi / 4 * (1 + angle)
-        slow = velocity[:, None] * np.cos(angle) ** 1
+        slow = velocity[:, None] * np.cos(angle)
         line = em.friction(foundation, SHAPES[shape], velocity=slow, load=0.1, rtol=1e-10, average=None).mu
         truth = (line * np.cos(angle) * weight).sum(axis=1) / 2
         resolved = velocity <= 1.0  # the angle's own rule loses the fast end, where all the loss sits near 90 degrees
@@ -259,9 +260,7 @@ def _mu(p, shape, average, rtol=1e-8):
     ).mu
 
 
-@pytest.mark.parametrize(
-    ("shape", "average"), [("paraboloid", "direction"), ("sphere", None), ("cone", None), ("paraboloid", None)]
-)
+@pytest.mark.parametrize(("shape", "average"), [("paraboloid", "direction"), ("sphere", None), ("cone", None)])
 def test_gradients_in_both_modes_against_differences(shape, average):
     with jax.enable_x64(True):
         reverse = jax.grad(_mu)(PARAMETERS, shape, average)

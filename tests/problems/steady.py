@@ -45,9 +45,7 @@ PROBLEMS = [
     ),
     Problem(
         "Kelvin-Voigt paraboloid at a load",
-        lambda **k: em.friction(
-            _kelvin_voigt(), em.Paraboloid(1.0), velocity=1.0, load=1e-4, **{"average": None, **k}
-        ),
+        lambda **k: em.friction(_kelvin_voigt(), em.Paraboloid(1.0), velocity=1.0, load=1e-4, **{"average": None, **k}),
         {
             "mu": 0.026914531367677307,
             "depth": 0.0016356835790403367,
@@ -102,9 +100,7 @@ PROBLEMS = [
     ),
     Problem(
         "low speed, bare line: twice the half-space",
-        lambda **k: em.friction(
-            _solid(), em.Paraboloid(0.01), velocity=1e-3, load=10.0, **{"average": None, **k}
-        ),
+        lambda **k: em.friction(_solid(), em.Paraboloid(0.01), velocity=1e-3, load=10.0, **{"average": None, **k}),
         {"mu": 0.0006},
         0.005,
     ),

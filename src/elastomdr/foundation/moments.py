@@ -8,6 +8,9 @@ material. With h expanded in Legendre polynomials on an interval, one branch ent
 i_j the modified spherical Bessel function. So a boundary layer at the leading edge, however thin, costs nothing.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Float
@@ -15,46 +18,71 @@ from jaxtyping import Float
 from .._runtime import Array
 
 
+_UNROLLED = 9  # coefficients up to which the recurrences are written out
+
+
 @jax.custom_jvp
-def contract(coefficients: tuple[Array, ...], z: Float[Array, "*shape"]) -> Float[Array, "..."]:
-    """sum_j c_j mu_j(z) for z >= 0 and at least two coefficients, broadcast against each other.
+def contract(coefficients: Float[Array, "count ..."], z: Float[Array, "*shape"]) -> Float[Array, "..."]:
+    """sum_j c_j mu_j(z) for z >= 0 and at least two rows of coefficients, broadcast against z.
 
     One sweep: the ratios i_j/i_{j-1} by backward recurrence where z is small, forward recurrence where it is large,
     the sum taken along the way. Start: Amos' bound (Math. Comp. 28, 1974). Recurrences: DLMF 10.51.
     """
-    count = len(coefficients)
+    rows, count = coefficients, coefficients.shape[0]
     switch = max(count, count * count / 8)
     half = z / 2
     small, large = jnp.minimum(half, switch), jnp.maximum(half, switch)
+    # A long chain of steps in one expression is slow to compile and, past a dozen, slow to run: then it is a loop.
+    loop = jax.lax.fori_loop if count > _UNROLLED else _unrolled
 
     top = count + (8 if count <= 9 else 12 if count <= 17 else 26)
     ratio = small / (top + 1.5 + jnp.sqrt((top + 1.5) ** 2 + small**2))
-    total = 0.0
-    for j in range(top, 0, -1):
+
+    def lower(i, ratio):
+        return small / ((2 * (top - i) + 1) + small * ratio)
+
+    def lower_and_add(i, state):
+        ratio, total = state
+        j = count - 1 - i
         ratio = small / ((2 * j + 1) + small * ratio)
-        if j < count:
-            total = ratio * (coefficients[j] + total)
-    low = _mean_decay(2 * small) * (coefficients[0] + total)
+        return ratio, ratio * (rows[j] + total)
+
+    ratio = loop(0, top - count + 1, lower, ratio)
+    _, total = loop(0, count - 1, lower_and_add, (ratio, jnp.zeros(jnp.broadcast_shapes(z.shape, rows[0].shape))))
+    low = _mean_decay(2 * small) * (rows[0] + total)
 
     inverse, decay = 1 / large, jnp.exp(-2 * large)
     before = 0.5 * (1 - decay) * inverse
     mu = 0.5 * (1 + decay) * inverse - before * inverse
-    high = coefficients[0] * before + coefficients[1] * mu
-    for j in range(1, count - 1):
+
+    def raise_and_add(i, state):
+        before, mu, total = state
+        j = i + 1
         before, mu = mu, before - (2 * j + 1) * inverse * mu
-        high = high + coefficients[j + 1] * mu
+        return before, mu, total + rows[j + 1] * mu
+
+    _, _, high = loop(0, count - 2, raise_and_add, (before, mu, rows[0] * before + rows[1] * mu))
     return jnp.where(half <= switch, low, high)
+
+
+def _unrolled(start: int, stop: int, body: Callable[[int, Any], Any], state: Any) -> Any:
+    for i in range(start, stop):
+        state = body(i, state)
+    return state
 
 
 @contract.defjvp
 def _contract_jvp(primals, tangents):
     """d mu_j/dz = -(1/2)[mu_j - ((j+1) mu_{j+1} + j mu_{j-1})/(2j+1)]: again a contraction."""
     (coefficients, z), (coefficient_tangents, z_tangent) = primals, tangents
-    padded = (0.0, *coefficients, 0.0, 0.0)
-    derivative = tuple(
-        -0.5 * (padded[i + 1] - i / (2 * i - 1) * padded[i] - (i + 1) / (2 * i + 3) * padded[i + 2])
-        for i in range(len(coefficients) + 1)
-    )
+    count = coefficients.shape[0]
+    i = jnp.arange(count + 1.0).reshape(-1, *[1] * (coefficients.ndim - 1))
+
+    def shifted(before: int, after: int) -> Array:
+        return jnp.pad(coefficients, [(before, after)] + [(0, 0)] * (coefficients.ndim - 1))
+
+    up, same, down = shifted(1, 0), shifted(0, 1), shifted(0, 2)[1:]
+    derivative = -0.5 * (same - i / (2 * i - 1) * up - (i + 1) / (2 * i + 3) * down)
     value = contract(coefficients, z)
     return value, contract(coefficient_tangents, z) + z_tangent * contract(derivative, z)
 

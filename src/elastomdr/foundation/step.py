@@ -7,9 +7,8 @@ under Signorini's conditions q >= 0, u >= w(t), q (u - w) = 0, with w(t) the pla
     f_k+ = e_k f_k + E_k phi_k (u+ - u),    e_k = exp(-h/tau_k),    phi_k = (1 - e_k) tau_k/h,
 
 the force at the end is linear in u+, so that u+ = max(u_free, w+) decides about contact, u_free being the displacement
-that needs no force, and int q dt, int q du are closed forms. The branches make a motion that is possible for them, so
-no step, however long, gains energy. Kelvin elements (`Foundation.kelvin`: no branch, a dashpot) and Maxwell elements
-(`Foundation.maxwell`: one branch, E_inf = 0) are the smallest cases.
+that needs no force, and int q dt, int q du are closed forms. Kelvin elements (`Foundation.kelvin`: no branch, a
+dashpot) and Maxwell elements (`Foundation.maxwell`: one branch, E_inf = 0) are the smallest cases.
 """
 
 from collections.abc import Callable
@@ -32,11 +31,11 @@ class Elements(NamedTuple):
     u: Float[Array, " n"]  # displacement, positive into the material [m]
     f: Float[Array, "k n"]  # force densities f_k of the branches [Pa m]
     q: Float[Array, " n"]  # contact force density, zero out of contact; with a dashpot see `contact_step` [Pa m]
+    velocity: Float[Array, " n"]  # mean of u' over the last step [m/s]
     impulse: Float[Array, " n"]  # int q dt [Pa m s]
     work: Float[Array, " n"]  # int q du [Pa m^2]
     inelastic: Float[Array, " n"]  # int (q - E_inf u) du: keeps its digits where little is lost [Pa m^2]
-    stored: Float[Array, " n"]
-    velocity: Float[Array, " n"]
+    stored: Float[Array, " n"]  # energy in the branches, sum f_k^2/(2 E_k) [Pa m^2]
     away: Float[Array, " n"]  # time since the element was last in contact, or since the start [s]
 
 
@@ -49,7 +48,7 @@ class Coefficients(NamedTuple):
     decay: Array  # e_k
     mean: Array  # phi_k, the mean of a decaying f_k over the step
     gain: Array  # E_k phi_k
-    softness: Array
+    energy: Array  # 1/(2 E_k), zero for an empty branch
     seen: Array  # share of f_k in the force on which Signorini's conditions are put
     stiffness: Array  # S, change of that force per change of u
     end: Array  # change of the force at the end per change of u
@@ -60,21 +59,20 @@ class Coefficients(NamedTuple):
 def rest(law: AbstractRelaxation, n: int) -> Elements:
     """n elements that have never been touched."""
     zero = jnp.zeros(n)
-    return Elements(zero, jnp.zeros((law.moduli.shape[0], n)), zero, zero, zero, zero, zero, zero, zero)
+    return Elements(zero, jnp.zeros((law.moduli.shape[0], n)), *[zero] * 7)
 
 
 def contact_step(law: AbstractRelaxation, state: Elements, w_start: Array, w_end: Array, h: Any) -> Elements:
     """The state after a step h [s] in which the rigid surface moves from `w_start` to `w_end` [m, shape (n,)].
 
-    Signorini's conditions hold at the end to rounding, with q+ = S (u+ - u_free). Second order in h. `h` is a scalar or
-    (n,); the law's times may be (k, n) and its other numbers (n,), one law per element.
+    Signorini's conditions hold at the end to rounding, with q+ = S (u+ - u_free), whatever the step, and `work` never
+    falls behind the energy stored, E_inf u^2/2 + sum f_k^2/(2 E_k). Second order in h. `h` is a scalar or (n,); the
+    law's times may be (k, n) and its other numbers (n,), one law per element.
 
     Without a dashpot q+ is the force at the end, E_inf u+ + sum f_k+. A dashpot knows eta u' only as a mean over the
     step; beside end values of the rest it would recover from contact at first order only. So with a dashpot q is the
-    mean over the part of the step that the dashpot remembers, weight exp(-(h - t) K/eta) with K = E_inf + sum E_k
-    phi_k: a Kelvin element recovers exactly, u+ = u exp(-E h/eta), and a long step sees its end alone.
-
-    `work` never falls behind the energy stored, E_inf u^2/2 + sum f_k^2/(2 E_k), whatever the step.
+    mean over the part of the step that the dashpot remembers, weight exp(-(h - t) K/eta), K = E_inf + sum E_k phi_k:
+    a Kelvin element recovers exactly, u+ = u exp(-E h/eta), and a long step sees its end alone.
     """
     return advance(coefficients(law, h), state, w_start, w_end)
 
@@ -89,9 +87,20 @@ def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
     gain = moduli * mean
     static = equilibrium + jnp.sum(gain, axis=0)
     seen, stiffness = _signorini(static, viscosity, y, decay, h)
-    drag = jnp.sum(moduli * half, axis=0) + rate
-    blow = jnp.sum(moduli * (half - 0.5 * mean**2), axis=0) + rate
-    return Coefficients(h, equilibrium, rate, decay, mean, gain, jnp.where(moduli>0,0.5/jnp.where(moduli>0,moduli,1.0),0.0), seen, stiffness, static + rate, drag, blow)
+    return Coefficients(
+        h=h,
+        equilibrium=equilibrium,
+        rate=rate,
+        decay=decay,
+        mean=mean,
+        gain=gain,
+        energy=jnp.where(moduli > 0, 0.5 / jnp.where(moduli > 0, moduli, 1.0), 0.0),
+        seen=seen,
+        stiffness=stiffness,
+        end=static + rate,
+        drag=jnp.sum(moduli * half, axis=0) + rate,
+        blow=jnp.sum(moduli * (half - 0.5 * mean**2), axis=0) + rate,
+    )
 
 
 def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> Elements:
@@ -102,45 +111,48 @@ def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> E
     contact = pushed > recovery
     free = ~contact & (state.q <= 0)
     change = jnp.where(contact, pushed, recovery)
+    end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
     f_end = c.decay * f + c.gain * change
-    stored = jnp.sum(c.softness * f_end**2, axis=0)
-    work, impulse, kept = _integrals(c, u, f, change, pushed, free, state.velocity)
-    work = jnp.maximum(work, stored - state.stored)
+    stored = jnp.sum(c.energy * f_end**2, axis=0)
+    work, impulse, kept = _integrals(c, state, change, pushed, free)
     # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
     # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
     struck = jnp.where(contact & (u > w_start), (u - w_start) * (pushed - recovery), 0.0)
-    inelastic = state.inelastic + work + c.blow * struck
-    end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
+    inelastic = state.inelastic + jnp.maximum(work, stored - state.stored) + c.blow * struck
     return Elements(
         u=end,
         f=f_end,
         q=jnp.where(contact, jnp.maximum(held + c.stiffness * pushed, 0.0), 0.0),
+        velocity=change / c.h,
         impulse=state.impulse + impulse,
         work=inelastic + 0.5 * c.equilibrium * end**2,
         inelastic=inelastic,
         stored=stored,
-        velocity=change/c.h,
         away=jnp.where(contact, 0.0, state.away) + c.h * (1 - kept),
     )
 
 
-def _integrals(c: Coefficients, u: Array, f: Array, change: Array, pushed: Array, free: Array, velocity) -> tuple[Array, ...]:
+def _integrals(c: Coefficients, state: Elements, change: Array, pushed: Array, free: Array) -> tuple[Array, ...]:
     """int (q - E_inf u) du and int q dt over a step, and the fraction of the step that the element was in contact."""
-    faded = jnp.sum(c.mean * f, axis=0)
+    u, faded = state.u, jnp.sum(c.mean * state.f, axis=0)
     drag, spring = faded + c.drag * change, c.equilibrium * (u + 0.5 * change)
-    work, impulse = drag * change, c.h * (spring + drag)  # on the straight path
 
-    # Where following the surface to the end takes tension, contact has ended before: with the force linear in time,
-    # where it passes zero. A dashpot lets go smoothly, so that this is the whole correction; it is limited to the
-    # dashpot's part in the straight path, which for the rest is good to second order and cannot gain energy.
-    last = c.equilibrium * u + jnp.sum(c.decay * f, axis=0) + c.end * pushed + 0.5*c.rate*(pushed-velocity*c.h)
-    first = jnp.maximum(2 * (c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed) - last, 0.0)
+    # The straight path is exact where the element follows the surface, or is pushed down by it. Where following the
+    # surface to the end would take tension, contact has ended when the force, linear in time, passed zero. A dashpot
+    # feels the surface bend, not only its mean slope; twice the slope or its reverse is taken for a kink.
+    bend = pushed - state.velocity * c.h
+    bend = jnp.where(jnp.abs(bend) < jnp.abs(pushed), bend, 0.0)
+    mean = c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed
+    last = c.equilibrium * u + jnp.sum(c.decay * state.f, axis=0) + c.end * pushed + 0.5 * c.rate * bend
+    first = jnp.maximum(2 * mean - last, 0.0)
     lost = ~free & (last < 0)
     kept = jnp.where(lost, first / jnp.where(lost, first - last, 1.0), jnp.where(free, 0.0, 1.0))
-    mean = 0.5 * first * kept
-    work = jnp.where(lost, mean * pushed, jnp.where(free, 0.0, (drag + spring) * change))-spring*change
-    impulse = jnp.where(lost, c.h * mean, jnp.where(free, 0.0, impulse))
-    return work, impulse, kept
+    area = 0.5 * first * kept
+
+    work = jnp.where(lost, area * pushed, (drag + spring) * change)
+    impulse = jnp.where(lost, area, drag + spring) * c.h
+    # An element that recovers freely feels no force, though on the straight path between two instants it would.
+    return jnp.where(free, 0.0, work) - spring * change, jnp.where(free, 0.0, impulse), kept
 
 
 class RigidSurface(diffrax.AbstractTerm):

@@ -123,6 +123,7 @@ def scaled(law: Relaxation, factor: Any) -> Relaxation:
     return Relaxation(law.equilibrium * factor, law.moduli * factor, law.times, law.viscosity * factor)
 
 
+@in_float64
 def parallel(first: Relaxation, second: Relaxation) -> Relaxation:
     """The sum of two relaxation functions, with times in ascending order."""
     moduli = jnp.concatenate([jnp.asarray(first.moduli), jnp.asarray(second.moduli)])
@@ -198,6 +199,7 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
     return Relaxation(equilibrium, moduli, roots, viscosity)
 
 
+@in_float64
 def series(first: Relaxation, second: Relaxation) -> Relaxation:
     """Two bodies that carry the same stress: their creep functions add. Exact, n_1 + n_2 branches at most."""
     one, two = to_kelvin(first), to_kelvin(second)

@@ -20,6 +20,7 @@ _BISECTIONS = 64  # halvings of the logarithm of a distance: from 280 decades do
 _SMALLEST = 1e-140  # its square is still a float64
 
 
+@jax.jit
 def secular_roots(
     poles: Float[Array, " n"],  # ascending pole times [s]
     weights: Float[Array, " n"],  # positive weights
@@ -30,19 +31,24 @@ def secular_roots(
     The last root is infinite where c = 0. Differentiable: the bisection is not, one Newton step after it is.
     """
     n = poles.shape[0]
-    fixed_poles, fixed_weights, fixed_constant = jax.lax.stop_gradient((poles, weights, constant))
-    total = jnp.sum(fixed_weights)
-    top = fixed_poles[-1] + total / jnp.maximum(fixed_constant, _SMALLEST)
-    upper = jnp.append(fixed_poles[1:], jnp.minimum(top, 1e300))
+    index = jnp.arange(n)
+    finite = (index < n - 1) | (constant > 0)
+    # Where the last root is infinite it is sought with a constant that puts it at a finite place, and masked below:
+    # an infinity on the way would turn the derivatives of all roots into NaN.
+    stand_in = jax.lax.stop_gradient(jnp.sum(weights) / jnp.maximum(poles[-1], _SMALLEST))
+    constants = jnp.where(finite, constant, stand_in)
+    fixed_poles, fixed_weights, fixed_constants = jax.lax.stop_gradient((poles, weights, constants))
+    top = fixed_poles[-1] + jnp.sum(fixed_weights) / fixed_constants[-1]
+    upper = jnp.append(fixed_poles[1:], top)
     width = upper - fixed_poles
 
-    def excess(origin: Array, distance: Array, poles: Array, weights: Array, constant: Array) -> Array:
+    def excess(origin: Array, distance: Array, poles: Array, weights: Array, constants: Array) -> Array:
         gap = (origin[:, None] - poles[None, :]) + distance[:, None]
-        return jnp.sum(weights / _away_from_zero(gap), axis=1) - constant
+        return jnp.sum(weights / _away_from_zero(gap), axis=1) - constants
 
     # Which end is nearer: the left-hand side falls through its interval from +infinity to -infinity.
-    right_half = excess(fixed_poles, 0.5 * width, fixed_poles, fixed_weights, fixed_constant) > 0
-    right_half = right_half & (jnp.arange(n) < n - 1)
+    right_half = excess(fixed_poles, 0.5 * width, fixed_poles, fixed_weights, fixed_constants) > 0
+    right_half = right_half & (index < n - 1)
     origin = jnp.where(right_half, upper, fixed_poles)
     side = jnp.where(right_half, -1.0, 1.0)
     reach = jnp.where(right_half, 0.5, 1.0) * width
@@ -50,7 +56,7 @@ def secular_roots(
     def halve(_, bounds):
         low, high = bounds
         middle = 0.5 * (low + high)
-        value = excess(origin, side * jnp.exp(middle), fixed_poles, fixed_weights, fixed_constant)
+        value = excess(origin, side * jnp.exp(middle), fixed_poles, fixed_weights, fixed_constants)
         too_near = side * value > 0  # the root lies farther from the origin
         return jnp.where(too_near, middle, low), jnp.where(too_near, high, middle)
 
@@ -59,15 +65,13 @@ def secular_roots(
     distance = side * jnp.exp(0.5 * (low + high))
 
     # Newton on the distance, with the poles' own tangents in the residual.
-    index = jnp.arange(n)
     origin = poles[jnp.minimum(index + right_half, n - 1)]
     gap = (origin[:, None] - poles[None, :]) + distance[:, None]
-    residual = jnp.sum(weights / _away_from_zero(gap), axis=1) - constant
+    residual = jnp.sum(weights / _away_from_zero(gap), axis=1) - constants
     step = residual / jnp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
     step = step - jax.lax.stop_gradient(jnp.where(jnp.abs(step) < 0.1 * jnp.abs(distance), 0.0, step))
     gap = gap + step[:, None]
     slope = jnp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
-    finite = (index < n - 1) | (constant > 0)
     return jnp.where(finite, origin + distance + step, jnp.inf), slope
 
 

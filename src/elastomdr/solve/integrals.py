@@ -66,15 +66,15 @@ def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, 
     span = _Span(p, size, ratio)
     correlation = _autocorrelation(p, size, span.entry, span.exit)
     samples = correlation(span.positions(jnp.zeros_like(span.exit)))
-    c = [span.width * x for x in _legendre(p.rule, samples)]
+    c = span.width * _legendre(p.rule, samples)
     decay = p.velocity * p.law.times[:, None]
     slow = (decay > (span.entry + span.exit)[:, None])[:, None]  # lines, 1, branches, points
     moduli = p.law.moduli[:, None]
     before, z = jnp.exp(-span.start / decay), span.width / decay
     # 1 - mu_0 = (z/2)(mu_0 + mu_1), hence the third row; one call serves all three.
-    zero = jnp.zeros_like(c[0])
-    rows = zip(c, [zero, *c[1:]], [c[0], c[0]] + [zero] * (len(c) - 2), strict=True)
-    fast, later, first = contract(tuple(jnp.stack(row) for row in rows), z)
+    later = c.at[0].set(0.0)
+    first = jnp.zeros_like(c).at[:2].set(c[0])
+    fast, later, first = contract(jnp.stack([c, later, first], axis=1), z)
     relaxed = -jnp.expm1(-span.start / decay) * c[0] + before * (0.5 * z * first - later)
     total = jnp.sum(moduli * jnp.where(slow, -relaxed, before * fast), axis=(1, 2))
     tail = _tail(p, moduli * before, c, z) if not p.rule.exact else jnp.zeros_like(total)
@@ -124,24 +124,23 @@ def _integrate(p: Passage, span: _Span, samples: Array) -> tuple[Array, Array]:
     """int E(r/v) h(r) dr from samples of h (..., lines, panels, nodes, points), and what its last two polynomials
     add.
     """
-    c = [span.width * x for x in _legendre(p.rule, samples)]
+    c = span.width * _legendre(p.rule, samples)
     decay = p.velocity * p.law.times[:, None]
     before = p.law.moduli[:, None] * jnp.exp(-span.start / decay)
     z = span.width / decay
-    value = jnp.sum(before * contract(tuple(c), z), axis=(-3, -2))
+    value = jnp.sum(before * contract(c, z), axis=(-3, -2))
     value = value + p.law.equilibrium * jnp.sum(c[0], axis=(-3, -2))
     return value, jnp.zeros_like(value) if p.rule.exact else _tail(p, before, c, z)
 
 
-def _tail(p: Passage, before: Array, c: list[Array], z: Array) -> Array:
-    last = tuple(x if j >= p.rule.nodes - 2 else jnp.zeros_like(x) for j, x in enumerate(c))
+def _tail(p: Passage, before: Array, c: Array, z: Array) -> Array:
+    last = jnp.zeros_like(c).at[-2:].set(c[-2:])
     return jnp.abs(jnp.sum(jax.lax.stop_gradient(before * contract(last, z)), axis=(-3, -2)))
 
 
-def _legendre(rule: Rule, samples: Float[Array, "... nodes points"]) -> list[Array]:
-    """Legendre coefficients in 1 - 2c of the samples on each panel, as arrays (..., 1, points)."""
-    coefficients = jnp.einsum("...ib,ij->...jb", samples, jnp.asarray(gauss(rule.nodes)[2]))
-    return [coefficients[..., j : j + 1, :] for j in range(rule.nodes)]
+def _legendre(rule: Rule, samples: Float[Array, "... nodes points"]) -> Float[Array, "nodes ... 1 points"]:
+    """Legendre coefficients in 1 - 2c of the samples on each panel, the polynomials' axis first."""
+    return jnp.einsum("...ib,ij->j...b", samples, jnp.asarray(gauss(rule.nodes)[2]))[..., None, :]
 
 
 def _panels(rule: Rule, entry: Array, exit: Array) -> tuple[Array, Array]:

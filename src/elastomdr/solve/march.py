@@ -21,7 +21,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array, is_traced
-from ..foundation.step import ContactStep, RigidSurface, rest
+from ..foundation.step import ContactStep, Elements, RigidSurface, rest
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .passage import Control, Passages, estimate_sizes
@@ -84,40 +84,45 @@ def march_passages(
                 break
         samples *= 2
 
-    last = marches[-2:]
+    coarse, fine = marches[-2:]
+    limit = _March(*(new + (new - old) / 3 for old, new in zip(coarse[:-1], fine[:-1], strict=True)), good=good)
+    limit = limit._replace(trailing=fine.trailing)
     if is_traced(law, lines, value, velocity):
-        counts = (samples // 2, samples)
-        last = [
-            _differentiable(law, lines, value, velocity, march.size, control=control, samples=count)
-            for march, count in zip(last, counts, strict=True)
-        ]
-    limit: _March = jax.tree.map(lambda coarse, fine: fine + (fine - coarse) / 3, last[0][:-1], last[1][:-1])
-    size, normal, drag, _ = limit
+        moved = _differentiable(law, lines, value, velocity, fine.size, control=control, samples=samples)
+        limit = jax.tree.map(_with_tangent, limit, moved._replace(good=good))
     return Passages(
-        mu=drag / normal,
-        normal_force=normal,
-        friction_force=drag,
-        depth=lines.depth(size),
-        leading=lines.entry(size)[0],
-        trailing=last[1].trailing,
+        mu=limit.drag / limit.normal,
+        normal_force=limit.normal,
+        friction_force=limit.drag,
+        depth=lines.depth(limit.size),
+        leading=lines.entry(limit.size)[0],
+        trailing=limit.trailing,
         error=error,
-        converged=good,
+        converged=limit.good,
     )
+
+
+def _with_tangent(value: Array, moved: Array) -> Array:
+    """`value` with the derivatives of `moved`."""
+    return value if value.dtype == bool else value + (moved - jax.lax.stop_gradient(moved))
 
 
 def _judged(marches: list[_March], samples: int, rtol: float, load: Array | None) -> tuple[Array, Array]:
     """Which points have converged, and the error of mu.
 
-    The change from N to 2N samples is three times the error of the limit if the error goes as h^2. Contact ends
-    somewhere between two samples, so that it does not quite; the change itself is taken, or a quarter of the one
-    before. Where the changes do not shrink, the march does not yet see what decides.
+    Where two changes from N to 2N samples stand as h^2 has them, the error is what the limit has changed by. Elsewhere
+    it is the last change itself, or a quarter of the one before; more where changes do not shrink, since the march does
+    not yet see what decides.
     """
     first, second, third = (march.drag / march.normal for march in marches)
     change, before = jnp.abs(third - second), jnp.abs(second - first)
-    error = jnp.where(change > 0.5 * before, 3 * change, jnp.maximum(change, 0.25 * before))
+    limits = jnp.abs((third - second) - (second - first) / 4) * 4 / 3
+    cautious = jnp.where(change > 0.5 * before, 3 * change, jnp.maximum(change, 0.25 * before))
+    regular = (jnp.sign(third - second) == jnp.sign(second - first)) & (before > 3 * change) & (before < 5 * change)
+    error = jnp.where(regular, limits, cautious) + _ROUNDING * math.sqrt(samples) * jnp.abs(third)
     if load is not None:
-        error = error + jnp.abs(third * (marches[-1].normal / load - 1))
-    error = error + _ROUNDING * math.sqrt(samples) * jnp.abs(third)
+        missed = [jnp.abs(march.normal / load - 1) for march in marches]
+        error = error + jnp.abs(third) * (missed[-2] + missed[-1])
     good = functools.reduce(jnp.logical_and, (march.good for march in marches))
     return good & (error <= rtol * jnp.abs(third)), error
 
@@ -157,12 +162,13 @@ def _differentiable(law, lines, value, velocity, size, *, control: Control, samp
     if control == "depth":
         return _march(law, lines, velocity, _at_depth(lines, size, value), samples, differentiable=True)
     march = _march(law, lines, velocity, size, samples, differentiable=True)
-    fixed = jax.lax.stop_gradient((law, lines, velocity))
-    up, down = (_march(*fixed, size * math.exp(tilt), samples)[:-1] for tilt in (_TILT, -_TILT))
-    slopes = [(high - low) / (2 * _TILT) for high, low in zip(up, down, strict=True)]
+    fixed_law, fixed_lines, fixed_velocity = jax.lax.stop_gradient((law, lines, velocity))
+    tilted = jnp.concatenate([size * math.exp(_TILT), size * math.exp(-_TILT)])
+    sides = _march(fixed_law, fixed_lines, jnp.tile(fixed_velocity, 2), tilted, samples)
+    points = size.shape[0]
+    slopes = [(side[:points] - side[points:]) / (2 * _TILT) for side in sides[:-1]]
     step = -(march.normal - value) / slopes[1]  # of log A
-    moved = (part + slope * step for part, slope in zip(march[:-1], slopes, strict=True))
-    return _March(*moved, good=march.good)
+    return _March(*(part + slope * step for part, slope in zip(march[:-1], slopes, strict=True)), good=march.good)
 
 
 def _at_depth(lines: AbstractLines, size: Array, depth: Array) -> Array:
@@ -172,32 +178,37 @@ def _at_depth(lines: AbstractLines, size: Array, depth: Array) -> Array:
 
 
 def _march(
-    law: Relaxation,
-    lines: AbstractLines,
-    velocity: Array,
-    size: Array,
-    samples: Any,
-    differentiable: bool = False,
+    law: Relaxation, lines: AbstractLines, velocity: Array, size: Array, samples: Any, differentiable: bool = False
 ) -> _March:
     """One march of all points and lines. The number of samples may be traced, unless it is to be differentiated."""
     entry = lines.entry(size)
     duration = (2 * entry / velocity[None]).reshape(-1)
-    solver, surface, start = ContactStep(_BLOCK), RigidSurface(_Passing(lines, size)), rest(law, duration.size)
     scaled = Relaxation(law.equilibrium, law.moduli, law.times[:, None] / duration[None], law.viscosity / duration)
+    solver, surface, start = ContactStep(_BLOCK), RigidSurface(_Passing(lines, size)), rest(law, duration.size)
+    succeeded: Any = True
     if differentiable:
-        ends = jnp.linspace(0.0, 1.0, samples // _BLOCK + 1)
+        # The same steps in a plain scan: diffrax's adjoint for both modes nests its loops and is slow to compile.
+        times = jnp.linspace(0.0, 1.0, samples // _BLOCK + 1)
 
-        def step(state, ends):
-            return solver.step(surface, *ends, state, scaled, None, False)[0], None
+        def step(state: Elements, ends: tuple[Array, Array]) -> tuple[Elements, None]:
+            return solver.step(surface, ends[0], ends[1], state, scaled, None, False)[0], None
 
-        end, succeeded = jax.lax.scan(step, start, (ends[:-1], ends[1:]))[0], True
+        state, _ = jax.lax.scan(step, start, (times[:-1], times[1:]))
     else:
         solution = diffrax.diffeqsolve(
-            surface, solver, t0=0.0, t1=1.0, dt0=_BLOCK / samples, y0=start, args=scaled, max_steps=_MOST // _BLOCK,
+            surface,
+            solver,
+            t0=0.0,
+            t1=1.0,
+            dt0=_BLOCK / samples,
+            y0=start,
+            args=scaled,
+            max_steps=_MOST // _BLOCK,
             throw=False,
-        )  # fmt: skip
-        end, succeeded = jax.tree.map(lambda leaf: leaf[-1], solution.ys), solution.result == diffrax.RESULTS.successful
-    impulse, work, away = (getattr(end, name).reshape(entry.shape) for name in ("impulse", "work", "away"))
+        )
+        state = jax.tree.map(lambda saved: saved[-1], solution.ys)
+        succeeded = solution.result == diffrax.RESULTS.successful
+    impulse, work, away = (part.reshape(entry.shape) for part in (state.impulse, state.work, state.away))
     weight = lines.weight(size)
     normal, drag = jnp.sum(weight * 2 * entry * impulse, axis=0), jnp.sum(weight * work, axis=0)
     good = succeeded & jnp.isfinite(normal) & jnp.isfinite(drag)
