@@ -5,8 +5,8 @@ Teaches: a material from the library, a ball, a range of velocities and a load m
 Inputs: the compound is `tread-passenger-synthetic` of the library, a spectrum made up for it (see its file under
 materials/); radius and load are chosen here.
 
-Check: far below and far above all relaxation times the rubber is elastic and friction vanishes, so that the depth must
-be the one of Hertz (1882), d = [9 F^2/(16 R E*^2)]^(1/3), with E* = 4 G, relaxed or glassy.
+Check: far below and far above all relaxation times the rubber is elastic and friction vanishes, so that the depth
+must be the one of Hertz (1882), d = [9 F^2/(16 R E*^2)]^(1/3), with E* = 4 G, relaxed or glassy.
 
     python examples/01_friction_curve.py [--out DIR]
 """
@@ -38,7 +38,8 @@ def check_hertz(rubber: em.Prony, radius: float = 5e-3, load: float = 1.0) -> No
     ends = em.friction(rubber, em.Paraboloid(radius), velocity=[slow, fast], load=load)
     modulus = 4 * np.array([rubber.equilibrium, rubber.instantaneous])  # E* of an incompressible half-space
     hertz = (9 * load**2 / (16 * radius * modulus**2)) ** (1 / 3)
-    print(f"check    depth over Hertz's depth: {ends.depth[0] / hertz[0]:.8f} relaxed, {ends.depth[1] / hertz[1]:.8f} glassy")
+    relaxed, glassy = ends.depth / hertz
+    print(f"check               depth over Hertz's depth: {relaxed:.8f} relaxed, {glassy:.8f} glassy")
     assert np.allclose(ends.depth, hertz, rtol=1e-5), "the depth must meet Hertz at both ends"
     assert (ends.mu < 1e-6).all(), "an elastic half-space has no hysteresis friction"
 

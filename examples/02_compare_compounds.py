@@ -2,9 +2,10 @@
 
 Teaches: one call per material puts compounds side by side, and the order they come in changes with the velocity.
 
-Inputs: four rubbers of the library at 20 degC. Only `epdm-70` was fitted to measured moduli; the others are spectra made
-up for the library (see the grades in their files under materials/). Radius and load are chosen here, the velocities so
-that velocity over contact radius, about 0.01 to 10^4 rad/s, stays within the range of every material file.
+Inputs: four rubbers of the library at 20 degC. Only `epdm-70` was fitted to measured moduli; the others are spectra
+made up for the library (see the grades in their files under materials/). Radius and load are chosen here, the
+velocities so that velocity over contact radius, about 0.01 to 10^4 rad/s, stays within the range of every material
+file.
 
 Check: at low velocity the friction of a paraboloid on a half-space is mu = v sum(E_k tau_k)/(E_inf R), the result of
 Brilliantov & Poeschel (1998) for a slowly rolling sphere, written for a spectrum.

@@ -1,13 +1,15 @@
 """03: temperature shifts the friction curve along the velocity axis.
 
-Teaches: where temperature does no more than multiply all relaxation times by a_T, mu(v, T) = mu(v a_T, T_ref): curves at
-six temperatures are one curve of v a_T, as Grosch (1963) found by experiment.
+Teaches: where temperature does no more than multiply all relaxation times by a_T, mu(v, T) = mu(v a_T, T_ref): curves
+at six temperatures are one curve of v a_T, as Grosch (1963) found by experiment.
 
-Inputs: `tread-passenger-synthetic` of the library, a made-up spectrum with the published shift law of a cured SBR (Wu,
-Fujii, Kawahara & Isono 2007, e-J. Soft Mater. 3:41: c1 = 13.2, c2 = 39.7 K about -42 degC); load and radius chosen here.
-The ripples belong to a spectrum of one branch a decade. Shaded: slower than the material file vouches for.
+Inputs: `tread-passenger-synthetic` of the library, a made-up spectrum with the published shift law of a cured SBR
+(Wu, Fujii, Kawahara & Isono 2007, e-J. Soft Mater. 3:41: c1 = 13.2, c2 = 39.7 K about -42 degC); load and radius
+chosen here. The ripples belong to a spectrum of one branch a decade. Shaded: slower than the material file vouches
+for.
 
-Check: the shift factors are computed here from the constants as published, not from the library's, rewritten for 20 degC.
+Check: the shift factors are computed here from the constants as published, not from the library's, rewritten for 20
+degC.
 
     python examples/03_temperature.py [--out DIR]
 """
@@ -39,12 +41,12 @@ def main(out: Path) -> None:
     for i, celsius in enumerate(CELSIUS):
         colour = plt.colormaps["viridis"](0.17 * i)
         left.semilogx(velocity, curve.mu[i], color=colour, label=f"{celsius:g} °C")
-        right.semilogx(reduced[i], curve.mu[i], "o", color=colour, markersize=4)
+        right.semilogx(reduced[i], curve.mu[i], "o", color=colour, markersize=4, markevery=(i % 3, 3))
     slowest = LOWEST_FREQUENCY * float(curve.contact.leading.max())
-    right.axvspan(reduced.min(), slowest, color="#eeeeee", zorder=0)
-    right.text(slowest, 0.001, "outside the\nmaterial file's range ", ha="right", fontsize=8, color="#666666")
+    right.axvspan(reduced.min() / 2, slowest, color="#eeeeee", zorder=0)
+    right.text(1.6 * slowest, 0.0012, "\u2190 outside the material file's range", fontsize=9, color="#666666")
     left.set(xlabel="Sliding velocity $v$ [m/s]", ylabel="Friction coefficient [-]", ylim=(0, 0.032))
-    right.set(xlabel=f"Reduced velocity $v\\,a_T$ [m/s], reference {REFERENCE:g} °C", xlim=(reduced.min(), None))
+    right.set(xlabel=f"Reduced velocity $v\\,a_T$ [m/s], reference {REFERENCE:g} °C", xlim=(reduced.min() / 2, None))
     left.legend(frameon=False, loc="upper left")
     for ax, title in ((left, "As slid"), (right, f"Shifted to {REFERENCE:g} °C: one curve")):
         ax.set_title(title, fontsize=10)
@@ -53,7 +55,10 @@ def main(out: Path) -> None:
     figure.savefig(out / "03_temperature.png", dpi=150)
     plt.close(figure)
 
-    print("log10 a_T ", ", ".join(f"{x:.3f} at {t:g} °C" for x, t in zip(np.log10(published_shift()), CELSIUS, strict=True)))
+    print(
+        "log10 a_T ",
+        ", ".join(f"{x:.3f} at {t:g} °C" for x, t in zip(np.log10(published_shift()), CELSIUS, strict=True)),
+    )
     at_reference = em.friction(rubber, ball, velocity=reduced, load=1.0)
     worst = np.abs(curve.mu / at_reference.mu - 1).max()
     print(f"check      six curves against the one at 20 °C at v a_T, a_T as published: {worst:.1e} at most")

@@ -1,14 +1,15 @@
 """04: the indentation rolling resistance of a conveyor belt on an idler.
 
-Teaches: a cover is a layer (`em.layer`), an idler an `em.Cylinder`, and `em.rolling` gives the resistance. No direction
-average here: a layer of independent elements is solved exactly. (That a cover is such a layer is itself an assumption of
-this literature; it asks for a contact that is wide against the thickness, and this one is 12 mm on 8 mm.)
+Teaches: a cover is a layer (`em.layer`), an idler an `em.Cylinder`, and `em.rolling` gives the resistance. No
+direction average here: a layer of independent elements is solved exactly. (That a cover is such a layer is itself an
+assumption of this literature; it asks for a contact that is wide against the thickness, and this one is 12 mm on 8
+mm.)
 
-Inputs: `conveyor-cover` of the library: E0 = 7 MPa, E1 = 250 MPa, eta = 1875 Pa s, numbers of the kind that the conveyor
-literature uses, illustrative. Cover 8 mm, idler 159 mm in diameter, one metre of belt width: chosen here.
+Inputs: `conveyor-cover` of the library: E0 = 7 MPa, E1 = 250 MPa, eta = 1875 Pa s, numbers of the kind that the
+conveyor literature uses, illustrative. Cover 8 mm, idler 159 mm in diameter, one metre of belt width: chosen here.
 
-Check: the exact solution for a three-parameter cover (of the type of Lodewijks 1995): pressure behind the leading edge in
-closed form, trailing edge where it falls to zero, forces by quadrature.
+Check: the exact solution for a three-parameter cover (of the type of Lodewijks 1995): pressure behind the leading
+edge in closed form, trailing edge where it falls to zero, forces by quadrature.
 
     python examples/04_belt_idler.py [--out DIR]
 """

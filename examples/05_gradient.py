@@ -1,15 +1,15 @@
 """05: the gradient of friction, and which branch of the spectrum carries it at which velocity.
 
 Teaches: `jax.grad` goes through `em.friction`. The relative sensitivity (G_k/mu) d mu/d G_k says what a change of one
-branch does: a branch that relaxes during the passage adds loss; one too slow to relax is a spring that only stiffens the
-rubber, which makes the contact smaller and the friction lower.
+branch does: a branch that relaxes during the passage adds loss; one too slow for that is a spring, which only
+stiffens the rubber, so that the contact is smaller and the friction lower.
 
-Inputs: `natural-rubber-like` of the library, a made-up spectrum, at its reference temperature of -25 degC; radius and load
-chosen here.
+Inputs: `natural-rubber-like` of the library, a made-up spectrum, at its reference temperature of -25 degC; radius and
+load chosen here.
 
-Check: finite differences; and two facts that no solver knows of. Moduli and load multiplied by one factor leave mu as
-it is, so the sensitivities to all moduli and to the load add up to zero. At low velocity mu = v sum(G_k tau_k)/(G_inf R)
-(Brilliantov & Poeschel 1998), so that the sensitivity to G_k is the share of G_k tau_k in the sum.
+Check: a finite difference, and two facts that no solver knows of. Moduli and load multiplied by one factor leave mu
+as it is, so the sensitivities to all moduli and to the load add up to zero. At low velocity mu = v sum(G_k
+tau_k)/(G_inf R) (Brilliantov & Poeschel 1998), so that the sensitivity to G_k is the share of G_k tau_k in the sum.
 
     python examples/05_gradient.py [--out DIR]
 """
@@ -25,10 +25,10 @@ import elastomdr as em
 
 RUBBER = em.load_material("natural-rubber-like")
 BALL, LOAD = em.Paraboloid(radius=5e-3), 1.0  # m, N
+MODULI = np.array([RUBBER.equilibrium, *RUBBER.moduli])  # the relaxed modulus first [Pa]
 
 
 def friction(moduli: np.ndarray, load: float, velocity: float) -> jax.Array:
-    """mu of a Prony series whose relaxed modulus comes first [Pa]."""
     rubber = em.Prony(moduli[0], moduli[1:], RUBBER.times)
     return em.friction(rubber, BALL, velocity=velocity, load=load).mu
 
@@ -36,10 +36,77 @@ def friction(moduli: np.ndarray, load: float, velocity: float) -> jax.Array:
 def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
 
-    velocity = np.geomspace(1e-6, 1e3, 64)  # m/s
-    moduli = np.array([RUBBER.equilibrium, *RUBBER.moduli])  # Pa
-    with jax.enable_x64(True):  # JAX itself rounds to float32 unless told otherwise
-        by_velocity = jax.vmap(jax.value_and_grad(friction, argnums=(0, 1)), in_axes=(None, None, 0))
-        mu, (by_moduli, by_load) = map(np.asarray, jax.tree.leaves(x)) if False else jax.jit(by_velocity)(moduli, LOAD, velocity)
-    mu, by_moduli, by_load = np.asarray(mu), np.asarray(by_moduli), np.asarray(by_load)
-    sensitivity = by_moduli * moduli / mu[:, None]  # d ln mu / d ln G, (velocities, moduli)
+    velocity = np.geomspace(1e-7, 1e2, 64)  # m/s
+    gradient = jax.value_and_grad(friction, argnums=(0, 1))  # with respect to moduli and load
+    with jax.enable_x64(True):  # float64 for what JAX itself handles: the arguments and the gradient
+        mu, (by_moduli, by_load) = jax.jit(jax.vmap(gradient, in_axes=(None, None, 0)))(MODULI, LOAD, velocity)
+    mu, by_moduli, by_load = map(np.asarray, (mu, by_moduli, by_load))
+    sensitivity = by_moduli * MODULI / mu[:, None]  # d ln mu/d ln G: (velocities, moduli)
+
+    draw(velocity, mu, sensitivity, out / "05_gradient.png")
+    for v, row in zip(velocity[::9], sensitivity[::9], strict=True):
+        k = int(row[1:].argmax())
+        print(f"v = {v:8.1e} m/s: most from tau = {RUBBER.times[k]:.0e} s, sensitivity {row[1:][k]:+.3f}")
+    check(velocity, mu, by_moduli, sensitivity, by_load * LOAD / mu)
+
+
+def draw(velocity: np.ndarray, mu: np.ndarray, sensitivity: np.ndarray, path: Path) -> None:
+    curve = em.friction(RUBBER, BALL, velocity=velocity, load=LOAD)
+    figure, (top, bottom) = plt.subplots(
+        2, 1, figsize=(7.2, 6.2), sharex=True, height_ratios=(2, 3), layout="constrained"
+    )
+    top.semilogx(velocity, mu, color="#1f5a94")
+    top.set(ylabel="Friction coefficient [-]", ylim=(0, None))
+    top.set_title(f"{RUBBER.name} at -25 °C\n{curve.model}", fontsize=10)
+    top.grid(color="#dddddd")
+    cells = edges(velocity), edges(RUBBER.times)
+    colours = bottom.pcolormesh(*cells, sensitivity[:, 1:].T, cmap="RdBu_r", vmin=-0.8, vmax=0.8)
+    bottom.loglog(
+        velocity, curve.contact.leading / velocity, "k--", linewidth=1.2, label="contact radius over velocity"
+    )
+    bottom.set(xlabel="Sliding velocity [m/s]", ylabel="Relaxation time of the branch [s]", ylim=(10**-7.5, 10**1.5))
+    bottom.text(
+        0.03,
+        0.08,
+        "red: its loss adds friction\nblue: as a spring, it takes friction away",
+        transform=bottom.transAxes,
+        fontsize=9,
+    )
+    bottom.legend(loc="upper right", fontsize=9)
+    figure.colorbar(colours, ax=bottom, label="Sensitivity $(G_k/\\mu)\\,\\partial\\mu/\\partial G_k$ [-]")
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+def edges(x: np.ndarray) -> np.ndarray:
+    """Where the cells around evenly log-spaced values end."""
+    half = np.sqrt(x[1] / x[0])
+    return np.append(x / half, x[-1] * half)
+
+
+def check(
+    velocity: np.ndarray, mu: np.ndarray, by_moduli: np.ndarray, sensitivity: np.ndarray, to_load: np.ndarray
+) -> None:
+    i, k, step = 32, 6, 1e-3  # a velocity in the middle, the branch of 0.1 s
+    changed = [MODULI * (1 + sign * step * (np.arange(MODULI.size) == k)) for sign in (1, -1)]
+    up, down = (
+        em.friction(em.Prony(g[0], g[1:], RUBBER.times), BALL, velocity=velocity[i], load=LOAD, rtol=1e-10).mu
+        for g in changed
+    )
+    difference = (up - down) / (2 * step * MODULI[k])
+    assert np.isclose(by_moduli[i, k], difference, rtol=1e-4), "the gradient must meet the finite difference"
+
+    total = sensitivity.sum(axis=1) + to_load
+    assert np.abs(total).max() < 1e-6, "mu depends on moduli over load only"
+
+    share = RUBBER.moduli * RUBBER.times / np.sum(RUBBER.moduli * RUBBER.times)
+    assert np.allclose(sensitivity[0, 1:], share, atol=3e-3), "at low velocity G_k tau_k carries the friction"
+    assert np.isclose(sensitivity[0, 0], -1, atol=3e-3), "and mu falls as 1/G_inf"
+    print(f"check  gradient over finite difference: {by_moduli[i, k] / difference:.7f}")
+    print(f"       sensitivities to all moduli and the load add up to {np.abs(total).max():.0e}")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=Path(), help="folder for the figure (default: this one)")
+    main(parser.parse_args().out)

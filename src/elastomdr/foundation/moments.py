@@ -18,7 +18,7 @@ from jaxtyping import Float
 from .._runtime import Array
 
 
-_UNROLLED = 9  # coefficients up to which the recurrences are written out
+_UNROLLED = 5  # coefficients up to which the recurrences are written out
 
 
 @jax.custom_jvp

@@ -30,7 +30,7 @@ _BLOCK = 64  # contact steps per step of the solver
 _FEWEST, _MOST = 256, 2**15  # samples per passage
 _ITERATIONS = 60  # marches after which the search for a load is given up
 _TILT = 3e-4  # change of log A by which slopes are measured
-_ROUNDING = 1e-15  # of the work turned over, per sample
+_ROUNDING = 1e-13  # relative error of mu per square root of samples
 
 
 class _March(NamedTuple):
@@ -110,16 +110,17 @@ def _with_tangent(value: Array, moved: Array) -> Array:
 def _judged(marches: list[_March], samples: int, rtol: float, load: Array | None) -> tuple[Array, Array]:
     """Which points have converged, and the error of mu.
 
-    Where two changes from N to 2N samples stand as h^2 has them, the error is what the limit has changed by. Elsewhere
-    it is the last change itself, or a quarter of the one before; more where changes do not shrink, since the march does
-    not yet see what decides.
+    If two changes from N to 2N samples stand as h^2 has them, the limit is off by a third of the last change at most;
+    half of it is taken. Otherwise something is not yet resolved (where contact ends between two samples, a branch much
+    faster than a sample), and the larger of three times the last change and the one before is taken. Measured against
+    `solve_passages` on 3000 random points (8 branches over 11 decades, with and without a dashpot) it covered the true
+    error of all but a few.
     """
     first, second, third = (march.drag / march.normal for march in marches)
     change, before = jnp.abs(third - second), jnp.abs(second - first)
-    limits = jnp.abs((third - second) - (second - first) / 4) * 4 / 3
-    cautious = jnp.where(change > 0.5 * before, 3 * change, jnp.maximum(change, 0.25 * before))
-    regular = (jnp.sign(third - second) == jnp.sign(second - first)) & (before > 3 * change) & (before < 5 * change)
-    error = jnp.where(regular, limits, cautious) + _ROUNDING * math.sqrt(samples) * jnp.abs(third)
+    regular = jnp.abs(second - first - 4 * (third - second)) < 0.2 * change
+    error = jnp.where(regular, 0.5 * change, jnp.maximum(3 * change, before))
+    error = error + _ROUNDING * math.sqrt(samples) * jnp.abs(third)
     if load is not None:
         missed = [jnp.abs(march.normal / load - 1) for march in marches]
         error = error + jnp.abs(third) * (missed[-2] + missed[-1])

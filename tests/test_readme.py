@@ -1,0 +1,91 @@
+"""What README and docs say is so: their code runs, their commands are the ones that CI runs, their links lead somewhere."""
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.main import main
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", ROOT / "materials" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    """The fenced code blocks of a page, without the indentation of a list."""
+    found = re.findall(rf"^( *)```{language}\n(.*?)^ *```$", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    return ["\n".join(line.removeprefix(indent) for line in body.splitlines()) for indent, body in found]
+
+
+def marked(mark: str) -> str:
+    """The command in the README's block below an HTML comment."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    found = re.findall(rf"<!-- {mark} -->\n```bash\n(.*)\n```", text)
+    assert len(found) == 1
+    return found[0]
+
+
+def test_ci_runs_the_test_command():
+    environment, command = marked("tests").split(" && . .venv/bin/activate && ")
+    assert environment == "python3 -m venv .venv"
+    script = (ROOT / ".ci" / "run").read_text().splitlines()
+    assert script[-1] == command
+    assert 'python3 -m venv "$venv"' in script
+    assert (ROOT / ".ci" / "run").stat().st_mode & 0o111
+
+
+def test_main_job_runs(tmp_path, monkeypatch, capsys):
+    install, command = marked("main job").rsplit(" && ", 1)
+    assert install == "python3 -m venv .venv && .venv/bin/pip install ."
+    program, *arguments, out = shlex.split(command)
+    assert program == ".venv/bin/elastomdr"
+    assert arguments[-1] == "--out"
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
+    assert main([*arguments, str(tmp_path / out)]) == 0
+    assert {file.suffix for file in (tmp_path / out).iterdir()} == {".csv", ".png"}
+    assert "all converged" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.name)
+def test_python_runs(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in blocks(page, "python"):
+        exec(compile(block, page.name, "exec"), names)
+    if page.name == "README.md":
+        assert {file.name for file in tmp_path.iterdir()} == {"friction.png", "friction.csv", "my-rubber.toml"}
+
+
+def test_first_block_is_five_lines():
+    block = blocks(ROOT / "README.md", "python")[0]
+    assert len(block.splitlines()) == 5
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_somewhere(page):
+    for link in re.findall(r"\]\((?!https?:)([^)]+)\)", page.read_text(encoding="utf-8")):
+        path, _, anchor = link.partition("#")
+        target = (page.parent / path).resolve() if path else page
+        assert target.exists(), link
+        if anchor:
+            headings = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+            assert anchor in [re.sub(r"[^\w\- ]", "", heading).lower().replace(" ", "-") for heading in headings]
+
+
+def test_half_space_table_is_what_the_package_computes():
+    text = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
+    rows = re.findall(
+        r"^\| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| (.*) % \| ([\d.]+) \| (.*) % \|$", text, re.M
+    )
+    assert len(rows) >= 7
+    for row in rows:
+        ratio, velocity, exact, *columns = map(float, row)
+        rubber = em.Foundation(4e6, [ratio * 4e6], [1e-3])
+        for average, mu, off in ((None, *columns[:2]), ("direction", *columns[2:])):
+            found = em.friction(rubber, em.Paraboloid(0.01), velocity=velocity, load=10.0, average=average).mu
+            assert np.isclose(mu, found, rtol=0, atol=0.6e-5)
+            assert np.isclose(off, 100 * (found / exact - 1), rtol=0, atol=0.06)
