@@ -23,8 +23,8 @@ class Indenter(eqx.Module):
     """A paraboloid's line, g = x^2/R, sliding at v over one element that enters contact at t = 0."""
 
     entry: jax.Array
-    radius: float
-    velocity: float
+    radius: jax.Array
+    velocity: jax.Array
 
     def __call__(self, t):
         return ((self.entry**2 - (self.entry - self.velocity * t) ** 2) / self.radius).reshape(-1)
@@ -39,8 +39,8 @@ class Waves(eqx.Module):
         return jnp.sin(7 * t + 0.3 * jnp.linspace(0, 1, self.n)) + 0.4 * jnp.sin(16 * t) - 0.5
 
 
-def solve(law, surface, end, count, n=1, samples=64, **kwargs):
-    samples = min(samples, count)
+def solve(law, surface, end, count, n=1, samples=64, most=1024, **kwargs):
+    """`count` contact steps; it may be traced, so that one compiled solve serves every step size."""
     return diffrax.diffeqsolve(
         RigidSurface(surface),
         ContactStep(samples),
@@ -49,7 +49,7 @@ def solve(law, surface, end, count, n=1, samples=64, **kwargs):
         dt0=end * samples / count,
         y0=rest(law, n),
         args=law,
-        max_steps=count // samples + 1,
+        max_steps=most,
         **kwargs,
     )
 
@@ -92,7 +92,7 @@ def test_signorini_at_every_step(seed):
     assert (y.q >= 0).all()
     assert (gap >= 0).all()
     np.testing.assert_array_equal(y.q * gap, 0.0)
-    assert ((y.q > 0).sum() > 100) and ((gap > 0).sum() > 100)  # the history visits both states
+    assert min((y.q > 0).sum(), (gap > 0).sum()) > 100  # the history visits both states
     if law.viscosity == 0:  # q is the force at the end of the step
         force = law.equilibrium * y.u + y.f.sum(axis=1)
         scale = law.equilibrium * np.abs(y.u) + np.abs(y.f).sum(axis=1)
@@ -114,20 +114,24 @@ def test_work_never_falls_behind_the_energy_stored(seed):
     assert (np.diff(lost, axis=0) >= -1e-12 * scale[1:]).all()
 
 
+def press_and_release(law, h):
+    one, n = jnp.ones(h.size), h.size
+    state = contact_step(law, rest(law, n), 0 * one, one, h)
+    return contact_step(law, state, one, -one, h)
+
+
+@jax.jit
+def with_derivatives(law, h):
+    out, tangent = jax.jvp(press_and_release, (law, h), (jax.tree.map(jnp.ones_like, law), h))
+    return out, tangent, jax.grad(lambda law: press_and_release(law, h).u.sum())(law)
+
+
 @pytest.mark.parametrize("viscosity", [0.0, 1e-20, 1.0, 1e20])
 def test_no_step_is_too_long_or_too_short(viscosity):
     law = Relaxation(*map(jnp.asarray, (1.0, jnp.ones(41), jnp.logspace(-20, 20, 41), viscosity)))
-    h = jnp.logspace(-20, 20, 81)
-
-    def press_and_release(law, h):
-        state = contact_step(law, rest(law, 81), jnp.zeros(81), jnp.ones(81), h)
-        return contact_step(law, state, jnp.ones(81), -jnp.ones(81), h)
-
-    out, tangent = jax.jvp(press_and_release, (law, h), (jax.tree.map(jnp.ones_like, law), h))
-    assert all(np.isfinite(leaf).all() for leaf in (*out, *tangent))
+    out, tangent, gradient = with_derivatives(law, jnp.logspace(-20, 20, 81))
+    assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves((out, tangent, gradient)))
     assert ((out.u >= -1e-13) & (out.u <= 1)).all()
-    gradient = jax.grad(lambda law: press_and_release(law, h).u.sum())(law)
-    assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(gradient))
 
 
 # ---------------------------------------------------------------- exact where the motion is linear
@@ -212,39 +216,49 @@ SLIDING = {
     "maxwell": (Foundation.maxwell(12e6, 1e-3), 1e-3, 0.01, 1.0, 0.7771322854702978, 0.03804348079027608),
     "solid": (Foundation(4e6, [12e6], [1e-3]), 0.0022164889482227156, 0.01, 1.0, 10.0, 10 * 0.10866233408272157),
 }
-COUNTS = [128, 256, 512, 1024, 2048]
+COUNTS = [256, 512, 1024, 2048]
+
+
+@jax.jit
+def slide(law, surface, count):
+    y = solve(law, surface, 2 * surface.entry / surface.velocity, count).ys
+    return surface.velocity * y.impulse[-1, 0], y.work[-1, 0]
 
 
 @pytest.mark.parametrize("name", SLIDING)
 def test_second_order_in_normal_and_friction_force(name):
     law, entry, radius, velocity, normal, friction = SLIDING[name]
-    surface, errors = Indenter(jnp.asarray(entry), radius, velocity), []
-    for count in COUNTS:
-        y = solve(law, surface, 2 * entry / velocity, count, samples=count // 2).ys
-        errors.append([abs(velocity * y.impulse[-1, 0] / normal - 1), abs(y.work[-1, 0] / friction - 1)])
+    law, surface = jax.tree.map(jnp.asarray, (law.law(), Indenter(entry, radius, velocity)))
+    forces = np.array([slide(law, surface, count) for count in COUNTS])
+    errors = np.abs(forces / [normal, friction] - 1)
     slopes = np.polyfit(np.log(COUNTS), np.log(errors), 1)[0]
     np.testing.assert_allclose(slopes, -2, atol=0.03)
     assert max(errors[-1]) < 3e-6
 
 
+@jax.jit
+def over_waves(law, count):
+    y = solve(law, Waves(12), 2.0, count, 12).ys
+    return y.impulse[-1], y.work[-1]
+
+
 @pytest.mark.parametrize(
     "law",
-    [Foundation.kelvin(1.0, 0.1), Foundation(1.0, [5.0], [0.1]), Foundation(0.1, [3.0, 2.0], [0.01, 0.5], 0.05)],
+    [
+        Relaxation(1.0, np.zeros(2), np.ones(2), 0.1),
+        Relaxation(1.0, np.array([5.0, 0.0]), np.array([0.1, 1.0]), 0.0),
+        Relaxation(0.1, np.array([3.0, 2.0]), np.array([0.05, 0.5]), 0.05),
+    ],
     ids=["kelvin", "solid", "both"],
 )
 def test_second_order_through_loss_of_contact_and_return(law):
-    """Contact begins and ends inside steps, at 12 phases, more than once; against a march 32 times finer."""
-    n = 12
-    run = eqx.filter_jit(lambda count: solve(law, Waves(n), 2.0, count, n).ys)
-    counts = [128, 256, 512, 1024, 2048]
-    reference, errors = run(65536), []
-    for count in counts:
-        y = run(count)
-        errors.append(
-            [np.sqrt(np.mean((a / b - 1) ** 2)) for a, b in ((y.impulse, reference.impulse), (y.work, reference.work))]
-        )
+    """Contact begins and ends inside steps, at 12 phases, more than once; against a march 16 times finer."""
+    law = jax.tree.map(jnp.asarray, law)
+    counts = [256, 512, 1024, 2048, 4096]
+    reference = np.array(over_waves(law, 65536))
+    errors = [np.sqrt(np.mean((np.array(over_waves(law, count)) / reference - 1) ** 2, axis=1)) for count in counts]
     slopes = np.polyfit(np.log(counts), np.log(errors), 1)[0]
-    assert (slopes < -1.75).all() and (slopes > -2.3).all()
+    np.testing.assert_allclose(slopes, -2, atol=0.2)
 
 
 # ---------------------------------------------------------------- as a diffrax solver
@@ -266,7 +280,7 @@ def test_interface_to_diffrax():
     np.testing.assert_array_equal(end, Waves(3)(0.2))
     with pytest.raises(NotImplementedError, match="ContactStep"):
         term.prod(start, (start, end))
-    solution = solve(law, Waves(3), 2.0, 64, 3, samples=1, saveat=diffrax.SaveAt(dense=True, steps=True))
+    solution = solve(law, Waves(3), 2.0, 64, 3, samples=1, most=64, saveat=diffrax.SaveAt(dense=True, steps=True))
     middle = solution.evaluate(0.5 * (solution.ts[10] + solution.ts[11]))
     np.testing.assert_allclose(middle.u, 0.5 * (solution.ys.u[10] + solution.ys.u[11]))
     assert (solution.ys.u[:64] >= jax.vmap(Waves(3))(solution.ts[:64])).all()
@@ -292,20 +306,18 @@ def test_gradients_forward_and_reverse():
 
     def friction(p, adjoint):
         law = Relaxation(p["equilibrium"], p["moduli"], p["times"], p["viscosity"])
-        surface = Indenter(p["entry"], 1.0, 0.05)
-        y = solve(law, surface, 4.1, 64, samples=16, adjoint=adjoint).ys
+        y = solve(law, Indenter(p["entry"], 1.0, 0.05), 4.1, 64, samples=16, most=4, adjoint=adjoint).ys
         return y.work[-1, 0] / y.impulse[-1, 0]
 
     p = dict(equilibrium=1.0, moduli=jnp.asarray([5.0, 2.0]), times=jnp.asarray([0.1, 3.0]), viscosity=0.2, entry=0.1)
     p = jax.tree.map(jnp.asarray, p)
-    reverse = jax.jit(jax.grad(lambda p: friction(p, diffrax.RecursiveCheckpointAdjoint())))(p)
-    value = jax.jit(lambda p: friction(p, diffrax.RecursiveCheckpointAdjoint()))
+    reverse = jax.jit(jax.value_and_grad(lambda p: friction(p, diffrax.RecursiveCheckpointAdjoint())))
     forward = jax.jit(lambda p, d: jax.jvp(lambda p: friction(p, diffrax.ForwardMode()), (p,), (d,))[1])
+    gradient = reverse(p)[1]
     for name, leaf in p.items():
         for i in range(leaf.size):
             step = jnp.zeros(leaf.size).at[i].set(1e-6 * leaf.reshape(-1)[i]).reshape(leaf.shape)
             up, down = ({**p, name: leaf + sign * step} for sign in (1, -1))
-            direction = jax.tree.map(jnp.zeros_like, p) | {name: step}
-            difference = 0.5 * (value(up) - value(down))
-            assert jnp.sum(reverse[name] * step) == pytest.approx(float(difference), rel=1e-5)
-            assert forward(p, direction) == pytest.approx(float(jnp.sum(reverse[name] * step)), rel=1e-10)
+            slope = float(jnp.sum(gradient[name] * step))
+            assert slope == pytest.approx(float(0.5 * (reverse(up)[0] - reverse(down)[0])), rel=1e-5)
+            assert slope == pytest.approx(float(forward(p, jax.tree.map(jnp.zeros_like, p) | {name: step})), rel=1e-10)

@@ -1,4 +1,4 @@
-"""What README and docs say is so: their code runs, their commands are the ones that CI runs, their links lead somewhere."""
+"""What README and docs say is so: their code runs, CI runs the command they give, their links lead somewhere."""
 
 import re
 import shlex

@@ -183,19 +183,20 @@ def test_rtol_is_honoured_and_covered(shape, rtol):
         "liquid": em.Foundation(0.0, [1e7, 1e6], [1e-4, 1.0]),
         "dashpot": em.Foundation.kelvin(1e6, 1e3),
     }
-    velocity = np.logspace(-2, 3, 6)
+    velocity = np.logspace(-2, 3, 4)
     for name, foundation in foundations.items():
         got = em.friction(foundation, SHAPES[shape], velocity=velocity, load=0.1, rtol=rtol)
-        # Independent quadrature in the angle itself, over line solutions that are exact for the line.
-        angle, weight = np.polynomial.legendre.leggauss(160)
-        angle = np.pi / 4 * (1 + angle)
-        slow = velocity[:, None] * np.cos(angle)
-        line = em.friction(foundation, SHAPES[shape], velocity=slow, load=0.1, rtol=1e-10, average=None).mu
-        truth = (line * np.cos(angle) * weight).sum(axis=1) / 2
-        resolved = velocity <= 1.0  # the angle's own rule loses the fast end, where all the loss sits near 90 degrees
-        miss = np.abs(got.mu - truth)[resolved]
+        # Independent quadrature: cos(phi) = sin(theta), theta = (pi/2) exp(-s), Gauss on panels in s.
+        node, weight = np.polynomial.legendre.leggauss(8)
+        s = (0.5 * np.arange(50)[:, None] + 0.25 * (node + 1)).ravel()
+        theta = np.pi / 2 * np.exp(-s)
+        line = em.friction(
+            foundation, SHAPES[shape], velocity=velocity[:, None] * np.sin(theta), load=0.1, rtol=1e-10, average=None
+        ).mu
+        truth = (line * np.sin(theta) * theta * np.tile(0.25 * weight, 50)).sum(axis=1) * 2 / np.pi
+        miss = np.abs(got.mu - truth)
         assert got.converged.all(), name
-        assert (miss <= got.error[resolved] + 1e-11 * truth[resolved]).all(), (name, miss / truth[resolved])
+        assert (miss <= got.error + 3e-11 * truth).all(), (name, miss / truth)
         assert (got.error <= rtol * got.mu).all(), name
 
 
@@ -263,22 +264,23 @@ def _mu(p, shape, average, rtol=1e-8):
 @pytest.mark.parametrize(("shape", "average"), [("paraboloid", "direction"), ("sphere", None), ("cone", None)])
 def test_gradients_in_both_modes_against_differences(shape, average):
     with jax.enable_x64(True):
-        reverse = jax.grad(_mu)(PARAMETERS, shape, average)
-        forward = jax.jacfwd(lambda p: _mu(p, shape, average))(PARAMETERS)
-    for name, value in PARAMETERS.items():
-        for i in range(np.size(value)):
+        value = jax.jit(lambda p: _mu(p, shape, average))
+        reverse = jax.jit(jax.grad(value))(PARAMETERS)
+        forward = jax.jit(jax.jacfwd(value))(PARAMETERS)
+        for name, given in PARAMETERS.items():
+            for i in range(np.size(given)):
 
-            def at(step, name=name, value=value, i=i):
-                moved = np.array(value, dtype=float)
-                moved.reshape(-1)[i] *= 1 + step
-                return float(_mu({**PARAMETERS, name: moved}, shape, average))
+                def at(step, name=name, given=given, i=i):
+                    moved = np.array(given, dtype=float)
+                    moved.reshape(-1)[i] *= 1 + step
+                    return float(value({**PARAMETERS, name: moved}))
 
-            h = 1e-4
-            difference = (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h)
-            scale = np.reshape(value, -1)[i]
-            for mode in (reverse, forward):
-                derivative = np.reshape(np.asarray(mode[name]), -1)[i] * scale
-                np.testing.assert_allclose(derivative, difference, rtol=1e-5, atol=1e-9, err_msg=name)
+                h = 1e-4
+                difference = (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h)
+                scale = np.reshape(given, -1)[i]
+                for mode in (reverse, forward):
+                    derivative = float(np.reshape(np.asarray(mode[name]), -1)[i]) * scale
+                    np.testing.assert_allclose(derivative, difference, rtol=1e-5, atol=1e-9, err_msg=name)
 
 
 def test_jit_and_vmap():

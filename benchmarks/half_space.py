@@ -1,0 +1,97 @@
+"""How near is the direction average to the half-space? Against three-dimensional solutions of a sliding sphere.
+
+    python benchmarks/half_space.py
+
+Reference: a spectral boundary-element solution of steady sliding over a standard solid on a half-space, grid 1.6e-4 m and some 4e-5 m,
+periodic cell 0.08 to 0.16 m (the project's oracles `sphere3D_BEM_SLS_*`; good to about 1.5%, 3% at E_1/E_inf = 9),
+and the weak-loss limit (`sphere3D_SLS_weakloss_v2.0`), an integral over the loss modulus in Persson's form (J. Phys. Condens. Matter
+22, 265004, 2010), good to 1e-5. Writes the table of the documentation, results/half_space.md.
+"""
+
+import numpy as np
+from common import RESULTS, heading, plt, save, table
+
+import elastomdr as em
+
+EQUILIBRIUM, TIME, RADIUS, LOAD = 4e6, 1e-3, 0.01, 10.0  # E_inf [Pa] (as E*), tau [s], R [m], F_N [N]
+SHAPE = em.Paraboloid(RADIUS)
+THREE_D = {  # (E_1/E_inf, v [m/s]): (mu in 3D, its relative uncertainty)
+    (0.5, 1.0): (0.02444, 0.015),
+    (0.5, 15.0): (0.00769, 0.015),
+    (3.0, 0.1): (0.02643, 0.015),
+    (3.0, 1.0): (0.07147, 0.015),
+    (3.0, 10.0): (0.01475, 0.015),
+    (9.0, 0.1): (0.06731, 0.03),
+    (9.0, 1.0): (0.071, 0.03),
+}
+WEAK = 1e-7  # E_1/E_inf that stands for the weak-loss limit
+WEAK_LOSS = (2.0, 0.06640620163955166, 0.1069025576568546)  # v, mu E_inf/E_1 in 3D, and on the line
+COLUMNS = (
+    "E_1/E_inf", "v [m/s]", "mu in 3D", "uncertainty [%]", "direction average", "off by [%]", "bare line", "off by [%] ",
+)  # fmt: skip
+
+
+def friction(ratio: float, velocity: float, average: str | None) -> float:
+    law = em.Foundation(EQUILIBRIUM, [ratio * EQUILIBRIUM], [TIME])
+    return float(em.friction(law, SHAPE, velocity=velocity, load=LOAD, average=average, rtol=1e-8).mu)
+
+
+def compare(ratio: float, velocity: float, truth: float, uncertainty: float) -> tuple:
+    averaged, bare = friction(ratio, velocity, "direction"), friction(ratio, velocity, None)
+    off = 100 * (averaged / truth - 1), 100 * (bare / truth - 1)
+    return ratio, velocity, truth, 100 * uncertainty, averaged, off[0], bare, off[1]
+
+
+def markdown(rows: list[tuple]) -> str:
+    """The table as the documentation shows it."""
+    lines = [
+        "| E₁/E∞ | v [m/s] | μ, 3D solution | uncertainty | direction average | off by | bare line | off by |",
+        "|--:|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    for ratio, velocity, truth, uncertainty, averaged, off, bare, bare_off in rows:
+        weak = ratio == WEAK
+        name, scale = ("→ 0 (μ E∞/E₁)", WEAK) if weak else (f"{ratio:g}", 1.0)
+        numbers = f"{truth / scale:.5g} | {uncertainty:.1g}% | {averaged / scale:.5g}"
+        digits = 3 if weak else 1
+        lines.append(
+            f"| {name} | {velocity:g} | {numbers} | {off:+.{digits}f}% | {bare / scale:.5g} | {bare_off:+.1f}% |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    record = heading(
+        "Half-space: the direction average and the bare line against three-dimensional solutions of sliding",
+        f"standard solid, E_inf = {EQUILIBRIUM:g} Pa (as E*), tau = {TIME:g} s; paraboloid, R = {RADIUS:g} m, {LOAD:g} N",
+        f"first row: the limit of weak loss, computed at E_1/E_inf = {WEAK:g}",
+    )
+    velocity, weak_3d, weak_line = WEAK_LOSS
+    rows = [compare(WEAK, velocity, WEAK * weak_3d, 1e-5)]
+    rows += [compare(*key, *value) for key, value in THREE_D.items()]
+    record["table"] = table(COLUMNS, rows)
+    inside = sum(abs(row[5]) <= row[3] for row in rows)
+    largest = max(rows, key=lambda row: abs(row[5]))
+    print(f"\n  direction average within the reference's own uncertainty: {inside} of {len(rows)}")
+    print(f"  largest deviation: {largest[5]:+.2f}% at E_1/E_inf = {largest[0]:g}, {largest[1]:g} m/s")
+    print(f"  bare line in the limit of weak loss, against its own formula: {rows[0][6] / (WEAK * weak_line) - 1:+.1e}")
+    RESULTS.mkdir(exist_ok=True)
+    (RESULTS / "half_space.md").write_text(markdown(rows), encoding="utf-8")
+
+    figure, axes = plt.subplots(1, 3, figsize=(11, 3.8), layout="constrained")
+    sweep = np.geomspace(1e-2, 1e2, 60)
+    for ax, ratio in zip(axes, (0.5, 3.0, 9.0), strict=True):
+        law = em.Foundation(EQUILIBRIUM, [ratio * EQUILIBRIUM], [TIME])
+        for average, style, label in (("direction", "C0-", "direction average"), (None, "C1--", "bare line")):
+            curve = em.friction(law, SHAPE, velocity=sweep, load=LOAD, average=average)
+            ax.semilogx(sweep, curve.mu, style, label=label)
+        points = np.array([(v, mu, mu * u) for (r, v), (mu, u) in THREE_D.items() if r == ratio])
+        ax.errorbar(*points.T, fmt="ko", ms=5, capsize=3, label="3D solution")
+        ax.set(title=f"E_1/E_inf = {ratio:g}", xlabel="velocity [m/s]", ylim=(0, None))
+        ax.grid(color="0.92")
+    axes[0].set_ylabel("mu")
+    axes[0].legend()
+    save("half_space", record, figure)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,184 @@
+"""Marching through a profile: against the closed passage where that holds, and where contact returns."""
+
+from typing import ClassVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from elastomdr.foundation.step import contact_step, rest
+from elastomdr.mapping.lines import SingleLine, Strips
+from elastomdr.mapping.profile import Profile
+from elastomdr.mapping.shapes import AbstractShape, Cone, Paraboloid, Sphere
+from elastomdr.material.relaxation import Relaxation
+from elastomdr.solve.march import march_passages
+from elastomdr.solve.passage import solve_passages
+from elastomdr.solve.rule import Rule
+
+
+def six(equilibrium, moduli, times, viscosity=0.0):
+    """A law with six branches, empty ones included: laws of one size share their compiled code."""
+    empty = 6 - len(moduli)
+    moduli, times = [*moduli, *[0.0] * empty], [*times, *10.0 ** np.arange(3, 3 + empty)]
+    return Relaxation(*map(np.asarray, (equilibrium, moduli, times, viscosity)))
+
+
+RUBBER = six(4e6, np.geomspace(1e8, 1e6, 6), np.logspace(-6, 1, 6))
+DAMPED = six(4e6, [8e6], [1e-3], 4e2)
+LIQUID = six(0.0, [8e6], [1e-3])
+VELOCITIES = np.logspace(-4, 3, 15)
+
+
+@pytest.fixture(autouse=True)
+def float64():
+    with jax.enable_x64(True):
+        yield
+
+
+class Terraces(AbstractShape):
+    """g = s (|x| + (1 - cos kx) b/k): nearly flat terraces, on which a recovering element meets the body again."""
+
+    slope: float
+    wave: float
+    depth: float
+    label: ClassVar[str] = "terraces"
+
+    def _height(self, r):
+        raise NotImplementedError
+
+    def _profile(self, x):
+        x = jnp.abs(x)
+        return self.slope * (x + self.depth * (1 - jnp.cos(self.wave * x)) / self.wave)
+
+    def _slope(self, x):
+        return self.slope * jnp.sign(x) * (1 + self.depth * jnp.sin(self.wave * jnp.abs(x)))
+
+
+TERRACES = SingleLine(Terraces(0.1, 2 * np.pi / 1e-3, 0.95))
+
+
+def bumpy(height=1.5e-5):
+    r = np.linspace(0, 4e-3, 33)
+    return SingleLine(Profile(r, r**2 / 0.02 + height * (1 - np.cos(2 * np.pi * r / 1.5e-3))))
+
+
+# ---------------------------------------------------------------- where the closed passage holds
+
+
+@pytest.mark.parametrize(
+    ("shape", "rule", "law", "control", "value"),
+    [
+        (Paraboloid(0.01), Rule(4, exact=True), RUBBER, "load", 1.0),
+        (Paraboloid(0.01), Rule(4, exact=True), LIQUID, "load", 1.0),
+        (Paraboloid(0.01), Rule(4, exact=True), DAMPED, "load", 100.0),
+        (Paraboloid(0.01), Rule(4, exact=True), DAMPED, "depth", 3e-4),
+        (Cone(0.1), Rule(14, split=True), DAMPED, "load", 1.0),
+        (Cone(0.1), Rule(14, split=True), RUBBER, "load", 1.0),
+        (Sphere(0.01), Rule(24), RUBBER, "depth", 3e-3),
+    ],
+    ids=["rubber", "liquid", "damped", "damped-depth", "cone-damped", "cone-rubber", "sphere-depth"],
+)
+@pytest.mark.parametrize("rtol", [1e-4, 1e-7])
+def test_agrees_with_the_passage(shape, rule, law, control, value, rtol):
+    value, lines = np.full(VELOCITIES.shape, value), SingleLine(shape)
+    exact = solve_passages(law, lines, rule, control, value, VELOCITIES)
+    march = march_passages(law, lines, control, value, VELOCITIES, rtol)
+    assert march.converged.all()
+    assert (march.error <= rtol * march.mu).all()
+    assert (np.abs(march.mu - exact.mu) <= march.error + exact.error + 1e-11 * exact.mu).all()
+    for name in ("normal_force", "friction_force", "depth", "leading"):
+        np.testing.assert_allclose(getattr(march, name), getattr(exact, name), rtol=max(rtol, 1e-7))
+    np.testing.assert_allclose(march.trailing, exact.trailing, atol=2e-3 * float(exact.leading.max()))
+
+
+def test_strips_of_a_layer():
+    """A paraboloid on a Kelvin layer, k and eta per area, at low speed: F_N = pi k a^4/(4R), mu = eta v/(k R)."""
+    layer, lines = Relaxation(*map(np.asarray, (2e10, [], [], 2e7))), Strips(Paraboloid(0.5))
+    march = march_passages(layer, lines, "depth", np.full(2, 1e-4), np.array([1e-7, 1e-6]), 1e-6)
+    assert march.converged.all()
+    np.testing.assert_allclose(march.leading, 0.01 * np.cos(np.pi / 4 * (1 - 0.98940093499164993)), rtol=1e-12)
+    np.testing.assert_allclose(march.normal_force, np.pi * 2e10 * 1e-8 / 2, rtol=1e-6)
+    np.testing.assert_allclose(march.mu, 2e7 * np.array([1e-7, 1e-6]) / 1e10, rtol=1e-6)
+
+
+# ---------------------------------------------------------------- where contact returns
+
+
+@jax.jit
+def contacts(law, size, velocity):
+    """How many times an element is in contact on its way from a to -a."""
+    profile, count = TERRACES.shape._profile, 4096
+    w = (profile(size) - profile(size * (1 - 2 * jnp.linspace(0.0, 1.0, count + 1))))[:, None]
+
+    def step(state, ends):
+        state = contact_step(law, state, *ends, 2 * size / velocity / count)
+        return state, state.q[0] > 0
+
+    _, touching = jax.lax.scan(step, rest(law, 1), (w[:-1], w[1:]))
+    return touching[0] + jnp.sum(touching[1:] & ~touching[:-1])
+
+
+@pytest.mark.parametrize("law", [RUBBER, DAMPED], ids=["rubber", "damped"])
+def test_contact_returns_and_the_error_covers_it(law):
+    law = jax.tree.map(jnp.asarray, law)
+    velocity, depth = np.logspace(-3, 2, 11), np.full(11, 8e-4)
+    coarse, fine = (march_passages(law, TERRACES, "depth", depth, velocity, rtol) for rtol in (1e-3, 1e-6))
+    assert max(contacts(law, fine.leading[i], velocity[i]) for i in (4, 6, 10)) > 1
+    assert coarse.converged.all()
+    assert fine.converged.all()
+    assert (fine.mu > 0).all()
+    np.testing.assert_allclose(fine.depth, 8e-4, rtol=1e-12)
+    assert (np.abs(coarse.mu - fine.mu) <= coarse.error + fine.error).all()
+
+
+def test_profile_from_points_that_is_not_convex():
+    lines, velocity = bumpy(), np.logspace(-3, 2, 9)
+    assert not lines.shape.convex
+    load = np.full(9, 5.0)
+    march, finer = (march_passages(DAMPED, lines, "load", load, velocity, rtol) for rtol in (1e-6, 1e-8))
+    assert march.converged.all()
+    assert (np.abs(march.mu - finer.mu) <= march.error + finer.error).all()
+    np.testing.assert_allclose(march.normal_force, load, rtol=1e-8)
+    # nearly elastic and nearly glassy: friction vanishes as v and as 1/v
+    extreme = np.array([1e-9, 1e-8, 1e-7, 1e-2, 1e0, 1e2, 1e7, 1e8, 1e9])
+    mu = march_passages(RUBBER, lines, "load", load, extreme, 1e-4).mu
+    np.testing.assert_allclose([mu[1] / mu[0], mu[2] / mu[1], mu[6] / mu[7], mu[7] / mu[8]], 10, rtol=1e-3)
+    # a load beyond what the points of the profile can carry; its neighbours are not disturbed
+    load[4] = 1e6
+    march = march_passages(DAMPED, lines, "load", load, velocity, 1e-5)
+    np.testing.assert_array_equal(march.converged, load < 1e6)
+
+
+def test_gradients():
+    """d log(mu) by moduli, times, velocity, load and the height of the bumps: reverse, forward, central differences."""
+    start = dict(
+        moduli=jnp.asarray([8e6, 3e6]),
+        times=jnp.asarray([1e-4, 1e-2]),
+        velocity=jnp.asarray([0.3, 3.0]),
+        value=jnp.full(2, 5.0),
+        height=jnp.asarray(1.5e-5),
+    )
+    r = np.linspace(0, 4e-3, 33)
+
+    def logarithm(p):
+        law = Relaxation(jnp.asarray(4e6), p["moduli"], p["times"], jnp.asarray(0.0))
+        z = r**2 / 0.02 + p["height"] * (1 - np.cos(2 * np.pi * r / 1.5e-3))
+        lines = SingleLine(Profile(r, z, apex="smooth"))
+        return jnp.sum(jnp.log(march_passages(law, lines, "load", p["value"], p["velocity"], 1e-7).mu))
+
+    reverse = jax.grad(logarithm)(start)
+    for name, leaf in start.items():
+        step = 1e-4 * leaf
+        up, down = (logarithm({**start, name: leaf + sign * step}) for sign in (1, -1))
+        assert float(jnp.sum(reverse[name] * step)) == pytest.approx(float(0.5 * (up - down)), rel=1e-4), name
+    forward = jax.jvp(logarithm, (start,), (start,))[1]
+    assert forward == pytest.approx(float(sum(jnp.sum(reverse[k] * start[k]) for k in start)), rel=1e-9)
+
+
+def test_under_jit():
+    velocity, depth, lines = jnp.asarray([0.1, 1.0]), jnp.full(2, 3e-4), SingleLine(Paraboloid(0.01))
+    traced = jax.jit(lambda v: march_passages(DAMPED, lines, "depth", depth, v, 1e-6))(velocity)
+    direct = march_passages(DAMPED, lines, "depth", depth, velocity, 1e-6)
+    assert traced.converged.all()
+    np.testing.assert_allclose(traced.mu, direct.mu, rtol=1e-6)
