@@ -2,8 +2,8 @@
 
     python benchmarks/cold_start.py
 
-The scene is run with every cache of the user empty (compiled code, and matplotlib's list of fonts), with only the compiled-code
-cache empty, and with both filled. Times are the least of the repeats, memory is the largest of the processes'.
+The scene is run with every cache of the user empty (compiled code, and matplotlib's list of fonts), with only the cache
+of compiled code empty, and with both filled. Times are the least of the repeats, memory is the largest.
 """
 
 import os
@@ -30,14 +30,17 @@ class Process(NamedTuple):
     """What a process took and printed."""
 
     wall: float  # [s]
-    memory: float  # peak resident memory [MB]; NaN where the system does not tell
+    memory: float  # peak resident memory [MB], at least that of this script; NaN where the system does not tell
     output: str
 
 
 def run(command: list[str], repeats: int, **variables: str) -> Process:
     """The least time and the largest memory of a command over the repeats, with environment variables added."""
     environment = {k: v for k, v in os.environ.items() if k not in ("JAX_COMPILATION_CACHE_DIR", "MPLCONFIGDIR")}
-    runs = [_once(command, environment | variables) for _ in range(repeats)]
+    return _best([_once(command, environment | variables) for _ in range(repeats)])
+
+
+def _best(runs: list[Process]) -> Process:
     return Process(min(r.wall for r in runs), max(r.memory for r in runs), runs[-1].output)
 
 
@@ -68,9 +71,7 @@ def scene_from_cold(repeats: int) -> dict[str, Process]:
                     shutil.rmtree(Path(folder) / "elastomdr")
                 command = [elastomdr(), "friction", str(SCENE), "--out", str(Path(folder) / "out")]
                 found[name].append(run(command, 1, XDG_CACHE_HOME=folder, LOCALAPPDATA=folder))
-    return {
-        name: Process(min(r.wall for r in runs), max(r.memory for r in runs), runs[-1].output) for name, runs in found.items()
-    }
+    return {name: _best(runs) for name, runs in found.items()}
 
 
 def elastomdr() -> str:
@@ -88,7 +89,7 @@ def main() -> None:
     importing, loaded = min(float(words[0]) for words in imports), imports[-1][1:]
     usage = run([elastomdr(), "--help"], 7)
     scene = scene_from_cold(3)
-    rows = [("python -c pass", bare.wall, bare.memory), ("elastomdr --help", usage.wall, usage.memory)]
+    rows = [("python -c pass", bare.wall, float("nan")), ("elastomdr --help", usage.wall, float("nan"))]
     rows += [(f"elastomdr friction, {name}", found.wall, found.memory) for name, found in scene.items()]
     record["processes"] = table(("process", "wall [s]", "peak memory [MB]"), rows)
     print(f"\n  import elastomdr loads of jax and matplotlib: {' '.join(loaded) or 'neither'}")
@@ -108,7 +109,7 @@ def main() -> None:
     targets = {"elastomdr --help": 0.3, "import elastomdr": 0.3}
     targets |= {"elastomdr friction, compiled-code cache empty": 12, "elastomdr friction, caches filled": 4}
     ax.plot(list(targets.values()), list(targets), "k|", ms=14, label="target")
-    ax.bar_label(bars, fmt="%.2f s", padding=3, fontsize=8)
+    ax.bar_label(bars, fmt="%.2f s", label_type="center", color="w", fontsize=8)
     ax.set(xlabel="wall-clock time [s]", xscale="log", xlim=(None, 40), title="Cold start")
     ax.invert_yaxis()
     ax.legend()

@@ -14,9 +14,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import optimistix
+import scene
 import scipy.integrate
 
-import scene
 from elastomdr.foundation.step import ContactStep, RigidSurface, rest
 from elastomdr.material.relaxation import Relaxation
 

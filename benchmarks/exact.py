@@ -12,9 +12,7 @@ nothing is left of it. Directions are averaged by scipy's adaptive quadrature ov
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
-import numpy as np
 from mpmath import mp
 from scipy.integrate import quad
 

@@ -51,7 +51,7 @@ def markdown(rows: list[tuple]) -> str:
     for ratio, velocity, truth, uncertainty, averaged, off, bare, bare_off in rows:
         weak = ratio == WEAK
         name, scale = ("→ 0 (μ E∞/E₁)", WEAK) if weak else (f"{ratio:g}", 1.0)
-        numbers = f"{truth / scale:.5g} | {uncertainty:.1g}% | {averaged / scale:.5g}"
+        numbers = f"{truth / scale:.5g} | {uncertainty:.2g}% | {averaged / scale:.5g}"
         digits = 3 if weak else 1
         lines.append(
             f"| {name} | {velocity:g} | {numbers} | {off:+.{digits}f}% | {bare / scale:.5g} | {bare_off:+.1f}% |"

@@ -1,6 +1,6 @@
 """Runs every benchmark in its own process and says how long each took.
 
-    python benchmarks/run_all.py
+python benchmarks/run_all.py
 """
 
 import subprocess

@@ -11,12 +11,12 @@ Reference where there is no average: the closed form of `exact.py` in many digit
 
 from typing import Any
 
+import exact
 import numpy as np
+import scene
 from common import heading, one_core, plt, save, table, timed
 
 import elastomdr as em
-import exact
-import scene
 
 TIMES = np.geomspace(1e-12, 1e12, 40)  # tau_k [s]
 MODULI = scene.EQUILIBRIUM * (TIMES / TIMES[-1]) ** -0.12  # E_k [Pa]

@@ -11,13 +11,13 @@ changes less.
 
 import argparse
 
+import exact
 import numpy as np
+import scene
 from common import cached, heading, one_core, plt, save, table, timed, verdict
+from competitors import Lines, at_load, contact_step, kvaerno5, solve_ivp
 
 import elastomdr as em
-import exact
-import scene
-from competitors import Lines, at_load, contact_step, kvaerno5, solve_ivp
 
 RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
 SHAPES = {"paraboloid": em.Paraboloid(scene.RADIUS), "sphere": em.Sphere(scene.RADIUS)}
@@ -32,7 +32,9 @@ COLUMNS = ("method", "setting", "first call [s]", "wall [ms]", "processor [ms]",
 
 def reference(fresh: bool) -> dict:
     """mu of the line at fixed depth and of the direction average, at the velocities of `ON_LINE` and `AVERAGED`."""
-    inputs = {name: vars(scene)[name] for name in ("EQUILIBRIUM", "MODULI", "TIMES", "RADIUS", "LOAD", "LEADING", "VELOCITY")}
+    inputs = {
+        name: vars(scene)[name] for name in ("EQUILIBRIUM", "MODULI", "TIMES", "RADIUS", "LOAD", "LEADING", "VELOCITY")
+    }
     series = (scene.EQUILIBRIUM, tuple(scene.MODULI), tuple(scene.TIMES))
 
     def compute() -> dict:
@@ -48,7 +50,9 @@ def reference(fresh: bool) -> dict:
     return cached("steady_sliding_reference", {**inputs, "on_line": ON_LINE, "averaged": AVERAGED}, compute, fresh)
 
 
-def measure(method: str, setting: str, call, truth: list[float], at: np.ndarray, repeats: int, scale: float = 1.0) -> tuple:
+def measure(
+    method: str, setting: str, call, truth: list[float], at: np.ndarray, repeats: int, scale: float = 1.0
+) -> tuple:
     """One row of the table; `call` gives mu at all velocities."""
     first = timed(call).wall
     warm = timed(call, repeats)
@@ -152,12 +156,23 @@ def main() -> None:
 
     job, passes = main_job(truth["averaged"])
     share = ANGLES * passes
-    scaled = [(f"{r[0]}, scaled", r[1], np.nan, share * r[3], share * r[4], r[5], r[6]) for r in lines if r[0].startswith("solve_ivp")]
-    print(f"\nThe main job. Stock solvers: {ANGLES} directions, the load in {passes} passes of secant steps. Loops over solve_ivp")
-    print(f"are not run: their line passages above, times {ANGLES} times {passes}; their error is that of the line alone", end="")
+    scaled = [
+        (f"{r[0]}, scaled", r[1], np.nan, share * r[3], share * r[4], r[5], r[6])
+        for r in lines
+        if r[0].startswith("solve_ivp")
+    ]
+    print(
+        f"\nThe main job. Stock solvers: {ANGLES} directions, the load in {passes} passes of secant steps. Loops over solve_ivp"
+    )
+    print(
+        f"are not run: their line passages above, times {ANGLES} times {passes}; their error is that of the line alone",
+        end="",
+    )
     record["main job"] = table(COLUMNS, job + scaled)
 
-    print("\nFigures against targets, at the same error of 1e-6: elastomdr by its largest error, the others by their median")
+    print(
+        "\nFigures against targets, at the same error of 1e-6: elastomdr by its largest error, the others by their median"
+    )
     strict = [cheapest(job, f"elastomdr, {name}", 5) for name in SHAPES]
     ours, ours_line = strict[0], cheapest(lines, "elastomdr, paraboloid", 5)
     stock_line = cheapest(lines, "Kvaerno5 and event")

@@ -17,7 +17,6 @@ from jaxtyping import Float
 
 from .._runtime import Array
 
-
 _UNROLLED = 5  # coefficients up to which the recurrences are written out
 
 
