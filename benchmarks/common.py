@@ -3,7 +3,6 @@
 import json
 import os
 import platform
-import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from importlib.metadata import version
@@ -48,8 +47,9 @@ def timed(call: Callable[[], Any], repeats: int = 1) -> Timed:
 def heading(title: str, *inputs: str) -> dict[str, Any]:
     """Prints the title, the inputs and the machine; returns them for the JSON file."""
     load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
-    machine = f"{platform.machine()}, {os.cpu_count()} cores, load average {load} at the start; Python {sys.version.split()[0]}"
-    versions = ", ".join(f"{name} {version(name)}" for name in ("elastomdr", "jax", "diffrax", "scipy", "numpy"))
+    machine = f"{platform.machine()}, {os.cpu_count()} cores, load average {load} at the start"
+    packages = ("elastomdr", "jax", "diffrax", "scipy", "numpy")
+    versions = ", ".join([f"Python {platform.python_version()}", *(f"{name} {version(name)}" for name in packages)])
     print(title)
     for line in (*inputs, machine, versions):
         print(f"  {line}")

@@ -109,22 +109,21 @@ def solve_ivp(method: str, tolerance: float) -> Lines:
     return _in_units(lines)
 
 
-def at_load(lines: Lines, velocity: np.ndarray, load: float, passes: int = 20) -> tuple[np.ndarray, np.ndarray, int]:
-    """mu and leading edge at a load, by secant steps on log F_N against log a, and the passes that took."""
+def at_load(lines: Lines, velocity: np.ndarray, load: float, most: int = 20) -> tuple[np.ndarray, int]:
+    """mu at a load, by secant steps on log F_N against log a, and the passes over all lines that this took."""
     size = np.full(velocity.size, (0.75 * scene.RADIUS * load / scene.EQUILIBRIUM) ** (1 / 3))  # Hertz, relaxed
-    slope, before = np.full(velocity.size, 3.0), None
-    for count in range(1, passes + 1):
+    slope, before, count = np.full(velocity.size, 3.0), None, 0
+    while True:
         mu, force = lines(size, velocity)
-        excess, place = np.log(force / load), np.log(size)
-        if np.nanmax(np.abs(excess)) < 1e-8:
-            break
+        excess, place, count = np.log(force / load), np.log(size), count + 1
+        if np.nanmax(np.abs(excess)) < 1e-8 or count == most:
+            return mu, count
         if before is not None:
             moved = place - before[0]
             secant = (excess - before[1]) / np.where(moved == 0, 1, moved)
             slope = np.where((secant > 1) & (secant < 5), secant, slope)
         before = place, excess
         size = np.exp(place - excess / slope)
-    return mu, size, count
 
 
 def _in_units(lines: Callable) -> Lines:

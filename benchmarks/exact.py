@@ -3,11 +3,11 @@
 For a profile g(x) on a line of Prony elements, sliding at velocity v with contact from x = -b to x = a, the force
 density is (Popov & Hess 2015, ch. 7, with s_k = v tau_k)
 
-    q(x) = E_inf [g(a) - g(x)] + sum_k E_k I_k(x),    I_k(x) = Q_k(x) - Q_k(a) exp(-(a - x)/s_k),    Q_k - s_k Q_k' = s_k g',
+    q(x) = E_inf [g(a) - g(x)] + sum_k E_k I_k(x),    I_k(x) = Q_k(x) - Q_k(a) exp(-(a - x)/s_k),
 
-where Q_k is a polynomial if g is one. F_N = int q dx and F_x = int q g' dx are then elementary as well. The digits that
-cancel for s_k >> a are carried by mpmath. A sphere enters by the power series of its profile x artanh(x/R), cut where
-nothing is left of it. Directions are averaged by scipy's adaptive quadrature over the angle.
+where Q_k, of Q_k - s_k Q_k' = s_k g', is a polynomial if g is one. F_N = int q dx and F_x = int q g' dx are then
+elementary as well. The digits that cancel for s_k >> a are carried by mpmath. A sphere enters by the power series of
+its profile x artanh(x/R), cut where nothing is left of it. Directions are averaged by scipy's adaptive quadrature.
 """
 
 import math
@@ -53,7 +53,7 @@ def sphere(radius: float, largest: float) -> tuple[float, ...]:
 
 
 def slide(line: Line, velocity: float, *, load: float | None = None, leading: float) -> Sliding:
-    """Steady sliding with the leading edge `leading` [m], or at a load [N] found from there: Newton's method throughout."""
+    """Steady sliding with its leading edge at `leading` [m], or at a load [N], with the edge sought from there."""
     cancelling = 1 + len(line.slope) * velocity * max(line.times) / leading
     with mp.workdps(DIGITS + 12 + math.ceil(2 * (len(line.slope) + 1) * math.log10(cancelling))):
         contact = _Contact(line, velocity)

@@ -1,10 +1,10 @@
-"""Does it hold at the ends? 20 decades of velocity, 40 branches over 24 decades, against Hertz and the power laws of friction.
+"""Does it hold at the ends? 20 decades of velocity, 40 branches over 24 decades, against Hertz and power laws.
 
     python benchmarks/extremes.py
 
 With tau over 24 decades, velocities from 1e-12 to 1e8 m/s do not reach both the relaxed and the glassy end. So three
-spectra: one that is relaxed at 1e-12 m/s (by 12 decades), one that is glassy at 1e8 m/s (by 11), and one in the middle, for
-which the ends lie beyond that range. References: Hertz, F_N = (4/3) E a d with E = E_inf or E_0, and
+spectra: one that is relaxed at 1e-12 m/s (by 12 decades), one that is glassy at 1e8 m/s (by 11), and one in the middle,
+whose ends lie beyond that range. References: Hertz, F_N = (4/3) E a d with E = E_inf or E_0, and
 
     v -> 0:    mu = 2 v sum(E_k tau_k) / (E_inf R) on the line, half of that averaged over directions;
     v -> inf:  mu = (4/5) d sum(E_k / tau_k) / (E_0 v) for both, d being Hertz' glassy depth.

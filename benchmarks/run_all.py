@@ -1,7 +1,4 @@
-"""Runs every benchmark in its own process and says how long each took.
-
-python benchmarks/run_all.py
-"""
+"""Runs every benchmark, each in its own process, and says how long it took: `python benchmarks/run_all.py`."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""The scene of the timing benchmarks: a rubber with one branch for every 0.7 decade, under a ball, over 10 decades of velocity."""
+"""The scene of the timing benchmarks: 16 branches under a ball over 10 decades of velocity."""
 
 import numpy as np
 

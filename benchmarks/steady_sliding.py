@@ -2,14 +2,17 @@
 
     python benchmarks/steady_sliding.py [--fresh]
 
-The main job: 64 velocities over 10 decades, 16 branches, load-controlled, direction-averaged. Beside it, since stock solvers
-do no more in one go, its core: the line passages of 64 velocities at a given depth. References are the closed forms of
-`exact.py` in many digits, averaged over directions by adaptive quadrature; they are kept in results/ (`--fresh`: computed anew,
-which takes some ten minutes). Times are the least of the repeats, compilation apart; ratios are of processor time, which a busy machine
-changes less.
+The main job: 64 velocities over 10 decades, 16 branches, load-controlled, direction-averaged. Beside it, since stock
+solvers do no more in one go, its core: the line passages of 64 velocities at a given depth. For the main job stock
+solvers get what a straightforward user gives them: Gauss-Legendre directions, and secant steps for the load.
+
+References are the closed forms of `exact.py` in many digits, averaged over directions by adaptive quadrature; they are
+kept in results/ (`--fresh` computes them anew, in some ten minutes). Times are the least of the repeats, compilation
+apart; ratios are of processor time, which a busy machine changes less than wall-clock time.
 """
 
 import argparse
+from collections.abc import Callable, Sequence
 
 import exact
 import numpy as np
@@ -32,9 +35,8 @@ COLUMNS = ("method", "setting", "first call [s]", "wall [ms]", "processor [ms]",
 
 def reference(fresh: bool) -> dict:
     """mu of the line at fixed depth and of the direction average, at the velocities of `ON_LINE` and `AVERAGED`."""
-    inputs = {
-        name: vars(scene)[name] for name in ("EQUILIBRIUM", "MODULI", "TIMES", "RADIUS", "LOAD", "LEADING", "VELOCITY")
-    }
+    names = ("EQUILIBRIUM", "MODULI", "TIMES", "RADIUS", "LOAD", "LEADING", "VELOCITY")
+    inputs = {name: vars(scene)[name] for name in names}
     series = (scene.EQUILIBRIUM, tuple(scene.MODULI), tuple(scene.TIMES))
 
     def compute() -> dict:
@@ -51,9 +53,10 @@ def reference(fresh: bool) -> dict:
 
 
 def measure(
-    method: str, setting: str, call, truth: list[float], at: np.ndarray, repeats: int, scale: float = 1.0
-) -> tuple:
-    """One row of the table; `call` gives mu at all velocities."""
+    method: str, setting: str, call: Callable[[], np.ndarray], truth: Sequence[float], at: np.ndarray, repeats: int,
+    scale: float = 1.0,
+) -> tuple:  # fmt: skip
+    """One row of the table. `call` gives mu, of which entries `at` are compared; its times are scaled by `scale`."""
     first = timed(call).wall
     warm = timed(call, repeats)
     error = np.abs(warm.value[at] / truth - 1)
@@ -107,7 +110,7 @@ def main_job(truth: dict) -> tuple[list[tuple], int]:
 
     def stock() -> np.ndarray:
         nonlocal passes
-        mu, _, passes = at_load(kvaerno5(SAME_ERROR), slowed.ravel(), scene.LOAD)
+        mu, passes = at_load(kvaerno5(SAME_ERROR), slowed.ravel(), scene.LOAD)
         return mu.reshape(slowed.shape) @ (0.5 * weight * cosine)
 
     at = AVERAGED["paraboloid"]
@@ -156,23 +159,17 @@ def main() -> None:
 
     job, passes = main_job(truth["averaged"])
     share = ANGLES * passes
-    scaled = [
-        (f"{r[0]}, scaled", r[1], np.nan, share * r[3], share * r[4], r[5], r[6])
-        for r in lines
-        if r[0].startswith("solve_ivp")
-    ]
+    loops = [row for row in lines if row[0].startswith("solve_ivp")]
+    scaled = [(f"{r[0]}, scaled", r[1], np.nan, share * r[3], share * r[4], *r[5:]) for r in loops]
     print(
-        f"\nThe main job. Stock solvers: {ANGLES} directions, the load in {passes} passes of secant steps. Loops over solve_ivp"
+        f"\nThe main job. Stock solvers: {ANGLES} directions, {passes} passes of secant steps for the load. The loops"
     )
     print(
-        f"are not run: their line passages above, times {ANGLES} times {passes}; their error is that of the line alone",
-        end="",
+        f"over solve_ivp are not run: line passages times {ANGLES} times {passes}, with the error of the line", end=""
     )
     record["main job"] = table(COLUMNS, job + scaled)
 
-    print(
-        "\nFigures against targets, at the same error of 1e-6: elastomdr by its largest error, the others by their median"
-    )
+    print("\nAgainst the targets, at an error of 1e-6: the largest for elastomdr, the median for the others")
     strict = [cheapest(job, f"elastomdr, {name}", 5) for name in SHAPES]
     ours, ours_line = strict[0], cheapest(lines, "elastomdr, paraboloid", 5)
     stock_line = cheapest(lines, "Kvaerno5 and event")
@@ -180,6 +177,7 @@ def main() -> None:
     loops = [cheapest(scaled, f"{row[0]}, scaled") for row in loops_line]
     record["figures"] = [
         *(verdict(f"main job, {row[0]}, {row[1]}, wall", row[3], 20, " ms") for row in strict),
+        *(verdict(f"main job, {row[0]}, {row[1]}, processor", row[4], 20, " ms") for row in strict),
         verdict("main job, Kvaerno5 over elastomdr", job[-1][4] / ours[4], 50, least=True),
         *(verdict(f"main job, {r[0]} over elastomdr", r[4] / ours[4], 1000, least=True) for r in loops),
         verdict("line passages, Kvaerno5 over elastomdr", stock_line[4] / ours_line[4], 50, least=True),

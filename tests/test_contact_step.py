@@ -67,7 +67,7 @@ def random_case(seed):
     moduli = 10 ** rng.uniform(0, 4, k) * (rng.random(k) < 0.8)
     equilibrium = 0.0 if seed % 3 == 0 else 10 ** rng.uniform(0, 3)
     viscosity = 0.0 if seed % 2 == 0 else 10 ** rng.uniform(-12, 12)
-    law = Relaxation(*map(jnp.asarray, (equilibrium, moduli, times, viscosity)))
+    law = Relaxation(*map(np.asarray, (equilibrium, moduli, times, viscosity)))
     steps = 10 ** rng.uniform(-10, 10, 200)
     surface = np.cumsum(rng.normal(size=(201, N)), axis=0) * rng.choice([0.01, 1.0], size=(201, 1)) - 0.5
     return law, jnp.asarray(steps), jnp.asarray(surface)

@@ -118,6 +118,7 @@ def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> E
     # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
     # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
     struck = jnp.where(contact & (u > w_start), (u - w_start) * (pushed - recovery), 0.0)
+    # Where the work is an estimate (contact lost within the step, free recovery), it must not gain energy.
     inelastic = state.inelastic + jnp.maximum(work, stored - state.stored) + c.blow * struck
     return Elements(
         u=end,
