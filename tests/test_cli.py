@@ -10,7 +10,7 @@ import jax
 import numpy as np
 import pandas as pd
 import pytest
-from cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE
+from .cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE
 
 import elastomdr as em
 from elastomdr.cli import cache
