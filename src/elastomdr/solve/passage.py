@@ -155,7 +155,7 @@ def _exits(p: Passage, size: Array, ratio: Array) -> tuple[Array, Array]:
         newton = ratio - value / slope
         inside = (newton >= low) & (newton <= high)
         following = jnp.where(inside, newton, 0.5 * (low + high))
-        small = jnp.abs(following - ratio) <= _TIGHT * (1 - ratio) + 4e-16
+        small = jnp.abs(following - ratio) <= _TIGHT * (1 - ratio) + 4e-15
         following = jnp.where(done, ratio, following)
         return following, low, high, done | small | (value == 0), count + 1
 
