@@ -162,10 +162,7 @@ def main() -> None:
     loops = [row for row in lines if row[0].startswith("solve_ivp")]
     scaled = [(f"{r[0]}, scaled", r[1], np.nan, share * r[3], share * r[4], *r[5:]) for r in loops]
     print(f"\nThe main job. Stock solvers: {ANGLES} directions, {passes} passes of secant steps for the load; loops")
-    print(
-        f"over solve_ivp are not run, they are line passages times {ANGLES} times {passes} with the line's error",
-        end="",
-    )
+    print(f"over solve_ivp are not run but line passages times {ANGLES} times {passes}, with the line's error", end="")
     record["main job"] = table(COLUMNS, job + scaled)
 
     print("\nAgainst the targets, at an error of 1e-6: the largest for elastomdr, the median for the others")
