@@ -53,19 +53,19 @@ def test_both_ends_meet_hertz_and_friction_falls_as_it_must(average):
 @pytest.mark.parametrize("shape", [s for s in SHAPES if s != "cone"])
 def test_ratio_of_line_to_half_space_is_two_at_low_and_one_at_high_speed(shape):
     foundation = em.Foundation(1e6, [1e6], [1e-3])
-    for velocity, ratio in ((1e-7, 2.0), (1e7, 1.0)):
-        line = em.friction(foundation, SHAPES[shape], velocity=velocity, load=1.0, average=None).mu
-        average = em.friction(foundation, SHAPES[shape], velocity=velocity, load=1.0).mu
-        np.testing.assert_allclose(line / average, ratio, rtol=1e-5)
+    scene = {"velocity": [1e-7, 1e7], "load": 1.0}
+    line = em.friction(foundation, SHAPES[shape], average=None, **scene).mu
+    average = em.friction(foundation, SHAPES[shape], **scene).mu
+    np.testing.assert_allclose(line / average, [2.0, 1.0], rtol=1e-5)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_depth_and_load_control_agree(shape):
-    velocity = np.logspace(-5, 2, 8)
-    by_load = em.friction(BROAD, SHAPES[shape], velocity=velocity, load=0.3, rtol=1e-8)
-    by_depth = em.friction(BROAD, SHAPES[shape], velocity=velocity, depth=by_load.depth, rtol=1e-8)
+    velocity, rtol = np.logspace(-5, 2, 4), 1e-8 if shape == "paraboloid" else 1e-6
+    by_load = em.friction(BROAD, SHAPES[shape], velocity=velocity, load=0.3, rtol=rtol)
+    by_depth = em.friction(BROAD, SHAPES[shape], velocity=velocity, depth=by_load.depth, rtol=rtol)
     np.testing.assert_allclose(by_depth.normal_force, 0.3, rtol=1e-10)
-    np.testing.assert_allclose(by_depth.mu, by_load.mu, rtol=3e-8)
+    np.testing.assert_allclose(by_depth.mu, by_load.mu, rtol=2 * rtol)
 
 
 def test_scaling_of_length_modulus_and_time():
@@ -183,6 +183,9 @@ def test_rtol_is_honoured_and_covered(shape, rtol):
         "liquid": em.Foundation(0.0, [1e7, 1e6], [1e-4, 1.0]),
         "dashpot": em.Foundation.kelvin(1e6, 1e3),
     }
+    if shape == "sphere":
+        # A liquid lets it sink to the equator in slow directions: test_a_sphere_sinks_in_a_liquid.
+        foundations = {name: foundations[name] for name in ("broad", "strong")}
     velocity = np.logspace(-2, 3, 4)
     for name, foundation in foundations.items():
         got = em.friction(foundation, SHAPES[shape], velocity=velocity, load=0.1, rtol=rtol)
@@ -207,7 +210,7 @@ def test_skipping_costs_what_it_says():
         with_skips = em.friction(foundation, em.Paraboloid(5e-3), **scene)
         without = em.friction(foundation, em.Paraboloid(5e-3), **{**scene, "rtol": 1e-10}, skip=False)
         how = with_skips.plan.condensation
-        assert len(how.springs) + len(how.dashpots) >= 6
+        assert len(how.springs) + len(how.dashpots) >= 12
         assert not without.plan.condensation.springs
         assert abs(with_skips.mu - without.mu) <= with_skips.error
 
@@ -240,6 +243,7 @@ PARAMETERS = {
     "velocity": 0.3,
     "temperature": 300.0,
 }
+PARAMETERS = {name: np.asarray(value) for name, value in PARAMETERS.items()}  # Python numbers would compile anew
 SCALED = {
     "paraboloid": lambda x: em.Paraboloid(5e-3 * x),
     "sphere": lambda x: em.Sphere(5e-3 * x),
@@ -263,29 +267,35 @@ def _mu(p, shape, average, rtol=1e-8):
 
 @pytest.mark.parametrize(("shape", "average"), [("paraboloid", "direction"), ("sphere", None), ("cone", None)])
 def test_gradients_in_both_modes_against_differences(shape, average):
+    def value(parameters):
+        return _mu(parameters, shape, average)
+
+    def moved(name, i, step):
+        array = PARAMETERS[name].copy()
+        array.reshape(-1)[i] += step
+        return {**PARAMETERS, name: array}
+
     with jax.enable_x64(True):
-        value = jax.jit(lambda p: _mu(p, shape, average))
-        reverse = jax.jit(jax.grad(value))(PARAMETERS)
-        forward = jax.jit(jax.jacfwd(value))(PARAMETERS)
+        both = jax.jit(jax.value_and_grad(value))
+        along = jax.jit(lambda direction: jax.jvp(value, (PARAMETERS,), (direction,))[1])
+        reverse = both(PARAMETERS)[1]
+        nothing = jax.tree.map(lambda x: np.zeros(np.shape(x)), PARAMETERS)
         for name, given in PARAMETERS.items():
-            for i in range(np.size(given)):
-
-                def at(step, name=name, given=given, i=i):
-                    moved = np.array(given, dtype=float)
-                    moved.reshape(-1)[i] *= 1 + step
-                    return float(value({**PARAMETERS, name: moved}))
-
-                h = 1e-4
-                difference = (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h)
-                scale = np.reshape(given, -1)[i]
-                for mode in (reverse, forward):
-                    derivative = float(np.reshape(np.asarray(mode[name]), -1)[i]) * scale
+            for i, scale in enumerate(np.reshape(given, -1)):
+                h = 1e-4 * scale
+                near, far = ([float(both(moved(name, i, s * step))[0]) for s in (1, -1)] for step in (h, 2 * h))
+                difference = (8 * (near[0] - near[1]) - (far[0] - far[1])) / (12 * h) * scale
+                one = np.zeros(np.shape(given))
+                one.reshape(-1)[i] = scale
+                forward = float(along({**nothing, name: one}))
+                backward = float(np.reshape(np.asarray(reverse[name]), -1)[i]) * scale
+                for derivative in (forward, backward):
                     np.testing.assert_allclose(derivative, difference, rtol=1e-5, atol=1e-9, err_msg=name)
 
 
 def test_jit_and_vmap():
     def mu(velocity):
-        return em.friction(BROAD, em.Paraboloid(5e-3), velocity=velocity, load=1.0, average=None).mu
+        return em.friction(BROAD, em.Paraboloid(5e-3), velocity=velocity, load=1.0, average=None, skip=False).mu
 
     velocity = np.array([0.01, 1.0])
     with jax.enable_x64(True):
@@ -296,8 +306,19 @@ def test_jit_and_vmap():
 def test_points_that_cannot_be_reached_are_flagged():
     r = np.linspace(0, 1e-3, 30)
     short = em.Profile(r, r**2 / 1e-2)
-    with pytest.warns(em.ConvergenceWarning, match="1 of 2 points"):
+    with pytest.warns(em.ConvergenceWarning, match="1 of 2 points .* wider than the profile"):
         curve = em.friction(BROAD, short, velocity=0.1, load=np.array([1e-3, 1e6]), average=None)
     assert curve.converged.tolist() == [True, False]
     assert np.isnan(curve.mu[1])
     assert np.isfinite(curve.mu[0])
+
+
+def test_a_sphere_sinks_in_a_liquid():
+    liquid = em.Foundation(0.0, [1e7, 1e6], [1e-4, 1.0])
+    with pytest.warns(em.ConvergenceWarning, match=r"1 of 2 points .* wider than the sphere has \(0.005 m\)\."):
+        curve = em.friction(liquid, SHAPES["sphere"], velocity=[1e-8, 1.0], load=0.1, average=None)
+    assert curve.converged.tolist() == [False, True]
+    with pytest.warns(em.ConvergenceWarning, match="carries nothing at rest"):
+        curve = em.friction(liquid, SHAPES["sphere"], velocity=1.0, load=0.1)
+    assert np.isnan(curve.mu)
+    assert np.isfinite(em.friction(liquid, SHAPES["paraboloid"], velocity=1.0, load=0.1).mu)

@@ -141,11 +141,10 @@ def solve(scene: Scene) -> Steady:
         return numpy.where(good, field, numpy.nan).reshape(scene.shape)
 
     if not traced and not good.all():
-        warnings.warn(
-            f"{int((~good).sum())} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN.",
-            ConvergenceWarning,
-            stacklevel=4,
-        )
+        text = f"{int((~good).sum())} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."
+        if result.sunk:
+            text += f" {_sunk(scene)}"
+        warnings.warn(text, ConvergenceWarning, stacklevel=4)
     force = result.line.normal_force
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
@@ -157,6 +156,18 @@ def solve(scene: Scene) -> Steady:
         contact=Contact(shaped(result.line.leading), shaped(result.line.trailing)),
         converged=good.reshape(scene.shape),
     )
+
+
+def _sunk(scene: Scene) -> str:
+    """Why a load was not carried, and what to do."""
+    radius = float(np.asarray(scene.lines.shape.largest_contact))
+    text = f"The load would need a contact wider than the {scene.lines.shape.label} has ({radius:.4g} m)"
+    if scene.plan.averaged and float(np.asarray(scene.law.equilibrium)) == 0:
+        text += (
+            " in the slow directions of the average, since a liquid (equilibrium modulus 0) carries nothing at rest: "
+            "give em.Paraboloid, or average=None"
+        )
+    return f"{text}."
 
 
 def _contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:

@@ -1,10 +1,11 @@
-"""Which branches of the spectrum a scene can do without: springs, dashpots, and what that costs.
+"""Which branches of the spectrum a scene need not carry one by one, and what that costs.
 
-A branch much slower than the longest passage never relaxes: its modulus joins the equilibrium modulus. One much faster
-than the shortest is a dashpot. With z = passage/tau, the loss of a branch is about E z for z << 1 and E/z for z >> 1.
-As a spring the branch loses the first; as a dashpot it keeps the second and errs by E/z^2. Both are compared with the
-loss and with the modulus that remain, over the whole range of passages of the scene, and the cheapest are condensed
-while the sum of their costs stays within the budget.
+A branch much slower than the longest passage is a spring that barely relaxes, one much faster than the shortest is a
+dashpot. All the slow ones are lumped into one branch with their sum of E_k and of E_k/tau_k, all the fast ones into one
+with their sum of E_k tau_k and of E_k tau_k^2. With z = passage/tau, what a branch changes by that is E z^2 (slow) or
+E/z^3 (fast), the first terms that are not matched. Both are compared with the loss and with the modulus of the rest,
+over the whole range of passages of the scene, and the cheapest are condensed while the sum of their costs stays within
+the budget.
 """
 
 import dataclasses
@@ -13,9 +14,7 @@ import numpy as np
 
 from ..material.relaxation import Relaxation
 
-_SAFETY = (
-    10.0  # the estimate's constants are those of an elastic paraboloid; contact shape moves them by less than this
-)
+_SAFETY = 10.0  # the estimate's constants are those of an elastic paraboloid; other shapes move them by less than this
 _SHARE = 0.02  # of rtol, to be spent on condensing
 
 
@@ -24,13 +23,13 @@ class Condensation:
     """Branch numbers condensed, and the bound on the relative change of mu."""
 
     branches: int
-    springs: tuple[int, ...] = ()
-    dashpots: tuple[int, ...] = ()
+    springs: tuple[int, ...] = ()  # too slow to relax: one branch stands for all of them
+    dashpots: tuple[int, ...] = ()  # relaxed long before the passage ends: likewise
     cost: float = 0.0
 
     @property
     def kept(self) -> tuple[int, ...]:
-        """Numbers of the branches that are integrated."""
+        """Numbers of the branches that are carried as they are."""
         gone = set(self.springs) | set(self.dashpots)
         return tuple(k for k in range(self.branches) if k not in gone)
 
@@ -45,8 +44,8 @@ def choose(law: Relaxation, shortest: float, longest: float, rtol: float) -> Con
     loss = np.sum(moduli * z / (1 + z**2), axis=1) + float(law.viscosity) / passages
     modulus = float(law.equilibrium) + np.sum(moduli / (1 + z), axis=1) + float(law.viscosity) / passages
     with np.errstate(over="ignore"):
-        as_spring = np.max(moduli * z * (1 / loss + 1 / modulus)[:, None], axis=0)
-        as_dashpot = np.max(moduli / z**2 * (1 / loss + 1 / modulus)[:, None], axis=0)
+        as_spring = np.max(moduli * z**2 * (1 / loss + 1 / modulus)[:, None], axis=0)
+        as_dashpot = np.max(moduli / z**3 * (1 / loss + 1 / modulus)[:, None], axis=0)
     cost = _SAFETY * np.minimum(as_spring, as_dashpot)
     budget, spent = _SHARE * rtol, 0.0
     springs, dashpots = [], []
@@ -59,13 +58,18 @@ def choose(law: Relaxation, shortest: float, longest: float, rtol: float) -> Con
 
 
 def condensed(law: Relaxation, how: Condensation) -> Relaxation:
-    """The relaxation function with its springs and dashpots set aside; padded so that few sizes are compiled."""
+    """The relaxation function with its slow and its fast branches lumped; padded so that few sizes are compiled."""
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
     springs, dashpots, kept = (list(x) for x in (how.springs, how.dashpots, how.kept))
-    padding = -len(kept) % 4
-    return Relaxation(
-        law.equilibrium + moduli[springs].sum(),
-        np.concatenate([moduli[kept], np.zeros(padding)]),
-        np.concatenate([times[kept], np.ones(padding)]),
-        law.viscosity + (moduli[dashpots] * times[dashpots]).sum(),
-    )
+    fewer = [(moduli[kept], times[kept])]
+    if springs:
+        total, rate = moduli[springs].sum(), (moduli[springs] / times[springs]).sum()
+        fewer.append((total[None], (total / rate)[None]))
+    if dashpots:
+        first, second = (moduli[dashpots] * times[dashpots]).sum(), (moduli[dashpots] * times[dashpots] ** 2).sum()
+        fewer.append(((first / second * first)[None], (second / first)[None]))
+    count = sum(e.size for e, _ in fewer)
+    padding = -count % (4 if count <= 8 else 8)
+    fewer.append((np.zeros(padding), np.ones(padding)))
+    moduli, times = (np.concatenate(part) for part in zip(*fewer, strict=True))
+    return Relaxation(law.equilibrium, moduli, times, law.viscosity)

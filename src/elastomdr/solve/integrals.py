@@ -135,7 +135,7 @@ def _integrate(p: Passage, span: _Span, samples: Array) -> tuple[Array, Array]:
 
 def _tail(p: Passage, before: Array, c: Array, z: Array) -> Array:
     last = jnp.zeros_like(c).at[-2:].set(c[-2:])
-    return jnp.abs(jnp.sum(jax.lax.stop_gradient(before * contract(last, z)), axis=(-3, -2)))
+    return p.rule.safety * jnp.abs(jnp.sum(jax.lax.stop_gradient(before * contract(last, z)), axis=(-3, -2)))
 
 
 def _legendre(rule: Rule, samples: Float[Array, "... nodes points"]) -> Float[Array, "nodes ... 1 points"]:

@@ -24,6 +24,7 @@ Control = Literal["load", "depth"]
 
 _NEAREST_EXIT = 1e-12  # b/a below which contact is lost at the apex itself (a kink under a dashpot)
 _ITERATIONS = 60  # after which a point is given up
+_MET = 1e-3  # relative miss of the load from which Newton's last step gets home
 _TIGHT, _LOOSE = 1e-9, 1e-6  # steps at which the searches stop; Newton's last step squares what error is left
 
 
@@ -185,10 +186,11 @@ def _size_of_load(p: Passage, load: Array, log_size: Array, ratio: Array, top: A
         excess = value - jnp.log(load)
         low, high = jnp.where(excess < 0, log_size, low), jnp.where(excess < 0, high, log_size)
         newton = log_size - jnp.clip(excess / slope, -3.0, 3.0)
+        # A bracket that closes at the widest contact has not met the load, hence the second condition.
+        small = (jnp.abs(newton - log_size) <= _LOOSE) & (jnp.abs(excess) <= _MET)
         inside = (newton > low) & (newton < high)
         middle = 0.5 * (jnp.maximum(low, log_size - 3) + jnp.minimum(high, log_size + 3))
-        following = jnp.where(inside, newton, middle)
-        small = jnp.abs(following - log_size) <= _LOOSE
+        following = jnp.where(inside | small, newton, middle)
         following = jnp.where(done, log_size, following)
         return following, ratio, low, high, done | (small & found), count + 1
 

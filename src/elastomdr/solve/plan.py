@@ -121,16 +121,16 @@ def _branches(plan: Plan) -> list[str]:
     if how.branches == 0:
         return ["none but the dashpot"]
     if plan.traced or plan.branch_times is None:
-        return [f"all {how.branches} integrated: under a JAX transformation their values are not known"]
-    texts = [f"{len(how.kept)} of {how.branches} integrated"]
+        return [f"all {how.branches} carried: under a JAX transformation their values are not known"]
+    texts = [f"{len(how.kept)} of {how.branches} carried one by one"]
     for name, chosen, reason in (
-        ("springs", how.springs, "too slow to relax in any passage"),
-        ("dashpots", how.dashpots, "relaxed long before any passage ends"),
+        ("spring", how.springs, "too slow to relax much in any passage"),
+        ("dashpot", how.dashpots, "relaxed long before any passage ends"),
     ):
         if chosen:
             times = [plan.branch_times[k] for k in chosen]
             span = f"tau = {times[0]:.3g} s" if len(times) == 1 else f"tau = {min(times):.3g} to {max(times):.3g} s"
-            texts.append(f"{len(chosen)} as {name} ({span}): {reason}")
+            texts.append(f"{len(chosen)} lumped into one {name} ({span}): {reason}")
     if how.springs or how.dashpots:
         texts.append(f"this costs at most {how.cost:.1e} of mu, counted in the error")
     elif not plan.skip:

@@ -26,6 +26,7 @@ class Sweep(NamedTuple):
     mu: Float[Array, " points"]
     error: Float[Array, " points"]  # estimated error of mu
     line: Passages
+    sunk: bool = False  # somewhere, in some direction, the load would need a wider contact than the shape has
 
 
 def run(
@@ -41,23 +42,24 @@ def run(
     law = condensed(law, plan.condensation)
     rtol = plan.rtol
     if not plan.averaged:
-        own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
+        every = own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
         lossy = 0.0 if plan.elastic else 1.0
         mu, error, good = lossy * own.mu, lossy * own.error, own.converged
     else:
         deep = _solve(plan, law, lines, "depth", value, velocity, rtol) if plan.control == "depth" else None
         load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
         average = _shared if plan.shared else _direct
-        mu, error, good, own = average(plan, law, lines, load, velocity, rtol)
+        mu, error, good, every, own = average(plan, law, lines, load, velocity, rtol)
         for finer in (rtol / 30, rtol / 1000):
             if bool(np.all(error <= plan.rtol * mu)) or not bool(np.all(good)):
                 break
-            mu, error, good, own = average(plan, law, lines, load, velocity, max(finer, 1e-15))
+            mu, error, good, every, own = average(plan, law, lines, load, velocity, max(finer, 1e-15))
         if deep is not None:
             own, good = deep, good & deep.converged
     error = error + mu * (plan.condensation.cost + _ROUNDING)
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
-    return Sweep(mu, error, own._replace(converged=good))
+    sunk = bool(np.any(~every.converged & (every.leading > 0.999 * np.asarray(lines.shape.largest_contact))))
+    return Sweep(mu, error, own._replace(converged=good), sunk)
 
 
 def _shared(plan, law, lines, load, velocity, rtol):
@@ -83,7 +85,7 @@ def _shared(plan, law, lines, load, velocity, rtol):
             + np.abs(grid.weights) @ every.error[part]
         )
         good[chosen] = ~(np.abs(grid.weights) @ ~every.converged[part] > 0)
-    return mu, error, good & own.converged, own
+    return mu, error, good & own.converged, every, own
 
 
 def _direct(plan, law, lines, load, velocity, rtol):
@@ -95,7 +97,7 @@ def _direct(plan, law, lines, load, velocity, rtol):
     own = Passages(*(field[:, 0] for field in every))  # the first direction is the motion itself
     mu = every.mu @ rule.weights
     error = quadrature_error(mu, every.mu @ rule.check, rule.tail) + every.error @ rule.weights
-    return mu, error, every.converged.all(axis=1), own
+    return mu, error, every.converged.all(axis=1), every, own
 
 
 def _solve(
@@ -131,11 +133,12 @@ def _padded(law, lines, rule: Rule, control: Control, value: Array, velocity: Ar
 
 
 def _sizes():
-    size = 8
+    """Few and far between where points cost less than compiling for their number."""
+    yield from (16, 64, 128)
+    size = 256
     while True:
         yield size
-        if size >= 64:
-            yield size * 3 // 2
+        yield size * 3 // 2
         size *= 2
 
 
