@@ -10,13 +10,14 @@ import jax
 import numpy as np
 import pandas as pd
 import pytest
-from .cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE
 
 import elastomdr as em
 from elastomdr.cli import cache
 from elastomdr.cli.main import main
 from elastomdr.cli.scene import read_scene
 from elastomdr.errors import ConvergenceWarning
+
+from .cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE
 
 
 @pytest.fixture(autouse=True)

@@ -1,4 +1,4 @@
-"""Relaxation and creep, Radok's operators, bodies in series, shift laws: exact numbers and stability over 20 decades."""
+"""Relaxation and creep, Radok's operators, bodies in series, shift laws: exact numbers, stability over 20 decades."""
 
 import jax
 import numpy as np
@@ -9,8 +9,8 @@ import elastomdr as em
 SHEAR = (5e5, [2e6, 1e6, 4e5], [1e-3, 0.1, 10.0])
 BULK = 5e6
 
-# E* and G* of a half-space with constant bulk modulus: poles of the functional equations, held against a numerical inverse
-# Laplace transform (Talbot) to 1e-12 where they were derived.
+# E* and G* of a half-space with constant bulk modulus: poles of the functional equations, held against a numerical
+# inverse Laplace transform (Talbot) to 1e-12 where they were derived.
 NORMAL = {
     "equilibrium": 1823529.4117647058,
     "moduli": [2e6, 1942613.234332268, 1e6, 1611798.677505719, 4e5, 857352.7940443661],
@@ -134,6 +134,8 @@ def test_named_materials():
     assert em.StandardSolid(1e6, 2e6, 0.1).storage(10.0) == pytest.approx(2e6)
     assert em.Maxwell(1e6, 0.1).creep(0.3) == pytest.approx(4e-6)
     assert "2e+06 Pa" in repr(em.StandardSolid(1e6, 1e6, 0.1, name="rubber"))
+    batch = jax.tree.map(lambda x: np.stack([x, x]), em.StandardSolid(1e6, 1e6, 0.1))
+    assert "a batch of shape (2,)" in repr(batch)
 
 
 def test_shift_laws():

@@ -71,8 +71,8 @@ def test_weak_loss_to_first_order():
 
 
 def test_constant_loss_tangent():
-    # Greenwood & Tabor: the hysteresis share of the line is twice the sphere's 3/16; with E'' = E' tan(delta) independent
-    # of frequency the ratio of line to half-space is pi/2. A spectrum evenly dense in log tau comes near to it.
+    # Greenwood & Tabor: the hysteresis share of the line is twice the sphere's 3/16; with E'' = E' tan(delta)
+    # independent of frequency the ratio of line to half-space is pi/2. A spectrum evenly dense in log tau comes near.
     times = np.logspace(-12, 12, 241)
     foundation = em.Foundation(1e6, np.full(times.size, 1.0), times)
     tan_delta = foundation.loss_tangent(1.0 / 1e-3)

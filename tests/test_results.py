@@ -304,3 +304,16 @@ def test_a_computed_curve_is_such_a_result(tmp_path):
     assert hash(jax.tree.structure(curve)) is not None
     curve.to_csv(tmp_path / "curve.csv")
     assert len(pd.read_csv(tmp_path / "curve.csv", comment="#")) == 3
+
+
+def test_a_second_curve_on_the_same_axes_goes_into_the_legend():
+    ax = friction_curve().plot()
+    title, texts = ax.get_title(loc="left"), len(ax.texts)
+    friction_curve(load=20.0).plot(ax=ax)
+    friction_curve(load=30.0).plot(ax=ax, label="the other one")
+    assert (ax.get_title(loc="left"), len(ax.texts)) == (title, texts)
+    first, second = (text.get_text() for text in ax.get_legend().get_texts())
+    assert first.startswith("nbr: peak")
+    assert second.startswith("the other one: peak")
+    lines = [line for line in ax.get_lines() if len(line.get_xdata()) > 1]
+    assert len({line.get_color() for line in lines}) == 3

@@ -322,3 +322,19 @@ def test_a_sphere_sinks_in_a_liquid():
         curve = em.friction(liquid, SHAPES["sphere"], velocity=1.0, load=0.1)
     assert np.isnan(curve.mu)
     assert np.isfinite(em.friction(liquid, SHAPES["paraboloid"], velocity=1.0, load=0.1).mu)
+
+
+def test_strips_of_a_layer_are_counted_in_the_error():
+    # Across a cone's tip strips converge slowly. Elastic with a weak dashpot, mu = eta v int g'^2 / F, by quadrature
+    # of its own: strips of half-width X = sqrt(A^2 - y^2), int g'^2 dx = 2 s^2 [X - y atan(X/y)].
+    stiffness, viscosity, slope, load = 1e9, 1.0, 0.1, 0.5
+    foundation = em.Foundation(stiffness, [], [], viscosity, per_area=True)
+    got = em.friction(foundation, em.Cone(slope), velocity=1e-3, load=load)
+    radius = (3 * load / (np.pi * stiffness * slope)) ** (1 / 3)
+    node, weight = np.polynomial.legendre.leggauss(400)
+    theta = np.pi / 4 * (node + 1)
+    y, x = radius * np.sin(theta), radius * np.cos(theta)
+    loss = np.pi / 4 * weight @ (2 * x * 2 * slope**2 * (x - y * np.arctan2(x, y)))
+    np.testing.assert_allclose(got.contact.leading, radius, rtol=1e-6)
+    assert abs(got.mu - viscosity * 1e-3 * loss / load) <= got.error + 1e-9 * got.mu
+    assert got.error <= 1e-6 * got.mu

@@ -1,4 +1,4 @@
-"""The steadily sliding Prony paraboloid in many digits, from its closed force density: an answer the package did not produce.
+"""The steadily sliding Prony paraboloid in many digits, from its closed force density: an independent answer.
 
     q(x) = E_inf (a^2 - x^2)/R + sum_k (2 E_k s_k/R)[(x + s_k) - (a + s_k) exp(-(a - x)/s_k)],    s_k = v tau_k,
 

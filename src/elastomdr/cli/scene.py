@@ -60,12 +60,12 @@ def _scene(path: Path, content: dict[str, Any]) -> Scene:
         arguments["temperature"] = top.get("temperature", one_or_more(TEMPERATURE))
     arguments |= _numerics(content.get("numerics", {}))
     shape = read_indenter(content["indenter"], path.parent)
-    material = _material(top, content.get("layer"), shape, path.parent)
+    material = _material(top, content.get("layer"), shape, path.parent, arguments)
     return Scene(path, title, material, shape, _on_axes(arguments))
 
 
-def _material(top: Keys, layer: Any, shape: Any, folder: Path) -> Any:
-    from .. import Cylinder, half_space, load_material
+def _material(top: Keys, layer: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Any:
+    from .. import Cylinder, load_material
     from .. import layer as on_layer
 
     def load(name: str, value: Any) -> Any:
@@ -85,7 +85,30 @@ def _material(top: Keys, layer: Any, shape: Any, folder: Path) -> Any:
         return on_layer(material, thickness, bonded=keys.get("bonded", flag) if "bonded" in keys else True)
     if isinstance(shape, Cylinder):
         raise InputError("[layer] is missing: a cylinder acts on a layer; give [layer] thickness.")
-    return half_space(material, top.get("other", load)) if "other" in top else material
+    return _two_bodies(material, top.get("other", load), arguments) if "other" in top else material
+
+
+def _two_bodies(material: Any, other: Any, arguments: dict[str, Any]) -> Any:
+    """Two bodies in contact. Where they shift differently, both are brought to the one temperature first."""
+    import equinox as eqx
+
+    from .. import Foundation, half_space
+
+    if eqx.tree_equal(material.shift, other.shift):
+        return half_space(material, other)
+    if "temperature" not in arguments:
+        raise InputError("temperature is missing: material and other have different shift laws.")
+    temperature = arguments["temperature"]
+    if isinstance(temperature, list):
+        raise InputError(
+            f"temperature must be a single value, got {len(temperature)}: material and other have different shift laws."
+        )
+    pair = half_space(*(body if body.shift is None else body.at(temperature) for body in (material, other)))
+    del arguments["temperature"]
+    return Foundation(
+        pair.equilibrium, pair.moduli, pair.times, pair.viscosity, per_area=False,
+        name=f"{pair.name} at {float(temperature):g} K",
+    )  # fmt: skip
 
 
 def _contact(content: Any) -> dict[str, Any]:

@@ -5,6 +5,7 @@ leading edge of the central line. A line enters contact at a = entry(A).
 """
 
 import abc
+import functools
 import math
 
 import equinox as eqx
@@ -15,8 +16,6 @@ from jaxtyping import Float
 
 from .._runtime import Array
 from .shapes import AbstractShape, Cylinder
-
-STRIPS = 16  # Gauss points over the half-width of a layer contact
 
 
 class AbstractLines(eqx.Module):
@@ -46,6 +45,14 @@ class AbstractLines(eqx.Module):
         """dg_j/dx, odd in x."""
 
     @abc.abstractmethod
+    def summation_error(self, parts: Float[Array, "lines points"]) -> Float[Array, " points"]:
+        """Estimated error of the sum of all lines' shares in a force, for a finite number of strips."""
+
+    @abc.abstractmethod
+    def refined(self, strips: int) -> "AbstractLines":
+        """The same contact in `strips` strips, where it is in strips."""
+
+    @abc.abstractmethod
     def depth(self, size: Array) -> Array:
         """Indentation depth [m] at which the central line enters at `size`."""
 
@@ -72,6 +79,12 @@ class SingleLine(AbstractLines):
     def slope(self, x: Array, size: Array, line: Array) -> Array:
         return self.shape._slope(x)
 
+    def summation_error(self, parts: Array) -> Array:
+        return jnp.zeros_like(parts[0])
+
+    def refined(self, strips: int) -> "SingleLine":
+        return self
+
     def depth(self, size: Array) -> Array:
         return self.shape._profile(size)
 
@@ -84,31 +97,51 @@ class Strips(AbstractLines):
     """
 
     shape: AbstractShape
+    strips: int = eqx.field(static=True, default=16)  # over the half-width
 
     @property
     def count(self) -> int:
-        return STRIPS
+        return self.strips
 
     def entry(self, size: Array) -> Array:
-        return size * jnp.cos(_angles()[0])[:, None]
+        return size * jnp.cos(_angles(self.strips)[0])[:, None]
 
     def weight(self, size: Array) -> Array:
-        angle, weight = _angles()
+        angle, weight = _angles(self.strips)
         return 2 * size * (jnp.cos(angle) * weight)[:, None]
 
     def profile(self, x: Array, size: Array, line: Array) -> Array:
-        y = size * jnp.sin(jnp.asarray(_angles()[0])[line])
+        y = size * jnp.sin(jnp.asarray(_angles(self.strips)[0])[line])
         return self.shape._height(jnp.hypot(x, y)) - self.shape._height(y)
 
     def slope(self, x: Array, size: Array, line: Array) -> Array:
-        r = jnp.hypot(x, size * jnp.sin(jnp.asarray(_angles()[0])[line]))
+        r = jnp.hypot(x, size * jnp.sin(jnp.asarray(_angles(self.strips)[0])[line]))
         _, steepness = jax.jvp(self.shape._height, (r,), (jnp.ones_like(r),))
         return steepness * x / r
+
+    def summation_error(self, parts: Array) -> Array:
+        # Gauss' rule with n points misses about the 2n-th Legendre coefficient c of the integrand. It is reached from
+        # c_n/2 and c_n by the law that joins them, c_2n = c_n^2/c_n/2 for a power and less for an exponential. Against
+        # 96 strips of spheres, cones and power laws on three rubbers that was up to 3 times too small, hence the 4.
+        size = jnp.abs(jnp.asarray(_to_legendre(self.strips)) @ parts)
+        half, last = jnp.max(size[self.strips // 2 - 2 : self.strips // 2], axis=0), jnp.max(size[-2:], axis=0)
+        return 4 * last * jnp.minimum(last / jnp.where(half > 0, half, 1.0), 1.0)
+
+    def refined(self, strips: int) -> "Strips":
+        return Strips(self.shape, strips)
 
     def depth(self, size: Array) -> Array:
         return self.shape._height(size)
 
 
-def _angles() -> tuple[np.ndarray, np.ndarray]:
-    nodes, weights = np.polynomial.legendre.leggauss(STRIPS)
+@functools.cache
+def _angles(strips: int) -> tuple[np.ndarray, np.ndarray]:
+    nodes, weights = np.polynomial.legendre.leggauss(strips)
     return math.pi / 4 * (nodes + 1), math.pi / 4 * weights
+
+
+@functools.cache
+def _to_legendre(strips: int) -> np.ndarray:
+    """From the strips' shares of an integral to the Legendre coefficients of its integrand, times the range."""
+    nodes, _ = np.polynomial.legendre.leggauss(strips)
+    return np.polynomial.legendre.legvander(nodes, strips - 1).T * (2 * np.arange(strips)[:, None] + 1)

@@ -22,7 +22,8 @@ class Profile(AbstractShape):
     """f(r) through given points, joined by a cubic spline (twice continuously differentiable, not-a-knot outside).
 
     The MDR profile of the spline is exact: on f'(r) = A_0 + A_1 r + A_2 r^2 + sum_i c_i (r - r_i)_+^2 Abel's integral
-    has a closed form (kept as Chebyshev series between the points, to rounding). So what remains is the spline's own error, of fourth order in the spacing of the points.
+    has a closed form (kept as Chebyshev series between the points, to rounding). So what remains is the spline's own
+    error, of fourth order in the spacing of the points.
 
     `r` [m] starts at 0 and ascends, four points at least; `z` [m] is the height, counted from z[0]. `apex` says whether
     the body is "smooth" on its axis (f'(0) = 0) or "sharp"; "auto" looks at the points. Raises `InputError` where the
@@ -155,6 +156,6 @@ def _spline_matrices(r: np.ndarray, sharp: bool) -> tuple[np.ndarray, np.ndarray
     """Linear maps from heights to f' = A_0 + A_1 r + A_2 r^2 in the first interval, and to its jumps c_i at inner
     points.
     """
-    start: Any = "not-a-knot" if sharp else (1, np.zeros(r.size))
-    cubic, square, linear, _ = CubicSpline(r, np.eye(r.size), bc_type=(start, "not-a-knot")).c  # (intervals, n) each
+    ends: Any = ("not-a-knot" if sharp else (1, np.zeros(r.size)), "not-a-knot")
+    cubic, square, linear, _ = CubicSpline(r, np.eye(r.size), bc_type=ends).c  # (intervals, n) each
     return np.stack([linear[0], 2 * square[0], 3 * cubic[0]]), 3 * np.diff(cubic, axis=0)

@@ -4,8 +4,6 @@ Radok (1957): replace the elastic constants of the elastic solution by operators
 result is again a Prony series, exactly, since a multiple of G in series with a spring is one (`material.relaxation`).
 """
 
-import jax.numpy as jnp
-
 from .._runtime import in_float64, is_traced
 from ..errors import InputError
 from ..material.prony import Prony
@@ -22,7 +20,7 @@ def normal_operator(material: Prony) -> Relaxation:
     shear = material.law()
     if material.poisson is not None:
         return scaled(shear, 2 / (1 - material.poisson))
-    return parallel(shear, series(scaled(shear, 3.0), spring(jnp.asarray(9 * material.bulk / 4))))
+    return parallel(shear, series(scaled(shear, 3.0), spring(9 * material.bulk / 4)))
 
 
 @in_float64
@@ -35,7 +33,7 @@ def tangential_operator(material: Prony) -> Relaxation:
     shear = material.law()
     if material.poisson is not None:
         return scaled(shear, 4 / (2 - material.poisson))
-    return parallel(scaled(shear, 4 / 3), series(scaled(shear, 4 / 3), spring(jnp.asarray(2 * material.bulk))))
+    return parallel(scaled(shear, 4 / 3), series(scaled(shear, 4 / 3), spring(2 * material.bulk)))
 
 
 @in_float64

@@ -120,8 +120,9 @@ class Prony(AbstractRelaxation):
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
-        if is_traced(self):
-            return f"Prony({label}{self.kind}, {self.moduli.shape[0]} branches, traced)"
+        if is_traced(self) or np.ndim(self.equilibrium) or np.ndim(self.moduli) != 1:
+            what = "traced" if is_traced(self) else f"a batch of shape {np.shape(self.equilibrium)}"
+            return f"Prony({label}{self.kind}, {np.shape(self.moduli)[-1]} branches, {what})"
         span = f", tau {self.times[0]:.3g}..{self.times[-1]:.3g} s" if self.moduli.size else ""
         glassy = float(self.equilibrium + np.sum(self.moduli))
         return (

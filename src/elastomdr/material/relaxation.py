@@ -126,14 +126,15 @@ def scaled(law: Relaxation, factor: Any) -> Relaxation:
 @in_float64
 def parallel(first: Relaxation, second: Relaxation) -> Relaxation:
     """The sum of two relaxation functions, with times in ascending order."""
-    moduli = jnp.concatenate([jnp.asarray(first.moduli), jnp.asarray(second.moduli)])
-    times = jnp.concatenate([jnp.asarray(first.times), jnp.asarray(second.times)])
-    order = jnp.argsort(times)
+    xp = _arrays(first, second)
+    moduli = xp.concatenate([xp.asarray(first.moduli), xp.asarray(second.moduli)])
+    times = xp.concatenate([xp.asarray(first.times), xp.asarray(second.times)])
+    order = xp.argsort(times)
     return Relaxation(
-        jnp.asarray(first.equilibrium + second.equilibrium),
+        xp.asarray(first.equilibrium + second.equilibrium),
         moduli[order],
         times[order],
-        jnp.asarray(first.viscosity + second.viscosity),
+        xp.asarray(first.viscosity + second.viscosity),
     )
 
 
@@ -145,26 +146,27 @@ def to_kelvin(law: Relaxation) -> KelvinChain:
     time is zero. Each retardation time lies just above a relaxation time. Source: Gross, "Mathematical Structure of
     the Theories of Viscoelasticity" (1953), for the interlacing.
     """
+    xp = _arrays(law)
     with_dashpot = is_traced(law.viscosity) or bool(law.viscosity > 0)
-    times, moduli = jnp.asarray(law.times), jnp.asarray(law.moduli)
+    times, moduli = xp.asarray(law.times), xp.asarray(law.moduli)
     weights = moduli * times
     if with_dashpot:
-        times = jnp.concatenate([jnp.zeros(1), times])
-        weights = jnp.concatenate([jnp.asarray(law.viscosity)[None], weights])
-    equilibrium = jnp.asarray(law.equilibrium)
-    total_viscosity = jnp.asarray(law.viscosity) + jnp.sum(moduli * jnp.asarray(law.times))
-    glassy = equilibrium + jnp.sum(moduli)
-    instantaneous = jnp.where(jnp.asarray(law.viscosity) > 0, 0.0, 1 / jnp.where(glassy > 0, glassy, 1.0))
+        times = xp.concatenate([xp.zeros(1), times])
+        weights = xp.concatenate([xp.asarray(law.viscosity)[None], weights])
+    equilibrium = xp.asarray(law.equilibrium)
+    total_viscosity = xp.asarray(law.viscosity) + xp.sum(moduli * xp.asarray(law.times))
+    glassy = equilibrium + xp.sum(moduli)
+    instantaneous = xp.where(xp.asarray(law.viscosity) > 0, 0.0, 1 / xp.where(glassy > 0, glassy, 1.0))
     liquid = equilibrium == 0
-    fluidity = jnp.where(liquid, 1 / jnp.where(liquid & (total_viscosity > 0), total_viscosity, 1.0), 0.0)
+    fluidity = xp.where(liquid, 1 / xp.where(liquid & (total_viscosity > 0), total_viscosity, 1.0), 0.0)
     if weights.shape[0] == 0:
         return KelvinChain(instantaneous, weights, times, fluidity)
     poles, strengths, present = _without_empty(times, weights)
-    roots, slope = secular_roots(poles, strengths, equilibrium)
-    there = jnp.isfinite(roots) & present
-    compliances = jnp.where(there, 1 / (jnp.where(there, roots, 1.0) * slope), 0.0)
-    order = jnp.argsort(jnp.where(there, roots, jnp.inf))
-    roots = jnp.where(there, roots, jnp.maximum(2 * poles[-1], 1.0))
+    roots, slope = map(xp.asarray, secular_roots(poles, strengths, equilibrium))
+    there = xp.isfinite(roots) & present
+    compliances = xp.where(there, 1 / (xp.where(there, roots, 1.0) * slope), 0.0)
+    order = xp.argsort(xp.where(there, roots, xp.inf))
+    roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
     if not is_traced(there):  # drop what is not there: the flow of a liquid, an empty branch
         order = order[: int(there.sum())]
     return KelvinChain(instantaneous, compliances[order], roots[order], fluidity)
@@ -176,24 +178,25 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
 
     With s = -1/t, J(s) = t [J_0/t + sum_k J_k/(t - lambda_k) - phi].
     """
-    compliances, times = jnp.asarray(chain.compliances), jnp.asarray(chain.times)
-    instantaneous, fluidity = jnp.asarray(chain.instantaneous), jnp.asarray(chain.fluidity)
-    poles = jnp.concatenate([jnp.zeros(1), times])
-    weights = jnp.concatenate([instantaneous[None], compliances])
+    xp = _arrays(chain)
+    compliances, times = xp.asarray(chain.compliances), xp.asarray(chain.times)
+    instantaneous, fluidity = xp.asarray(chain.instantaneous), xp.asarray(chain.fluidity)
+    poles = xp.concatenate([xp.zeros(1), times])
+    weights = xp.concatenate([instantaneous[None], compliances])
     if not is_traced(weights):
         poles, weights = poles[weights > 0], weights[weights > 0]
     glassy_free = instantaneous == 0  # no instantaneous compliance: a dashpot remains
-    rate = jnp.sum(compliances / times) + fluidity
-    viscosity = jnp.where(glassy_free, 1 / jnp.where(glassy_free, rate, 1.0), 0.0)
-    total = instantaneous + jnp.sum(compliances)
+    rate = xp.sum(compliances / times) + fluidity
+    viscosity = xp.where(glassy_free, 1 / xp.where(glassy_free, rate, 1.0), 0.0)
+    total = instantaneous + xp.sum(compliances)
     solid = (fluidity == 0) & (total > 0)
-    equilibrium = jnp.where(solid, 1 / jnp.where(solid, total, 1.0), 0.0)
+    equilibrium = xp.where(solid, 1 / xp.where(solid, total, 1.0), 0.0)
     if weights.shape[0] == 0:
         return Relaxation(equilibrium, weights, poles, viscosity)
-    roots, slope = secular_roots(poles, weights, fluidity)
-    there = jnp.isfinite(roots)
-    roots = jnp.where(there, roots, jnp.maximum(2 * poles[-1], 1.0))
-    moduli = jnp.where(there, 1 / (roots**2 * slope), 0.0)
+    roots, slope = map(xp.asarray, secular_roots(poles, weights, fluidity))
+    there = xp.isfinite(roots)
+    roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
+    moduli = xp.where(there, 1 / (roots**2 * slope), 0.0)
     if not is_traced(there):
         roots, moduli = roots[there], moduli[there]
     return Relaxation(equilibrium, moduli, roots, viscosity)
@@ -202,13 +205,14 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
 @in_float64
 def series(first: Relaxation, second: Relaxation) -> Relaxation:
     """Two bodies that carry the same stress: their creep functions add. Exact, n_1 + n_2 branches at most."""
+    xp = _arrays(first, second)
     one, two = to_kelvin(first), to_kelvin(second)
-    times = jnp.concatenate([one.times, two.times])
-    order = jnp.argsort(times)
+    times = xp.concatenate([one.times, two.times])
+    order = xp.argsort(times)
     return to_relaxation(
         KelvinChain(
             one.instantaneous + two.instantaneous,
-            jnp.concatenate([one.compliances, two.compliances])[order],
+            xp.concatenate([one.compliances, two.compliances])[order],
             times[order],
             one.fluidity + two.fluidity,
         )
@@ -218,6 +222,11 @@ def series(first: Relaxation, second: Relaxation) -> Relaxation:
 def spring(modulus: Any) -> Relaxation:
     """A purely elastic body."""
     return Relaxation(modulus, np.zeros(0), np.zeros(0), np.zeros(()))
+
+
+def _arrays(*laws: Any) -> Any:
+    """NumPy for numbers, which compiles nothing; JAX for what it traces."""
+    return jnp if is_traced(*laws) else np
 
 
 def _sum_branches(weights: Array, terms: Array) -> Array:

@@ -32,14 +32,15 @@ class AbstractCurve(AbstractResult):
     symbol: ClassVar[str]  # what its coefficient is called in a sentence
     coefficient_field: ClassVar[str]  # the field that a figure shows against velocity
 
-    def plot(self, ax: Any = None, title: str | None = None) -> Any:
+    def plot(self, ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
         """Draws the coefficient against velocity, one line per temperature, load or depth; returns matplotlib Axes.
 
-        With `ax=None` on a new figure, which is the `.figure` of the answer.
+        With `ax=None` on a new figure, which is the `.figure` of the answer. On axes that hold a curve already, this
+        one is added to it and to the legend, under `label` or the name of its material.
         """
         from .figure import draw
 
-        return draw(self, ax, title)
+        return draw(self, ax, title, label)
 
     def png(self, title: str | None = None) -> bytes:
         """The figure as a PNG image, 200 dots per inch."""

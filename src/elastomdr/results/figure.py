@@ -21,15 +21,18 @@ _INK, _FAINT, _BLUE = "#222222", "#666666", "#1f5a94"
 _DPI = 200
 
 
-def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None) -> Any:
+def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
     """Draws a coefficient against velocity on `ax`, or on a new figure; returns the Axes.
 
     One line per temperature, load or depth, its largest value marked, the estimated error as a band where it can be
     seen, points that did not converge left out and counted. Without a velocity axis, the last axis takes its place.
+    On axes that hold a curve already the title stays and the curve goes into the legend, by `label` or its material.
     """
     fields = {column.key: value for column, value in result.fields().items()}
     axis, all_curves = curves(fields)
     ax = _new_axes(len(all_curves) > 1) if ax is None else ax
+    beside_others = ax.has_data()
+    name = label or (dict(result.inputs).get("material") if beside_others else None)
     value, error = fields[result.coefficient_field], fields["error"]
     highest = float(np.fmax.reduce(value, axis=None, initial=0.0)) or 1.0
     velocity = fields["velocity"]
@@ -40,14 +43,17 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None) -> A
         x, y, e = x[order], np.atleast_1d(value[curve.at])[order], np.atleast_1d(error[curve.at])[order]
         top = peak(x, y)
         text = _in_words(top, "velocity" if against_velocity else axis.name)
-        label = f"{curve.label}: {text}".replace("degC", "°C") if named and len(all_curves) > 1 else None
+        parts = [part for part in (name, curve.label) if part]
+        words = ": ".join([", ".join(parts), text]).replace("degC", "°C") if named and parts else None
+        colour = None if beside_others and len(all_curves) == 1 else colour  # the next one of the axes' own
         marker = "o" if x.size == 1 else None
-        ax.plot(x, y, color=colour, linewidth=1.8, marker=marker, markersize=5, label=label, zorder=3)
+        line = ax.plot(x, y, color=colour, linewidth=1.8, marker=marker, markersize=5, label=words, zorder=3)
+        colour = line[0].get_color()
         if (e > _VISIBLE * highest).any():
             ax.fill_between(x, y - e, y + e, color=colour, alpha=0.2, linewidth=0, zorder=2)
         if top is not None and x.size > 1:
             ax.plot(top.x, top.y, "o", color=colour, markersize=5.5, zorder=4)
-            if len(all_curves) == 1:
+            if len(all_curves) == 1 and not name:
                 scale = np.log if against_velocity else np.asarray
                 _write_above(ax, top, text, float((scale(top.x) - scale(x[0])) / (scale(x[-1]) - scale(x[0]))))
     if against_velocity:
@@ -58,14 +64,15 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None) -> A
     ax.set_ylabel(
         "Friction coefficient [-]" if result.coefficient_field == "mu" else "Rolling resistance coefficient [-]"
     )
-    ax.set_ylim(0.0, 1.16 * highest)
+    ax.set_ylim(0.0, max(1.16 * highest, ax.get_ylim()[1] if beside_others else 0.0))
     ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
     ax.set_axisbelow(True)
     ax.spines[["top", "right"]].set_visible(False)
     failed = int(np.sum(~fields["converged"]))
     note = f"{failed} of {fields['converged'].size} points did not converge and are left out" if failed else ""
-    _write_title(ax, title or result.heading(), result.model, note)
-    if len(all_curves) > 1:
+    if title or not beside_others:
+        _write_title(ax, title or result.heading(), result.model, note)
+    if len(all_curves) > 1 or name:
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
     return ax
 

@@ -44,8 +44,7 @@ def normal_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, " 
     """Normal force [N] of all lines, and its estimated sampling error."""
     span = _Span(p, size, ratio)
     force, tail = _integrate(p, span, span.indentation_samples())
-    weight = p.lines.weight(size)
-    return jnp.sum(weight * (force + span.dashpot_force()), axis=0), jnp.sum(weight * tail, axis=0)
+    return _total(p, size, force + span.dashpot_force(), tail)
 
 
 def balance(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, "lines points"], Float[Array, " points"]]:
@@ -66,7 +65,7 @@ def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, 
     span = _Span(p, size, ratio)
     correlation = _autocorrelation(p, size, span.entry, span.exit)
     samples = correlation(span.positions(jnp.zeros_like(span.exit)))
-    c = span.width * _legendre(p.rule, samples)
+    c = jnp.asarray(span.width * _legendre(p.rule, samples))
     decay = p.velocity * p.law.times[:, None]
     slow = (decay > (span.entry + span.exit)[:, None])[:, None]  # lines, 1, branches, points
     moduli = p.law.moduli[:, None]
@@ -80,9 +79,15 @@ def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, 
     tail = _tail(p, moduli * before, c, z) if not p.rule.exact else jnp.zeros_like(total)
     springs = p.law.equilibrium + jnp.sum(jnp.where(slow[:, 0], moduli, 0.0), axis=1)
     dashpot = p.velocity * p.law.viscosity * correlation(jnp.zeros_like(_spread(span.exit)))[:, 0, 0]
+    return _total(p, size, 0.5 * springs * span.rise() ** 2 + dashpot + total, tail)
+
+
+def _total(p: Passage, size: Array, force: Array, tail: Array) -> tuple[Array, Array]:
+    """Sum of all lines, and the error of that sum: of sampling along the lines, and of their finite number."""
     weight = p.lines.weight(size)
-    force = 0.5 * springs * span.rise() ** 2 + dashpot + total
-    return jnp.sum(weight * force, axis=0), jnp.sum(weight * tail, axis=0)
+    parts = weight * force
+    error = jnp.sum(weight * tail, axis=0) + jax.lax.stop_gradient(p.lines.summation_error(parts))
+    return jnp.sum(parts, axis=0), error
 
 
 class _Span:

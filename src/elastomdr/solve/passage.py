@@ -54,7 +54,7 @@ def solve_passages(
     The searches run on values cut off from differentiation; one Newton step on the full equations, with the
     derivatives in it, makes the answer differentiable in forward and reverse mode.
     """
-    law, lines, value, velocity = jax.tree.map(jnp.asarray, (law, lines, value, velocity))
+    law, lines, value, velocity = jax.tree.map(jnp.asarray, (law, lines.refined(rule.strips), value, velocity))
     found = _search(*jax.lax.stop_gradient((law, lines, value, velocity)), rule=rule, control=control)
     return _polish(law, lines, value, velocity, jax.lax.stop_gradient(found), rule=rule, control=control)
 

@@ -12,6 +12,8 @@ from .condense import Condensation, choose
 from .passage import Control, estimate_sizes
 from .rule import Rule, ladder
 
+TRACED = 0.03  # of rtol, aimed for while JAX traces: nothing can be refined then
+
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
@@ -59,11 +61,12 @@ def make_plan(
     marched = isinstance(lines.shape, Profile) and not lines.shape.convex
     elastic = law.moduli.shape[0] == 0 and velocity is not None and float(law.viscosity) == 0
     averaged = averaged and not elastic
-    count = directions(rtol).cosines.size if averaged else 1
+    inner = TRACED * rtol if value is None else rtol
+    count = directions(inner).cosines.size if averaged else 1
     plan = Plan(
         quantity=quantity, scene=scene, model=model, control=control, points=points, rtol=rtol, averaged=averaged,
-        marched=marched, rules=ladder(lines.shape, rtol)[:1], condensation=Condensation(law.moduli.shape[0]),
-        branch_times=None, directions=count, shared=False, solutions=points * count, temperatures=temperatures,
+        marched=marched, rules=ladder(lines.shape, inner, strips=lines.count > 1)[:1],
+        condensation=Condensation(law.moduli.shape[0]), branch_times=None, directions=count, shared=False, solutions=points * count, temperatures=temperatures,
         traced=True, skip=skip, elastic=elastic,
     )  # fmt: skip
     if averaged and control == "depth":
@@ -77,7 +80,7 @@ def make_plan(
     shortest, longest = 0.5 * sizes.min() / fast, 4 * sizes.max() / slowest
     how = choose(law, shortest, longest, rtol) if skip and not marched else Condensation(law.moduli.shape[0])
     largest = float(np.asarray(lines.shape.largest_contact))
-    rules = ladder(lines.shape, rtol, largest / (1.3 * sizes.max()))
+    rules = ladder(lines.shape, rtol, largest / (1.3 * sizes.max()), lines.count > 1)
     if averaged and control == "load":
         curves = [velocity[value == x] for x in np.unique(value)]
         with_grid = sum(shared_grid_size(v, rtol) for v in curves) + points

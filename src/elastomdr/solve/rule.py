@@ -23,6 +23,7 @@ class Rule:
     split: bool = False
     fractions: tuple[float, ...] = (0.0, 1.0)
     exact: bool = False  # the integrands are polynomials that the nodes integrate exactly
+    strips: int = 16  # over the half-width of a contact that is solved in strips
     safety: float = 1.0  # on the error estimate, where a profile has kinks that the nodes straddle
 
     @property
@@ -46,12 +47,27 @@ def graded(levels: int, ratio: float = 0.15) -> tuple[float, ...]:
     return tuple(left + [0.5] + [1 - x for x in reversed(left)])
 
 
-def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0) -> tuple[Rule, ...]:
+def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0, strips: bool = False) -> tuple[Rule, ...]:
     """Rules for a shape, coarse to fine; the first is expected to meet `rtol`, the others wait for where it does not.
 
     `smallest` is the ratio of the radius of a sphere to the contact radius, if known: the profile of a sphere is
-    analytic up to R, so that its Legendre series falls as rho^-m with rho = R/a + sqrt((R/a)^2 - 1).
+    analytic up to R, so that its Legendre series falls as rho^-m with rho = R/a + sqrt((R/a)^2 - 1). On `strips` beside
+    the axis a body is rounded over the strip's distance y from it, f(sqrt(x^2 + y^2)): even powers stay polynomials,
+    all others are divided ever finer towards the apex.
     """
+    if not strips:
+        return _along_line(shape, rtol, smallest)
+    power = 1 if isinstance(shape, Cone) else shape.exponent if isinstance(shape, PowerLaw) else 2
+    rules = _along_line(shape, rtol, smallest)
+    if power % 2:
+        rules = tuple(Rule(nodes, split=True, fractions=graded(levels)) for nodes, levels in ((8, 3), (12, 3), (16, 4)))
+    counts = (16, 32, 64) if rtol >= 1e-7 else (32, 64, 128)
+    if power < 2:  # the tip leaves a kink across the strips
+        rules, counts = rules[1:], (48, 96)
+    return tuple(dataclasses.replace(rules[min(i, len(rules) - 1)], strips=n) for i, n in enumerate(counts))
+
+
+def _along_line(shape: AbstractShape, rtol: float, smallest: float) -> tuple[Rule, ...]:
     if isinstance(shape, (Paraboloid, Cylinder)):
         return (Rule(4, exact=True),)
     if isinstance(shape, Cone):

@@ -13,7 +13,7 @@ from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .condense import condensed
 from .passage import Control, Passages, solve_passages
-from .plan import Plan
+from .plan import TRACED, Plan
 from .rule import Rule
 
 _ROUNDING = 1e-13  # relative, for what no estimate sees
@@ -157,7 +157,7 @@ def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, vel
         own = solve(plan.control, value, velocity)
         mu, error, good = own.mu, own.error, own.converged
     else:
-        average = directions(plan.rtol)
+        average = directions(plan.rtol * TRACED)
         load = value if plan.control == "load" else solve("depth", value, velocity).normal_force
         slowed = velocity[:, None] * average.cosines
         every = solve("load", jnp.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel())
