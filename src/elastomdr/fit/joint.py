@@ -119,7 +119,7 @@ def told_apart(joint: Joint) -> np.ndarray:
     both = np.einsum("ij,jk,ik->i", step_x, covariance, step_y)
     size = np.abs(np.diff(shifts.horizontal(shifts.posterior.mean)[0]))
     with np.errstate(invalid="ignore", divide="ignore"):
-        linked = np.abs(both) / (sx * sy) > 0.8
+        linked = np.abs(both) / (sx * sy) > 0.7
     poor = linked & (sx > np.maximum(0.03, 0.1 * size))
     for i in np.flatnonzero(poor):  # everything beyond such a step, seen from the anchor, inherits it
         clear[i + 1 if i >= shifts.anchor else i] = False

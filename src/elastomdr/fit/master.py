@@ -1,6 +1,7 @@
 """Time-temperature superposition: isotherms become one master curve, with the uncertainty of every shift."""
 
 import os
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -10,7 +11,7 @@ from jaxtyping import Bool, Float, Int
 
 from .._runtime import as_float64, positive, scalar, significant
 from ..errors import InputError
-from .data import Dma
+from .data import Dma, FitWarning
 from .isotherms import isotherms
 from .joint import AtReference, Joint, about, curve, fit_jointly, told_apart
 from .judge import judge
@@ -111,8 +112,8 @@ class MasterCurve:
     def band(self, omega: Any) -> Band:
         """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
 
-        The intervals contain the uncertainty of the shifts. Outside `window` the curve is an extrapolation, which
-        `inside` says point by point. Raises `InputError` for frequencies that are not positive.
+        The intervals contain the uncertainty of the shifts. Outside `window` the curve is an extrapolation: `inside` says
+        so point by point, and a `FitWarning` counts them. Raises `InputError` for frequencies that are not positive.
         """
         omega = as_float64("omega", omega)
         positive("omega", omega)
@@ -120,7 +121,7 @@ class MasterCurve:
         channel = np.repeat([STORAGE, LOSS], flat.size)
         value, std = curve(self.joint, self.state, np.log(np.tile(flat, 2)), channel)
         low, high = np.exp(value - TWO_SIGMA * std), np.exp(value + TWO_SIGMA * std)
-        inside = (flat >= self.window[0] * (1 - 1e-9)) & (flat <= self.window[1] * (1 + 1e-9))
+        inside = check_outside(flat, self.window)
         n = flat.size
         parts = (np.exp(value[:n]), low[:n], high[:n], np.exp(value[n:]), low[n:], high[n:], inside)
         return Band(omega, *(part.reshape(omega.shape) for part in parts))
@@ -186,6 +187,19 @@ def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tole
     if reference is None:
         reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
     return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)
+
+
+def check_outside(omega: np.ndarray, window: tuple[float, float]) -> np.ndarray:
+    """Whether frequencies [rad/s] lie inside the measured window; those outside are counted in one `FitWarning`."""
+    inside = (omega >= window[0] * (1 - 1e-9)) & (omega <= window[1] * (1 + 1e-9))
+    if not inside.all():
+        warnings.warn(
+            f"{int((~inside).sum())} of {inside.size} frequencies are extrapolated: they lie outside the measured "
+            f"{window[0]:.3g} to {window[1]:.3g} rad/s.",
+            FitWarning,
+            stacklevel=3,
+        )
+    return inside
 
 
 def _assemble(dma: Dma, joint: Joint, reference: float) -> MasterCurve:

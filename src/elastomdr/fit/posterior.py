@@ -13,7 +13,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
 _ROUNDS = 40
-_STEPS = 60
+_STEPS = 12  # of Gauss-Newton before the widths are looked at again
 
 
 class Prior(NamedTuple):
@@ -143,7 +143,7 @@ def _climb(
                 return p, data - value, jacobian, True
         gain = now - new
         p, value, jacobian, now, damping = trial, new_value, new_jacobian, new, max(damping / 8, 1e-9)
-        if gain < 1e-3:
+        if gain < 3e-3:
             return p, data - value, jacobian, True
     return p, data - value, jacobian, False
 

@@ -1,0 +1,127 @@
+"""The few terms of a Prony series: how many, where, and whether there is an equilibrium modulus."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import nnls
+
+from .posterior import Posterior, Prior, infer
+from .spectrum import LOSS, RELAXATION, Points, predict
+
+_LN10 = float(np.log(10.0))
+_BEYOND = 0.5  # decades by which the first and last term may start beyond the data
+_MOST_PER_DECADE = 1.5
+_MOVE = 0.7  # standard deviation of a refined time about its place on the grid, in spacings
+_FREE = 15.0  # standard deviation of a logarithm that the data alone decide
+_IDLE = 1e-3  # largest share of any value below which a term is left out, in noise standard deviations
+
+
+class Terms(NamedTuple):
+    """A refined series; logarithms of moduli and times with their covariance, the equilibrium modulus last if any."""
+
+    log_moduli: np.ndarray
+    log_times: np.ndarray
+    equilibrium: float  # 0 for a liquid
+    posterior: Posterior
+    criterion: float  # Bayesian information criterion: smaller is better
+
+
+def most_terms(log_rate: np.ndarray) -> int:
+    """How many terms data over this range of ln(omega) may have: one and a half per decade."""
+    decades = (log_rate.max() - log_rate.min()) / _LN10
+    return max(1, int(np.floor(_MOST_PER_DECADE * decades)))
+
+
+def choose_terms(
+    points: Points, noise: np.ndarray, alike: float, terms: int | None, solid: bool | None
+) -> Terms:
+    """The series with the smallest information criterion; `terms` and `solid` settle number and equilibrium modulus.
+
+    `noise` is the standard deviation of ln(value) per channel, `alike` the number of neighbours that count as one.
+    """
+    rooms = (True, False) if solid is None else (solid,)
+    if terms is not None:
+        return min((_refine(points, noise, alike, terms, room) for room in rooms), key=lambda t: t.criterion)
+    most = most_terms(points.log_rate)
+    best, worse = None, 0
+    for count in _counts(most):
+        trial = _refine(points, noise, alike, count, rooms[0])
+        if best is None or trial.criterion < best.criterion:
+            best, worse = trial, 0
+        else:
+            worse += 1
+        if worse == 3:
+            break
+    assert best is not None
+    for room in rooms[1:]:
+        count = best.log_times.size
+        for other in {count, min(count + 1, most)}:
+            trial = _refine(points, noise, alike, other, room)
+            best = min(best, trial, key=lambda t: t.criterion)
+    return best
+
+
+def _counts(most: int) -> list[int]:
+    """Numbers of terms to try: every one up to ten, then in steps of about 8 %."""
+    first = max(1, most // 3)
+    return sorted({*range(first, min(most, 10) + 1), *np.linspace(first, most, 12).round().astype(int).tolist()})
+
+
+def _refine(points: Points, noise: np.ndarray, alike: float, count: int, solid: bool) -> Terms:
+    """Non-negative least squares on log-spaced times, then times and moduli together."""
+    low, high = -points.log_rate.max(), -points.log_rate.min()
+    beyond = min(_BEYOND * _LN10, (high - low) / 2)
+    log_times = np.array([0.5 * (low + high)]) if count == 1 else np.linspace(low - beyond, high + beyond, count)
+    spacing = (high - low + 2 * beyond) / max(count - 1, 1)
+    moduli, equilibrium = _first(points, noise, log_times, solid)
+    top = np.exp(points.log_value).max()
+    start = np.concatenate([np.log(np.maximum(moduli, 1e-6 * top)), log_times])
+    if solid:
+        lowest = points.log_value[points.channel != LOSS].min(initial=points.log_value.max())
+        start = np.append(start, np.log(max(equilibrium, 0.03 * np.exp(lowest))))
+
+    while True:
+        n = (start.size - solid) // 2
+
+        def model(p: np.ndarray, n: int = n) -> tuple[np.ndarray, np.ndarray]:
+            level = np.exp(p[-1]) if solid else 0.0
+            answer = predict(points.channel, points.log_rate, p[n : 2 * n], p[:n], level)
+            parts = [answer.by_spectrum, answer.by_place] + ([answer.by_equilibrium[:, None]] if solid else [])
+            return answer.log_value, np.concatenate(parts, axis=1)
+
+        every = np.eye(start.size)
+        priors = [
+            Prior(np.delete(every, slice(n, 2 * n), axis=0), _FREE, None, np.delete(start, slice(n, 2 * n))),
+            Prior(every[n : 2 * n], _MOVE * spacing, None, start[n : 2 * n]),
+        ]
+        limits = (0.2 * float(noise.min()), 1.0)
+        posterior = infer(model, points.log_value, points.channel, start, priors, noise, noise_limits=limits, temper=alike)
+        p = posterior.mean
+        _, jacobian = model(p)
+        share = np.abs(jacobian[:, :n] / noise[points.channel][:, None]).max(axis=0)
+        if (share > _IDLE).all() or n == 1:
+            break
+        kept = share > _IDLE
+        start = np.concatenate([p[:n][kept], p[n : 2 * n][kept], p[2 * n :]])
+    residuals = posterior.residuals / noise[points.channel]
+    size = np.abs(residuals)
+    chi = np.where(size < 3, size**2, 6 * size - 9).sum() / alike  # outliers count linearly
+    criterion = float(chi + start.size * np.log(max(points.channel.size / alike, 2.0)))
+    order = np.argsort(p[n : 2 * n])
+    full = np.concatenate([order, n + order, np.arange(2 * n, p.size)])
+    posterior = posterior._replace(mean=p[full], covariance=posterior.covariance[np.ix_(full, full)])
+    level = float(np.exp(p[-1])) if solid else 0.0
+    return Terms(p[:n][order], p[n : 2 * n][order], level, posterior, criterion)
+
+
+def _first(points: Points, noise: np.ndarray, log_times: np.ndarray, solid: bool) -> tuple[np.ndarray, float]:
+    u = points.log_rate[:, None] + log_times
+    x = np.exp(np.clip(u, -300, 300))
+    storage, loss = 1 / (1 + 1 / x**2), 1 / (x + 1 / x)
+    channel = points.channel[:, None]
+    matrix = np.where(channel == LOSS, loss, np.where(channel == RELAXATION, np.exp(-1 / x), storage))
+    if solid:
+        matrix = np.column_stack([matrix, points.channel != LOSS])
+    weight = np.exp(-points.log_value) / noise[points.channel]
+    solution, _ = nnls(matrix * weight[:, None], 1 / noise[points.channel])
+    return solution[: log_times.size], float(solution[-1]) if solid else 0.0
