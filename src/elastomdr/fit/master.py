@@ -4,6 +4,7 @@ import os
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -160,9 +161,10 @@ class MasterCurve:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the shifted data, one row per point, with the shifts in header lines that start with "# "."""
-        from .tables import write_master
+        from ..results.table import write_files
+        from .tables import master_csv
 
-        write_master(self, path)
+        write_files({Path(path): master_csv(self).encode()})
 
 
 def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tolerance: float = 1.5) -> MasterCurve:

@@ -1,7 +1,9 @@
 """Prony series from dynamic moduli, relaxation, or both: what `em.fit.prony` does and returns."""
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -87,6 +89,13 @@ class PronyFit:
         n = flat.size
         parts = (np.exp(value[:n]), low[:n], high[:n], np.exp(value[n:]), low[n:], high[n:], inside)
         return Band(omega, *(part.reshape(omega.shape) for part in parts))
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the series, one row per term, with residuals and warnings in header lines that start with "# "."""
+        from ..results.table import write_files
+        from .tables import prony_csv
+
+        write_files({Path(path): prony_csv(self).encode()})
 
     def plot(self, ax: Any = None) -> Any:
         """Draws data, series and band against frequency on `ax`, or on a new figure; returns matplotlib Axes."""

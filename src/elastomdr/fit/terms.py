@@ -13,6 +13,7 @@ _BEYOND = 0.5  # decades by which the first and last term may start beyond the d
 _MOST_PER_DECADE = 1.5
 _MOVE = 0.7  # standard deviation of a refined time about its place on the grid, in spacings
 _FREE = 15.0  # standard deviation of a logarithm that the data alone decide
+_PLATEAU = 0.1  # least part of the lowest storage modulus that an equilibrium modulus must be to be believed
 _IDLE = 1e-3  # largest share of any value below which a term is left out, in noise standard deviations
 
 
@@ -41,7 +42,10 @@ def choose_terms(
     """
     rooms = (True, False) if solid is None else (solid,)
     if terms is not None:
-        return min((_refine(points, noise, alike, terms, room) for room in rooms), key=lambda t: t.criterion)
+        trials = [_refine(points, noise, alike, terms, room) for room in rooms]
+        if solid is None and not _levels_off(points, trials[0]):
+            return trials[1]
+        return min(trials, key=lambda t: t.criterion)
     most = most_terms(points.log_rate)
     best, worse = None, 0
     for count in _counts(most):
@@ -53,12 +57,28 @@ def choose_terms(
         if worse == 3:
             break
     assert best is not None
-    for room in rooms[1:]:
+    if solid is None:
         count = best.log_times.size
-        for other in {count, min(count + 1, most)}:
-            trial = _refine(points, noise, alike, other, room)
-            best = min(best, trial, key=lambda t: t.criterion)
+        liquids = [_refine(points, noise, alike, other, False) for other in {count, min(count + 1, most)}]
+        liquid = min(liquids, key=lambda t: t.criterion)
+        if liquid.criterion < best.criterion or not _levels_off(points, best):
+            return liquid
     return best
+
+
+def _levels_off(points: Points, found: Terms) -> bool:
+    """Whether the slow end of the data is that of a solid, so that its equilibrium modulus is more than a guess.
+
+    Over the slowest decade the storage modulus must rise more slowly than the frequency (that of a melt in its terminal
+    zone rises with its square), and the equilibrium modulus must be a fair part of the lowest value.
+    """
+    elastic = points.channel != LOSS
+    rate, value = points.log_rate[elastic], points.log_value[elastic]
+    if not rate.size:
+        return False
+    slow = rate <= rate.min() + _LN10
+    flat = slow.sum() < 3 or np.ptp(rate[slow]) == 0 or np.polyfit(rate[slow], value[slow], 1)[0] < 1.0
+    return bool(flat and found.equilibrium > _PLATEAU * np.exp(value.min()))
 
 
 def _counts(most: int) -> list[int]:
