@@ -92,7 +92,7 @@ def trial(seed: int):
         "storage": (band.storage_low <= g1) & (g1 <= band.storage_high),
         "loss": (band.loss_low <= g2) & (g2 <= band.loss_high),
         "error": (master.log10_a - lab.log10_a)[away],
-            "score": (master.log10_a - lab.log10_a)[away] / master.log10_a_std[away],
+        "score": (master.log10_a - lab.log10_a)[away] / master.log10_a_std[away],
         "relative": np.concatenate([band.storage / g1 - 1, band.loss / g2 - 1]),
         "seconds": timing.cpu,
         "points": lab.omega.size,
@@ -111,7 +111,10 @@ def main() -> None:
     trials = [trial(1000 * arguments.seed + i) for i in range(arguments.sets)]
     groups = {
         "all": lambda lab: True,
-        **{f"vertical shift: {name}": lambda lab, name=name: lab.shift == name for name in ("none", "entropy", "random")},
+        **{
+            f"vertical shift: {name}": lambda lab, name=name: lab.shift == name
+            for name in ("none", "entropy", "random")
+        },
         "noise below 1.6 %": lambda lab: lab.noise < 0.016,
         "noise above 1.6 %": lambda lab: lab.noise >= 0.016,
         "solids": lambda lab: not lab.liquid,

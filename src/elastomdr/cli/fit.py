@@ -16,7 +16,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """The options of this verb."""
     add = command.add_argument
     add("data", metavar="DMA", nargs="+", help="measured isotherms; several files of one material are joined")
-    add("--reference", metavar="T", help='reference temperature, such as "20degC" (default: the isotherm nearest to it)')
+    add(
+        "--reference", metavar="T", help='reference temperature, such as "20degC" (default: the isotherm nearest to it)'
+    )
     add("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
     add("--name", help="name of the material and of its files (default: that of the data)")
     add("--kind", choices=("shear", "tensile"), help="what the moduli are, where the file does not say")
@@ -25,7 +27,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add("--temperature-unit", metavar="UNIT", help="degC or K, where the file does not say")
     add("--time-unit", metavar="UNIT", help="s, ms, min or h, where the file does not say")
     add("--temperature", metavar="T", help="temperature of all points, where the file has no such column")
-    add("--column", metavar="ROLE=TITLE", action="append", default=[], help="a column's title or number, such as storage=4")
+    add(
+        "--column",
+        metavar="ROLE=TITLE",
+        action="append",
+        default=[],
+        help="a column's title or number, such as storage=4",
+    )
     add("--no-vertical", action="store_true", help="no vertical shifts")
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
     add("--law", default="auto", help="auto, WLF, Arrhenius, VFT, table or none (default: auto)")

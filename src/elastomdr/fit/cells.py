@@ -40,7 +40,9 @@ def read_cells(path: Path) -> Sheet:
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{path.name or path}: cannot be read ({getattr(error, 'strerror', None) or error}).") from error
+        raise InputError(
+            f"{path.name or path}: cannot be read ({getattr(error, 'strerror', None) or error})."
+        ) from error
     if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
         return Sheet(_spreadsheet(path), "")
     text = decode(raw, path.name)

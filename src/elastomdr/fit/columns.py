@@ -107,7 +107,9 @@ def understand(titles: Sequence[str], units: Sequence[str]) -> list[Column]:
         if measure(role) == "modulus":
             match = re.match(r"\|?([geGE])(?=[_'*12(ptPT ]|abs|stor|loss|relax|prime|dprime|pp?$)", name)
             letter = match[1].upper() if match else ""
-            letter = "G" if re.match(r"shear", name, re.I) else "E" if re.match(r"tensile|young", name, re.I) else letter
+            letter = (
+                "G" if re.match(r"shear", name, re.I) else "E" if re.match(r"tensile|young", name, re.I) else letter
+            )
         columns.append(Column(place, role, title.strip(), unit, letter))
     return columns
 

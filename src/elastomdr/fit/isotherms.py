@@ -32,7 +32,7 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
         )
     if every.size < 5:
         raise InputError(f"dma must have five points at least, got {every.size}.")
-    number, mean = _group(every, tolerance)
+    number, mean = group(every, tolerance)
     n = dma.frequency.size
     frequency, time = number[:n], number[n:]
     rate = np.log(dma.frequency)
@@ -47,7 +47,8 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
     return Isotherms(points, mean, np.concatenate([apart[:n], apart[:n], apart[n:]]))
 
 
-def _group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Number of the isotherm of each temperature, and the mean temperature of each isotherm, ascending [K]."""
     order = np.argsort(temperature, kind="stable")
     ascending = temperature[order]
     starts = np.flatnonzero(np.diff(ascending, prepend=-np.inf) > tolerance)

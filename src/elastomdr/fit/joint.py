@@ -12,6 +12,10 @@ from .shifting import LN10, Shifts, guess_shifts, join
 _INDEPENDENT = 1.3  # neighbours per independent point below which they count as independent
 
 
+_POOR = 0.12  # relative standard deviation of a step between neighbours above which it may not be told apart
+_EXCHANGED = 0.5  # part of its variance that is exchange with the vertical shifts
+
+
 class Joint(NamedTuple):
     """The most probable shifts and spectrum, and by how much their covariance falls short of the truth."""
 
@@ -84,7 +88,9 @@ def about(joint: Joint, reference: float) -> AtReference:
     return AtReference(log10_a, full, ln_b, std, weights, laws)
 
 
-def curve(joint: Joint, reference: AtReference, log_rate: np.ndarray, channel: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def curve(
+    joint: Joint, reference: AtReference, log_rate: np.ndarray, channel: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """ln of the common curve at the reference temperature, and its standard deviation, at ln(omega) or ln(1/t)."""
     shifts = joint.shifts
     p = shifts.posterior.mean
@@ -104,24 +110,22 @@ def curve(joint: Joint, reference: AtReference, log_rate: np.ndarray, channel: n
 
 
 def told_apart(joint: Joint) -> np.ndarray:
-    """Whether horizontal and vertical shift of an isotherm can be told apart, step by step from the anchor.
+    """Whether the horizontal shift of an isotherm, from its neighbour on the anchor's side, is known apart from b_T.
 
-    They cannot where the uncertainty of a step in temperature is mostly an exchange of one for the other, and large.
+    It is not where its uncertainty is a fair part of it and would mostly be gone if the vertical shifts were known.
     """
-    shifts, n = joint.shifts, joint.shifts.count
-    clear = np.ones(n, dtype=bool)
-    _, by_x = shifts.horizontal(shifts.posterior.mean)
-    lift = shifts.vertical()
-    step_x, step_y = np.diff(by_x, axis=0), np.diff(lift, axis=0)
+    shifts, clear = joint.shifts, np.ones(joint.shifts.count, dtype=bool)
+    if shifts.count == 1:
+        return clear
+    x, by_x = shifts.horizontal(shifts.posterior.mean)
+    step_x, step_y = np.diff(by_x, axis=0), np.diff(shifts.vertical(), axis=0)
     covariance = shifts.posterior.covariance
-    sx = np.sqrt(np.einsum("ij,jk,ik->i", step_x, covariance, step_x) + np.diff(joint.choice) ** 2)
-    sy = np.sqrt(np.einsum("ij,jk,ik->i", step_y, covariance, step_y))
-    both = np.einsum("ij,jk,ik->i", step_x, covariance, step_y)
-    size = np.abs(np.diff(shifts.horizontal(shifts.posterior.mean)[0]))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        linked = np.abs(both) / (sx * sy) > 0.7
-    poor = linked & (sx > np.maximum(0.03, 0.1 * size))
-    for i in np.flatnonzero(poor):  # everything beyond such a step, seen from the anchor, inherits it
+    both = step_x @ covariance @ step_y.T
+    known = np.linalg.solve(step_y @ covariance @ step_y.T + 1e-12 * np.eye(len(step_y)), both.T)
+    variance = np.diag(step_x @ covariance @ step_x.T)
+    exchanged = np.einsum("ij,ji->i", both, known) / np.maximum(variance, 1e-300)
+    poor = (np.sqrt(variance) > _POOR * np.abs(np.diff(x))) & (exchanged > _EXCHANGED)
+    for i in np.flatnonzero(poor):
         clear[i + 1 if i >= shifts.anchor else i] = False
     return clear
 

@@ -12,12 +12,13 @@ if TYPE_CHECKING:
 
 _NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms alone
 _WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
+_CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
 _LAW_OFF = 0.15  # rms residual of the WLF law [decades]
 
 
 def judge(master: "MasterCurve") -> tuple[str, ...]:
     """The warnings of a master curve, most important first."""
-    return tuple([*_failed(master), *_simple(master), *_ambiguous(master), *_gaps(master), *_details(master)])
+    return tuple([*_failed(master), *_simple(master), *_ambiguous(master), *_choice(master), *_gaps(master), *_details(master)])
 
 
 def _failed(master: "MasterCurve") -> Iterator[str]:
@@ -44,6 +45,16 @@ def _ambiguous(master: "MasterCurve") -> Iterator[str]:
         )
 
 
+def _choice(master: "MasterCurve") -> Iterator[str]:
+    moved = np.abs(master.joint.choice - np.interp(master.reference, master.temperature, master.joint.choice))
+    if moved.max() > _CHOICE:
+        celsius = master.temperature[moved.argmax()] - 273.15
+        yield (
+            f"Whether there are vertical shifts is not for these data to say, and moves log10 a_T by about "
+            f"{moved.max():.2g} decades (at {celsius:.4g} degC); the intervals contain that."
+        )
+
+
 def _gaps(master: "MasterCurve") -> Iterator[str]:
     rates = np.concatenate([master.frequency, 1 / master.time])
     number = np.concatenate([master.isotherm, master.time_isotherm])
@@ -52,7 +63,9 @@ def _gaps(master: "MasterCurve") -> Iterator[str]:
     for i in range(celsius.size - 1):
         cold, warm = rates[number == i], rates[number == i + 1]
         if cold.size and warm.size and cold.min() > warm.max():
-            lonely.append(f"{celsius[i]:.4g} and {celsius[i + 1]:.4g} degC ({np.log10(cold.min() / warm.max()):.1f} decades)")
+            lonely.append(
+                f"{celsius[i]:.4g} and {celsius[i + 1]:.4g} degC ({np.log10(cold.min() / warm.max()):.1f} decades)"
+            )
     if lonely:
         yield (
             f"Isotherms do not overlap: {', '.join(lonely)}. The shift across the gap rests on the assumption of a "

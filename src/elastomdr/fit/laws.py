@@ -25,6 +25,14 @@ class LawFit(NamedTuple):
         """Root mean square of the residuals [decades]."""
         return float(np.sqrt(np.mean(self.residuals**2)))
 
+    def constants(self) -> str:
+        """The constants with their units and 95 % intervals, in one line."""
+        units = {"c1": "", "c2": " K", "energy": " J/mol", "b": " K", "t0": " K"}
+        return ", ".join(
+            f"{key} {float(getattr(self.law, key)):.4g} +- {1.96 * std:.2g}{units[key]}"
+            for key, std in self.std.items()
+        )
+
     def at_reference(self, temperature: float) -> Any:
         """The same law about another reference temperature [K]."""
         if isinstance(self.law, WLF):
@@ -86,7 +94,9 @@ def _fit(
     spread = np.eye(p.size)
     for _ in range(8):
         root = np.linalg.cholesky(covariance + own**2 * np.eye(value.size))
-        answer = least_squares(lambda p, root=root: np.linalg.solve(root, value - law(p)), p, bounds=bounds, x_scale=1.0)
+        answer = least_squares(
+            lambda p, root=root: np.linalg.solve(root, value - law(p)), p, bounds=bounds, x_scale=1.0
+        )
         p = answer.x
         spread = np.linalg.pinv(answer.jac.T @ answer.jac)
         excess = 2 * answer.cost / max(value.size - p.size, 1)

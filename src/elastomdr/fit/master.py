@@ -17,6 +17,7 @@ from .isotherms import isotherms
 from .joint import AtReference, Joint, about, curve, fit_jointly, told_apart
 from .judge import judge
 from .laws import LawFit
+from .posterior import one_thread
 from .shifting import LN10
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
 
@@ -148,7 +149,7 @@ class MasterCurve:
                 f"log10 b_T {self.log10_b[i]:7.4f} +- {TWO_SIGMA * self.log10_b_std[i]:.4f}{mark}",
             )
         for name, fit in self.laws.items():
-            yield name, f"{_constants(fit)}; rms residual {fit.rms:.3f} decades"
+            yield name, f"{fit.constants()}; rms residual {fit.rms:.3f} decades"
         for text in self.warnings:
             yield "warning", text
 
@@ -167,6 +168,7 @@ class MasterCurve:
         write_files({Path(path): master_csv(self).encode()})
 
 
+@one_thread
 def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tolerance: float = 1.5) -> MasterCurve:
     """Shifts all isotherms of `dma` jointly to the temperature `reference` [K].
 
@@ -242,10 +244,3 @@ def _assemble(dma: Dma, joint: Joint, reference: float) -> MasterCurve:
         state=state,
     )
     return replace(master, warnings=judge(master))
-
-
-def _constants(fit: LawFit) -> str:
-    units = {"c1": "", "c2": " K", "energy": " J/mol", "b": " K", "t0": " K"}
-    return ", ".join(
-        f"{key} {float(getattr(fit.law, key)):.4g} +- {TWO_SIGMA * std:.2g}{units[key]}" for key, std in fit.std.items()
-    )

@@ -158,7 +158,9 @@ def material(
     shift = None if chosen == "none" else _table(master) if chosen == "table" else _law(master, chosen)
     name = name or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem).strip("-.").lower() or "rubber"
     citation = citation or f"Measured data: {dma.source or 'arrays'}"
-    fit = prony(master, terms=terms, equilibrium=equilibrium, poisson=poisson, shift=shift, name=name, citation=citation)
+    fit = prony(
+        master, terms=terms, equilibrium=equilibrium, poisson=poisson, shift=shift, name=name, citation=citation
+    )
     used = _as_used(fit.material, dma, master)
     texts = [*dma.warnings, *master.warnings, *fit.warnings]
     lift = float(np.abs(np.expm1(np.log(10) * master.log10_b)).max())

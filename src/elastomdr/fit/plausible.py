@@ -47,7 +47,9 @@ def inconsistent(
     if not dynamic:
         return
     if "frequency" in others and others["frequency"][1] and "omega" in arrays:
-        ratio = _median(np.array(convert(others["frequency"][0], "frequency", others["frequency"][1])) / arrays["omega"])
+        ratio = _median(
+            np.array(convert(others["frequency"][0], "frequency", others["frequency"][1])) / arrays["omega"]
+        )
         if abs(ratio - 1) > 0.02:
             yield (
                 f"frequency and angular frequency differ by a factor of {ratio:.3g} after conversion: are Hz and rad/s mixed "

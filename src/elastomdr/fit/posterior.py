@@ -5,15 +5,32 @@ damped Gauss-Newton, noise and prior widths by MacKay's fixed point (D. J. C. Ma
 415-447), the covariance is the inverse of the Hessian there.
 """
 
+import functools
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
+from threadpoolctl import threadpool_limits
 
 _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
 _ROUNDS = 40
 _STEPS = 12  # of Gauss-Newton before the widths are looked at again
+
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def one_thread(function: Callable[P, R]) -> Callable[P, R]:
+    """Keeps linear algebra on one thread: for matrices of a hundred rows threads only wait for each other."""
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        with threadpool_limits(1, user_api="blas"):
+            return function(*args, **kwargs)
+
+    return wrapper
 
 
 class Prior(NamedTuple):
@@ -54,14 +71,15 @@ def infer(
     temper: float = 1.0,
     wary: Wary | None = None,
     noise_limits: tuple[float, float] = (1e-5, 1.0),
-    robust: bool = True,
+    weights: np.ndarray | None = None,
 ) -> Posterior:
     """The posterior of a model whose values have Gaussian noise of unknown size, one size per `group` of points.
 
     `temper` above 1 says that residuals resemble their neighbours: so many points count as one. `wary` replaces the
-    Jacobian in the covariance.
+    Jacobian in the covariance. `weights` of the points are found, unless they are given: 1, and less for outliers.
     """
-    p, noise, weights = start.copy(), noise.copy(), np.ones(data.size)
+    p, noise, robust = start.copy(), noise.copy(), weights is None
+    weights = np.ones(data.size) if weights is None else weights
     widths = [prior.width for prior in priors]
     grams = [prior.rows.T @ prior.rows for prior in priors]
     pulls = [prior.rows.T @ np.broadcast_to(prior.target, prior.rows.shape[0]) for prior in priors]

@@ -16,6 +16,7 @@ from .data import KINDS
 from .isotherms import correlation
 from .joint import Joint, about, curve
 from .master import TWO_SIGMA, Band, MasterCurve, check_outside
+from .posterior import one_thread
 from .shifting import join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
 from .terms import choose_terms, most_terms
@@ -107,7 +108,11 @@ class PronyFit:
         """What a person needs to judge the series, as pairs of a name and a text."""
         decades = np.log10(self.window[1] / self.window[0])
         yield "terms", f"{self.terms} over {decades:.1f} decades ({self.kind} moduli)"
-        named = (("storage", self.storage_residual), ("loss", self.loss_residual), ("relaxation", self.relaxation_residual))
+        named = (
+            ("storage", self.storage_residual),
+            ("loss", self.loss_residual),
+            ("relaxation", self.relaxation_residual),
+        )
         yield "residuals", ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)) + " rms"
         level = float(self.material.equilibrium)
         yield "equilibrium", f"{level:.4g} +- {TWO_SIGMA * self.equilibrium_std:.2g} Pa" if level else "0: a liquid"
@@ -124,6 +129,7 @@ class PronyFit:
         return f"PronyFit\n{self.summary()}"
 
 
+@one_thread
 def prony(
     omega: Any = None,
     storage: Any = None,
@@ -144,7 +150,7 @@ def prony(
     `omega` [rad/s], `storage` and `loss` [Pa] are lists of one length; `time` [s] and `relaxation` [Pa] likewise; or
     `omega` is a `MasterCurve`, which brings all of them. Moduli are not negative, so that the series is passive; times
     are refined, and may lie beyond the data. The number of terms (`terms`) and whether there is an equilibrium modulus
-    (`equilibrium`) are chosen by the Bayesian information criterion where they are not given, with at most one and a
+    (`equilibrium`) are chosen by the Akaike information criterion where they are not given, with at most one and a
     half terms per decade. `kind` ("shear" unless the master curve says otherwise), `poisson`, `shift`, `name` and
     `citation` go into the material. Raises `InputError` for lists that do not match, values that are not positive,
     too few points.
@@ -174,7 +180,8 @@ def prony(
         raise InputError(f"equilibrium must be True, False or None (the data decide), got {equilibrium!r}.")
     joint = master.joint if master is not None else _smooth(points)
     noise = np.maximum(joint.shifts.posterior.noise, _LEAST_NOISE)
-    found = choose_terms(points, noise, joint.inflation, terms, equilibrium)
+    weights = joint.shifts.posterior.weights
+    found = choose_terms(points, noise, weights, joint.inflation, terms, equilibrium)
     residuals = np.expm1(-found.posterior.residuals)
     parts = {
         key: residuals[points.channel == which]

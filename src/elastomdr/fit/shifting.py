@@ -64,12 +64,10 @@ class Shifts(NamedTuple):
 
     def horizontal(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """log10 a_i, and its derivatives with respect to all unknowns."""
-        steps = np.exp(p[self.slopes]) * np.diff(self.temperature)
-        m, i = np.arange(self.count - 1), np.arange(self.count)[:, None]
-        sign = ((m >= i) & (m < self.anchor)).astype(float) - ((m < i) & (m >= self.anchor))
+        log10_a, by_slope = from_slopes(p[self.slopes], self.temperature, self.anchor)
         jacobian = np.zeros((self.count, p.size))
-        jacobian[:, self.slopes] = sign * steps
-        return sign @ steps, jacobian
+        jacobian[:, self.slopes] = by_slope
+        return log10_a, jacobian
 
     @property
     def places(self) -> slice:
@@ -86,6 +84,26 @@ class Shifts(NamedTuple):
         return matrix
 
 
+def from_slopes(log_slopes: np.ndarray, temperature: np.ndarray, anchor: int) -> tuple[np.ndarray, np.ndarray]:
+    """log10 a_i about an isotherm, and its derivatives, from ln of -d(log10 a_T)/dT between neighbours."""
+    steps = np.exp(log_slopes) * np.diff(temperature)
+    m, i = np.arange(temperature.size - 1), np.arange(temperature.size)[:, None]
+    sign = ((m >= i) & (m < anchor)).astype(float) - ((m < i) & (m >= anchor))
+    return sign @ steps, sign * steps
+
+
+def slope_priors(slopes: np.ndarray, temperature: np.ndarray) -> list[Prior]:
+    """What is expected of ln slopes: their size, and that they change slowly; `slopes` picks them from the unknowns."""
+    apart = np.sqrt(np.diff(0.5 * (temperature[1:] + temperature[:-1])) / 10.0)
+    change = np.diff(slopes, axis=0) / apart[:, None]
+    return [Prior(slopes, 1.5, None, _SLOPE), Prior(change, 0.2, _CHANGE, 10.0 * _BEND * apart)]
+
+
+def first_slopes(guess: np.ndarray, temperature: np.ndarray) -> np.ndarray:
+    """ln slopes to begin with, from a guess of log10 a_i."""
+    return np.log(np.maximum(-np.diff(guess) / np.diff(temperature), _LEAST))
+
+
 def join(
     points: Points, temperature: np.ndarray, first_guess: np.ndarray, vertical: bool, temper: float = 1.0
 ) -> Shifts:
@@ -99,10 +117,11 @@ def join(
     lift, n = shifts.vertical(), shifts.places.stop
     start = np.zeros(n)
     start[shifts.spectrum] = _first_spectrum(points, reduced, log_times)
-    lowest = points.log_value[points.channel != LOSS].min() if (points.channel != LOSS).any() else points.log_value.min()
+    lowest = (
+        points.log_value[points.channel != LOSS].min() if (points.channel != LOSS).any() else points.log_value.min()
+    )
     start[shifts.equilibrium] = lowest - 1.0
-    steps = np.maximum(-np.diff(guess) / np.diff(temperature), _LEAST)
-    start[shifts.slopes] = np.log(steps)
+    start[shifts.slopes] = first_slopes(guess, temperature)
 
     def model(p: np.ndarray, wary: bool = False) -> tuple[np.ndarray, np.ndarray]:
         log10_a, by_slope = shifts.horizontal(p)
@@ -135,15 +154,11 @@ def _priors(shifts: Shifts, start: np.ndarray, vertical: bool) -> list[Prior]:
     second[:, :k] = np.diff(np.eye(k), 2, axis=0)
     slopes, entropy = every[shifts.slopes], shifts.slopes.stop
     free = every[entropy + 1 : shifts.places.start]
-    middle = 0.5 * (shifts.temperature[1:] + shifts.temperature[:-1])
-    apart = np.sqrt(np.diff(middle) / 10.0)
-    change = np.diff(slopes, axis=0) / apart[:, None]
     return [
         Prior(second, 0.6 / PER_DECADE, _CURVATURE, 0.0, _LOOSEN),
         Prior(every[shifts.spectrum], 12.0, None, start[shifts.spectrum].mean()),
         Prior(every[[shifts.equilibrium]], 3.0, None, start[shifts.equilibrium]),
-        Prior(slopes, 1.5, None, _SLOPE),
-        Prior(change, 0.2, _CHANGE, 10.0 * _BEND * apart),
+        *slope_priors(slopes, shifts.temperature),
         Prior(every[[entropy]], _ENTROPY[1] if vertical else _FIXED, None, _ENTROPY[0] if vertical else 0.0),
         Prior(every[shifts.places], _PLACE * LN10 / PER_DECADE),
         Prior(free, 0.01 if vertical else _FIXED, _FREE if vertical else None),

@@ -11,9 +11,11 @@ from .spectrum import LOSS, RELAXATION, Points, predict
 _LN10 = float(np.log(10.0))
 _BEYOND = 0.5  # decades by which the first and last term may start beyond the data
 _MOST_PER_DECADE = 1.5
+_FAR = 1.5  # decades beyond the fast end at which one more term may start
 _MOVE = 0.7  # standard deviation of a refined time about its place on the grid, in spacings
 _FREE = 15.0  # standard deviation of a logarithm that the data alone decide
 _PLATEAU = 0.1  # least part of the lowest storage modulus that an equilibrium modulus must be to be believed
+_DECISIVE = 10.0  # by how much a liquid must do better before a body that levels off counts as one
 _IDLE = 1e-3  # largest share of any value below which a term is left out, in noise standard deviations
 
 
@@ -24,7 +26,7 @@ class Terms(NamedTuple):
     log_times: np.ndarray
     equilibrium: float  # 0 for a liquid
     posterior: Posterior
-    criterion: float  # Bayesian information criterion: smaller is better
+    criterion: float  # Akaike information criterion: smaller is better
 
 
 def most_terms(log_rate: np.ndarray) -> int:
@@ -34,22 +36,26 @@ def most_terms(log_rate: np.ndarray) -> int:
 
 
 def choose_terms(
-    points: Points, noise: np.ndarray, alike: float, terms: int | None, solid: bool | None
+    points: Points, noise: np.ndarray, weights: np.ndarray, alike: float, terms: int | None, solid: bool | None
 ) -> Terms:
     """The series with the smallest information criterion; `terms` and `solid` settle number and equilibrium modulus.
 
-    `noise` is the standard deviation of ln(value) per channel, `alike` the number of neighbours that count as one.
+    `noise` is the standard deviation of ln(value) per channel, `weights` are less than 1 for outliers, `alike` is the
+    number of neighbours that count as one.
     """
+    data = (points, noise, weights, alike)
     rooms = (True, False) if solid is None else (solid,)
     if terms is not None:
-        trials = [_refine(points, noise, alike, terms, room) for room in rooms]
+        trials = [_best(data, terms, room) for room in rooms]
         if solid is None and not _levels_off(points, trials[0]):
             return trials[1]
+        if solid is None and trials[1].criterion > trials[0].criterion - _DECISIVE:
+            return trials[0]
         return min(trials, key=lambda t: t.criterion)
     most = most_terms(points.log_rate)
     best, worse = None, 0
     for count in _counts(most):
-        trial = _refine(points, noise, alike, count, rooms[0])
+        trial = _best(data, count, rooms[0])
         if best is None or trial.criterion < best.criterion:
             best, worse = trial, 0
         else:
@@ -59,9 +65,9 @@ def choose_terms(
     assert best is not None
     if solid is None:
         count = best.log_times.size
-        liquids = [_refine(points, noise, alike, other, False) for other in {count, min(count + 1, most)}]
+        liquids = [_best(data, other, False) for other in {count, min(count + 1, most)}]
         liquid = min(liquids, key=lambda t: t.criterion)
-        if liquid.criterion < best.criterion or not _levels_off(points, best):
+        if liquid.criterion < best.criterion - _DECISIVE or not _levels_off(points, best):
             return liquid
     return best
 
@@ -87,12 +93,23 @@ def _counts(most: int) -> list[int]:
     return sorted({*range(first, min(most, 10) + 1), *np.linspace(first, most, 12).round().astype(int).tolist()})
 
 
-def _refine(points: Points, noise: np.ndarray, alike: float, count: int, solid: bool) -> Terms:
+def _best(data: tuple[Points, np.ndarray, np.ndarray, float], count: int, solid: bool) -> Terms:
+    """The better of two starts: with terms close to the data, and with one well beyond their fast end."""
+    trials = [_refine(*data, count, solid, far) for far in ((False, True) if count > 2 else (False,))]
+    return min(trials, key=lambda t: t.criterion)
+
+
+def _refine(
+    points: Points, noise: np.ndarray, weights: np.ndarray, alike: float, count: int, solid: bool, far: bool
+) -> Terms:
     """Non-negative least squares on log-spaced times, then times and moduli together."""
     low, high = -points.log_rate.max(), -points.log_rate.min()
     beyond = min(_BEYOND * _LN10, (high - low) / 2)
-    log_times = np.array([0.5 * (low + high)]) if count == 1 else np.linspace(low - beyond, high + beyond, count)
-    spacing = (high - low + 2 * beyond) / max(count - 1, 1)
+    inner = count - far
+    log_times = np.array([0.5 * (low + high)]) if inner == 1 else np.linspace(low - beyond, high + beyond, inner)
+    spacing = (high - low + 2 * beyond) / max(inner - 1, 1)
+    if far:
+        log_times = np.concatenate([[low - _FAR * _LN10], log_times])
     moduli, equilibrium = _first(points, noise, log_times, solid)
     top = np.exp(points.log_value).max()
     start = np.concatenate([np.log(np.maximum(moduli, 1e-6 * top)), log_times])
@@ -115,7 +132,17 @@ def _refine(points: Points, noise: np.ndarray, alike: float, count: int, solid: 
             Prior(every[n : 2 * n], _MOVE * spacing, None, start[n : 2 * n]),
         ]
         limits = (0.2 * float(noise.min()), 1.0)
-        posterior = infer(model, points.log_value, points.channel, start, priors, noise, noise_limits=limits, temper=alike)
+        posterior = infer(
+            model,
+            points.log_value,
+            points.channel,
+            start,
+            priors,
+            noise,
+            noise_limits=limits,
+            temper=alike,
+            weights=weights,
+        )
         p = posterior.mean
         _, jacobian = model(p)
         share = np.abs(jacobian[:, :n] / noise[points.channel][:, None]).max(axis=0)
@@ -124,9 +151,7 @@ def _refine(points: Points, noise: np.ndarray, alike: float, count: int, solid: 
         kept = share > _IDLE
         start = np.concatenate([p[:n][kept], p[n : 2 * n][kept], p[2 * n :]])
     residuals = posterior.residuals / noise[points.channel]
-    size = np.abs(residuals)
-    chi = np.where(size < 3, size**2, 6 * size - 9).sum() / alike  # outliers count linearly
-    criterion = float(chi + start.size * np.log(max(points.channel.size / alike, 2.0)))
+    criterion = float((weights * residuals**2).sum() / alike + 2.0 * start.size)
     order = np.argsort(p[n : 2 * n])
     full = np.concatenate([order, n + order, np.arange(2 * n, p.size)])
     posterior = posterior._replace(mean=p[full], covariance=posterior.covariance[np.ix_(full, full)])

@@ -75,7 +75,8 @@ def draw_shifts(master: "MasterCurve", ax: Any = None) -> Any:
     if ax is None:
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(6.6, 5.4), layout="constrained")
+        figure = Figure(figsize=(6.6, 5.4))
+        figure.subplots_adjust(left=0.12, right=0.97, bottom=0.1, top=0.9, hspace=0.08)
         ax, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     celsius = master.temperature - 273.15
     ax.errorbar(celsius, master.log10_a, 1.96 * master.log10_a_std, fmt="none", ecolor=_FAINT, capsize=3, zorder=2)
@@ -111,7 +112,9 @@ def draw_cole_cole(fit: "PronyFit", ax: Any = None) -> Any:
     storage, loss = (fit.storage, fit.loss) if master is None else (master.storage, master.loss)
     colours = _BLUE if master is None else _colours(master, master.isotherm)
     ax.scatter(storage, loss, c=colours, s=14, zorder=3)
-    ax.loglog(*fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400)), color=_INK, linewidth=1.2, label="Prony series")
+    ax.loglog(
+        *fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400)), color=_INK, linewidth=1.2, label="Prony series"
+    )
     letter = "G" if fit.kind == "shear" else "E"
     ax.set(xscale="log", yscale="log", xlabel=f"Storage modulus {letter}' [Pa]", ylabel=f"Loss modulus {letter}'' [Pa]")
     _plain(ax)
@@ -141,7 +144,9 @@ def draw_friction_master(master: "FrictionMaster", ax: Any = None) -> Any:
     colours = _scale(levels.size)
     for i, kelvin in enumerate(levels):
         at = master.number == i
-        ax.semilogx(master.velocity[at], master.mu[at], "o", color=colours[i], markersize=4, label=f"{kelvin - 273.15:.4g} °C")
+        ax.semilogx(
+            master.velocity[at], master.mu[at], "o", color=colours[i], markersize=4, label=f"{kelvin - 273.15:.4g} °C"
+        )
     v = np.geomspace(master.velocity.min(), master.velocity.max(), 300)
     value, low, high = master.curve(v)
     ax.semilogx(v, value, color=_INK, linewidth=1.2, label="smooth curve, 95 % band")
@@ -213,7 +218,9 @@ def _scale(count: int) -> np.ndarray:
 def _axes() -> Any:
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(7.4, 4.6), layout="constrained").add_subplot()
+    figure = Figure(figsize=(7.4, 4.6))  # with fixed margins: looking for the best ones takes longer than the fit
+    figure.subplots_adjust(left=0.11, right=0.84, bottom=0.12, top=0.88)
+    return figure.add_subplot()
 
 
 def _plain(ax: Any) -> None:
