@@ -1,6 +1,8 @@
 """From a file to a material that em.friction reads: round trips in every format, the command line, cards, files."""
 
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pandas as pd
@@ -142,6 +144,18 @@ def test_bad_input_is_one_line_and_no_file(arguments, said, tmp_path, monkeypatc
     assert err.count("\n") == 1
     assert said in err
     assert sorted(path.name for path in tmp_path.rglob("*")) == before
+
+
+def test_names_of_functions_are_not_shadowed_by_modules():
+    """Whatever of `em.fit` is used first, its functions stay functions."""
+    code = "import elastomdr as em; em.fit.MaterialFit; em.fit.PronyFit; em.fit.Dma; em.fit.Calibration; em.fit.abaqus_card;"
+    code += "assert all(callable(getattr(em.fit, name)) for name in em.fit.__all__)"
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
+
+
+def test_import_of_the_package_stays_light():
+    code = "import sys, elastomdr as em; em.fit; assert not {'jax', 'scipy', 'numpy', 'matplotlib'} & sys.modules.keys()"
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
 
 
 def test_cards_hold_the_same_material():

@@ -8,7 +8,7 @@ _HOMES = {
     "read": ("read_dma",),
     "master": ("MasterCurve", "master_curve"),
     "series": ("PronyFit", "prony"),
-    "material": ("MaterialFit", "material"),
+    "pipeline": ("MaterialFit", "material"),
     "cards": ("abaqus_card", "ansys_card", "plain_card"),
     "grosch": ("FrictionMaster", "friction_master"),
     "calibration": ("Calibration", "calibrate"),

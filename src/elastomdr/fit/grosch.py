@@ -20,7 +20,8 @@ _KNOTS = 2.5  # per decade of velocity
 _MARGIN = 2.0  # decades of the curve beyond the data, on either side
 _BEND = (1e-4, 1.0)  # limits of the standard deviation of the curve's second difference
 _TWO_SIGMA = 1.96
-_FLAT = 0.3  # standard deviation of a shift between neighbours above which it is as good as unknown [decades]
+_FLAT = 6.0  # change of friction over all velocities, in standard deviations of the scatter, below which nothing is seen
+_POOR = 0.3  # relative standard deviation of a shift between neighbours above which it is worth a warning
 
 
 class _Spline(NamedTuple):
@@ -208,6 +209,10 @@ def _assemble(
     weights = np.zeros(kelvin.size)
     weights[[low, low + 1]] = 1 - (place - low), place - low
     change = np.eye(kelvin.size) - weights
+    basis, _ = spline.basis(points.log_rate + LN10 * x[points.isotherm])
+    flat = bool(np.ptp(basis @ posterior.mean[:count]) < _FLAT * posterior.noise[0])
+    if flat:  # noise alone makes curves fit each other; the shifts are then those expected beforehand
+        spread = spread + np.outer(x, x)
     law = fit_laws(kelvin, x, spread, float(kelvin[anchor]))["WLF" if kelvin.size > 2 else "Arrhenius"].law
     bent = float(law._log10_a(reference)) - weights @ np.asarray(law._log10_a(kelvin))
     log10_a, covariance = change @ x - bent, change @ spread @ change.T
@@ -216,9 +221,11 @@ def _assemble(
     celsius = kelvin - 273.15
     texts = [
         f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known to +- {_TWO_SIGMA * step[i]:.2g} "
-        "decades only: the friction is too flat there, or the curves do not overlap."
-        for i in np.flatnonzero(step > _FLAT)
+        "decades only: the friction hardly changes there, or the curves do not overlap."
+        for i in np.flatnonzero(step > _POOR * np.abs(np.diff(x)))
     ]
+    if flat:
+        texts = ["The friction is too flat against its scatter to see any shift: log10 a_T is what is usual of rubber."]
     if not posterior.converged:
         texts.insert(0, "The fit did not converge: look at the figure before using anything of it.")
     return FrictionMaster(

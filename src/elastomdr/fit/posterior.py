@@ -14,6 +14,7 @@ from scipy.linalg import cho_factor, cho_solve
 from threadpoolctl import threadpool_limits
 
 _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
+_RATIO = 5.0  # largest ratio of two groups' noise: a misfit of one must not leave it to the others alone
 _ROUNDS = 40
 _STEPS = 12  # of Gauss-Newton before the widths are looked at again
 
@@ -70,12 +71,12 @@ def infer(
     *,
     temper: float = 1.0,
     wary: Wary | None = None,
-    noise_limits: tuple[float, float] = (1e-5, 1.0),
+    noise_limits: tuple[float, float] | None = (1e-5, 1.0),
     weights: np.ndarray | None = None,
 ) -> Posterior:
     """The posterior of a model whose values have Gaussian noise of unknown size, one size per `group` of points.
 
-    `temper` above 1 says that residuals resemble their neighbours: so many points count as one. `wary` replaces the
+    With `noise_limits=None` the noise stays as it is given. `temper` above 1 says that residuals resemble their neighbours: so many points count as one. `wary` replaces the
     Jacobian in the covariance. `weights` of the points are found, unless they are given: 1, and less for outliers.
     """
     p, noise, robust = start.copy(), noise.copy(), weights is None
@@ -98,10 +99,12 @@ def infer(
         before = np.log(np.concatenate([noise, widths]))
         for g in range(noise.size):
             at = group == g
-            if counts[g]:
+            if counts[g] and noise_limits is not None:
                 freedom = max(counts[g] - leverage[at].sum(), 0.1 * counts[g])
                 size = np.sqrt((weights[at] * residuals[at] ** 2).sum() / freedom)
                 noise[g] = np.clip(size, *noise_limits)
+        if noise_limits is not None:
+            noise = np.maximum(noise, noise[counts > 0].max() / _RATIO)
         for j, prior in enumerate(priors):
             if prior.limits is None:
                 continue

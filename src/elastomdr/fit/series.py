@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import as_float64, positive, significant
+from .._runtime import as_float64, positive, scalar, significant
 from ..errors import InputError
 from ..material.prony import Prony
 from .data import KINDS
@@ -21,6 +21,9 @@ from .shifting import join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
 from .terms import choose_terms, most_terms
 
+_RATIO = 3.0  # largest ratio between the weights of two kinds of modulus: a series has to meet all of them
+_CONTRADICTION = 0.1  # scatter above which storage and loss modulus contradict each other
+_STORAGE_FIRST = 5.0  # times that the storage modulus then counts for more: it is the better measured of the two
 _LEAST_NOISE = 0.002  # relative standard deviation below which residuals are not trusted to be noise
 
 
@@ -139,6 +142,7 @@ def prony(
     relaxation: Any = None,
     terms: int | None = None,
     equilibrium: bool | None = None,
+    balance: float | None = None,
     kind: str | None = None,
     poisson: float = 0.5,
     shift: Any = None,
@@ -151,7 +155,8 @@ def prony(
     `omega` is a `MasterCurve`, which brings all of them. Moduli are not negative, so that the series is passive; times
     are refined, and may lie beyond the data. The number of terms (`terms`) and whether there is an equilibrium modulus
     (`equilibrium`) are chosen by the Akaike information criterion where they are not given, with at most one and a
-    half terms per decade. `kind` ("shear" unless the master curve says otherwise), `poisson`, `shift`, `name` and
+    half terms per decade. `balance` is how many times more exactly the storage modulus is to be met than the loss modulus;
+    by itself it follows their scatter, and is 5 where they contradict each other. `kind` ("shear" unless the master curve says otherwise), `poisson`, `shift`, `name` and
     `citation` go into the material. Raises `InputError` for lists that do not match, values that are not positive,
     too few points.
     """
@@ -178,8 +183,11 @@ def prony(
     _check_terms(terms, points)
     if equilibrium not in (None, True, False):
         raise InputError(f"equilibrium must be True, False or None (the data decide), got {equilibrium!r}.")
+    if balance is not None:
+        balance = float(scalar("balance", balance))
+        positive("balance", balance)
     joint = master.joint if master is not None else _smooth(points)
-    noise = np.maximum(joint.shifts.posterior.noise, _LEAST_NOISE)
+    noise = _weigh(joint.shifts.posterior.noise, points, balance)
     weights = joint.shifts.posterior.weights
     found = choose_terms(points, noise, weights, joint.inflation, terms, equilibrium)
     residuals = np.expm1(-found.posterior.residuals)
@@ -191,8 +199,9 @@ def prony(
     std = np.sqrt(np.diag(found.posterior.covariance))
     count = found.log_times.size
     moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
+    level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
     material = Prony(
-        found.equilibrium, moduli, times, kind=kind, poisson=poisson, shift=shift, name=name, citation=citation
+        level, numbers[:count], numbers[count:], kind=kind, poisson=poisson, shift=shift, name=name, citation=citation
     )
     fit = PronyFit(
         material=material,
@@ -216,6 +225,22 @@ def prony(
         master=master,
     )
     return fit
+
+
+def _weigh(noise: np.ndarray, points: Points, balance: float | None) -> np.ndarray:
+    """Standard deviations that the kinds of modulus are weighed with: their scatter, within limits."""
+    present = np.unique(points.channel)
+    noise = np.maximum(noise, _LEAST_NOISE)
+    noise = np.maximum(noise, noise[present].max() / _RATIO)
+    if LOSS not in present or STORAGE not in present:
+        return noise
+    stiff = np.median(points.log_value[points.channel == STORAGE]) > np.median(points.log_value[points.channel == LOSS])
+    if balance is None and noise[present].max() > _CONTRADICTION and stiff:
+        balance = _STORAGE_FIRST
+    if balance is not None:
+        noise[LOSS] = noise[[STORAGE, LOSS]].max()
+        noise[STORAGE] = noise[LOSS] / balance
+    return noise
 
 
 def _judge(rms: dict[str, float], noise: np.ndarray, converged: bool) -> Iterator[str]:

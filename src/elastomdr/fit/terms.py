@@ -131,7 +131,6 @@ def _refine(
             Prior(np.delete(every, slice(n, 2 * n), axis=0), _FREE, None, np.delete(start, slice(n, 2 * n))),
             Prior(every[n : 2 * n], _MOVE * spacing, None, start[n : 2 * n]),
         ]
-        limits = (0.2 * float(noise.min()), 1.0)
         posterior = infer(
             model,
             points.log_value,
@@ -139,7 +138,7 @@ def _refine(
             start,
             priors,
             noise,
-            noise_limits=limits,
+            noise_limits=None,
             temper=alike,
             weights=weights,
         )

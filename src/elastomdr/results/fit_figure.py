@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from ..fit.grosch import FrictionMaster
     from ..fit.master import MasterCurve
-    from ..fit.material import MaterialFit
+    from ..fit.pipeline import MaterialFit
     from ..fit.series import PronyFit
 
 _INK, _FAINT, _BLUE, _RED = "#222222", "#666666", "#1f5a94", "#b03a2e"
