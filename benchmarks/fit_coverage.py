@@ -131,7 +131,15 @@ def main() -> None:
         off = np.median(np.abs(np.concatenate([t["error"] for t in chosen])))
         curve = np.median(np.abs(np.concatenate([t["relative"] for t in chosen])))
         rows.append((name, len(chosen), *hits, off, 100 * curve))
-    columns = ("sets", "count", "log10 a_T [%]", "storage [%]", "loss [%]", "median error of log10 a_T", "median error of moduli [%]")
+    columns = (
+        "sets",
+        "count",
+        "log10 a_T [%]",
+        "storage [%]",
+        "loss [%]",
+        "median error of log10 a_T",
+        "median error of moduli [%]",
+    )
     record["coverage"] = table(columns, rows)
     seconds = np.array([t["seconds"] for t in trials])
     print(f"\n  fit: median {np.median(seconds):.2f} s, longest {seconds.max():.2f} s of one core")

@@ -102,9 +102,8 @@ def gaussian_process_shift(dma: em.fit.Dma, master: em.fit.MasterCurve):
 
 def pyvisco_prony(omega: np.ndarray, storage: np.ndarray, loss: np.ndarray, fewest: bool):
     """pyvisco's series through a master curve: one term a decade, or its own choice of fewer."""
-    from pyvisco import load, opt
+    from pyvisco import load, opt, prony
     from pyvisco import master as shifting
-    from pyvisco import prony
 
     order = np.argsort(omega)
     rows = ["f,E_stor,E_loss", "Hz,MPa,MPa"]

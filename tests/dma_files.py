@@ -109,7 +109,9 @@ def eplexor_xls(folder: Path, rows) -> list[Path]:
         for j, cell in enumerate(cells):
             sheet.write(i, j, cell)
     settings = book.add_sheet("Data header")
-    for i, cells in enumerate([["Measurement type:", "Temp. Freq. Sweep"], ["", "Static load", "Dynamic load", 0.5, 1.5]]):
+    for i, cells in enumerate(
+        [["Measurement type:", "Temp. Freq. Sweep"], ["", "Static load", "Dynamic load", 0.5, 1.5]]
+    ):
         for j, cell in enumerate(cells):
             settings.write(i, j, cell)
     path = folder / "eplexor.xls"
@@ -125,7 +127,9 @@ def eplexor_xlsx(folder: Path, rows) -> list[Path]:
             return f'<c t="inlineStr"><is><t>{escape(value)}</t></is></c>'
         return f"<c><v>{value!r}</v></c>"
 
-    body = "".join(f"<row>{''.join(map(cell, cells))}</row>" for cells in [_EPLEXOR, _EPLEXOR_UNITS, *_eplexor_rows(rows)])
+    body = "".join(
+        f"<row>{''.join(map(cell, cells))}</row>" for cells in [_EPLEXOR, _EPLEXOR_UNITS, *_eplexor_rows(rows)]
+    )
     main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
     office = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
     package = "http://schemas.openxmlformats.org/package/2006"

@@ -85,9 +85,7 @@ def test_calibration_finds_what_was_changed():
     ball = em.Paraboloid(5e-3)
     mu = em.friction(other, ball, velocity=SPEED, **SCENE).mu
     mu = mu + 2e-4 * np.random.default_rng(0).normal(size=mu.shape)
-    found = em.fit.calibrate(
-        RUBBER, ball, velocity=SPEED, measured=mu, parameters=("modulus", "slope", "c1"), **SCENE
-    )
+    found = em.fit.calibrate(RUBBER, ball, velocity=SPEED, measured=mu, parameters=("modulus", "slope", "c1"), **SCENE)
     truth = {"modulus": 0.1, "slope": 0.08, "c1": 0.05}
     assert found.converged
     for name, value in truth.items():
@@ -95,9 +93,7 @@ def test_calibration_finds_what_was_changed():
         assert found.std[name] < 0.05
     assert found.error == pytest.approx(2e-4, rel=0.5)
     np.testing.assert_allclose(found.material.moduli, other.moduli, rtol=0.1)
-    np.testing.assert_allclose(
-        em.friction(found.material, ball, velocity=SPEED, **SCENE).mu, found.computed, rtol=1e-6
-    )
+    np.testing.assert_allclose(em.friction(found.material, ball, velocity=SPEED, **SCENE).mu, found.computed, rtol=1e-6)
     assert "residuals" in repr(found)
 
 

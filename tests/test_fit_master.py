@@ -81,7 +81,9 @@ def test_the_reference_temperature_can_be_changed(master, celsius):
     np.testing.assert_allclose(moved.band(omega).storage, RUBBER.at(celsius + 273.15).storage(omega), rtol=0.03)
 
 
-@pytest.mark.parametrize("lift", [lambda c: (c + 273.15) / 293.15, lambda c: 1 + 0.05 * np.sin(c)], ids=["entropy", "free"])
+@pytest.mark.parametrize(
+    "lift", [lambda c: (c + 273.15) / 293.15, lambda c: 1 + 0.05 * np.sin(c)], ids=["entropy", "free"]
+)
 def test_vertical_shifts_are_found(lift):
     master = em.fit.master_curve(data(lift=lift), 293.15)
     truth = np.log10(lift(20.0) / lift(master.temperature - 273.15))
@@ -155,7 +157,9 @@ def test_a_ramp_is_cut_into_isotherms():
     a = 10 ** np.asarray(LAW.log10_a(kelvin))
     moduli = np.asarray(RUBBER.at(293.15).complex_modulus(omega * a))
     noise = 1 + 0.01 * rng.normal(size=(2, kelvin.size))
-    master = em.fit.master_curve(em.fit.dma(omega, moduli.real * noise[0], moduli.imag * noise[1], kelvin, kind="shear"), 293.15)
+    master = em.fit.master_curve(
+        em.fit.dma(omega, moduli.real * noise[0], moduli.imag * noise[1], kelvin, kind="shear"), 293.15
+    )
     assert 10 <= master.temperature.size <= 20
     assert np.abs(master.log10_a - np.asarray(LAW.log10_a(master.temperature))).max() < 0.08
 

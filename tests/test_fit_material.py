@@ -104,7 +104,9 @@ def test_command_line(tmp_path, monkeypatch, capsys):
     for said in ("log10 a_T", "WLF", "residuals", "20 degC", "wrote 11 files", "fitted.toml"):
         assert said in out
     assert check_material(tmp_path / "new" / "folder" / "fitted.toml") == []
-    scene = 'material = "new/folder/fitted.toml"\ntemperature = "20 degC"\n[indenter]\nshape = "sphere"\nradius = "5 mm"\n'
+    scene = (
+        'material = "new/folder/fitted.toml"\ntemperature = "20 degC"\n[indenter]\nshape = "sphere"\nradius = "5 mm"\n'
+    )
     (tmp_path / "s.toml").write_text(scene + '[contact]\nload = "1 N"\nvelocity = ["1 mm/s", "1 cm/s"]\n')
     monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
     assert main(["friction", "s.toml"]) == 0
@@ -133,7 +135,9 @@ def test_bad_input_is_one_line_and_no_file(arguments, said, tmp_path, monkeypatc
     two_rows(tmp_path, ROWS)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "nounit.csv").write_text("f,T [K],G' [Pa],G'' [Pa]\n1,293,2e6,1e5\n2,293,2e6,1e5\n")
-    (tmp_path / "notemperature.csv").write_text("f [Hz],G' [Pa],G'' [Pa]\n" + "\n".join(f"{f},2e6,1e5" for f in range(1, 9)))
+    (tmp_path / "notemperature.csv").write_text(
+        "f [Hz],G' [Pa],G'' [Pa]\n" + "\n".join(f"{f},2e6,1e5" for f in range(1, 9))
+    )
     (tmp_path / "short.csv").write_text("f [Hz],T [degC],G' [Pa],G'' [Pa]\n1,20,2e6,1e5\n")
     (tmp_path / "tensile.csv").write_text("f [Hz],T [degC],E' [Pa],E'' [Pa]\n1,20,2e6,1e5\n2,20,2e6,1e5\n")
     before = sorted(path.name for path in tmp_path.rglob("*"))
@@ -154,7 +158,9 @@ def test_names_of_functions_are_not_shadowed_by_modules():
 
 
 def test_import_of_the_package_stays_light():
-    code = "import sys, elastomdr as em; em.fit; assert not {'jax', 'scipy', 'numpy', 'matplotlib'} & sys.modules.keys()"
+    code = (
+        "import sys, elastomdr as em; em.fit; assert not {'jax', 'scipy', 'numpy', 'matplotlib'} & sys.modules.keys()"
+    )
     subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
 
 

@@ -19,10 +19,11 @@ def moduli(material, omega=OMEGA, noise=0.0, seed=0):
 
 def test_exact_data_give_the_series_back():
     fit = em.fit.prony(OMEGA, *moduli(SOLID), terms=4)
-    np.testing.assert_allclose(fit.material.times, SOLID.times, rtol=1e-3)
-    np.testing.assert_allclose(fit.material.moduli, SOLID.moduli, rtol=1e-3)
-    np.testing.assert_allclose(fit.material.equilibrium, 1e6, rtol=1e-4)
-    assert max(fit.storage_residual, fit.loss_residual) < 1e-4
+    # Scatter below 0.2 % is not believed, so that the priors of the times still pull by a few per cent.
+    np.testing.assert_allclose(fit.material.times, SOLID.times, rtol=0.03)
+    np.testing.assert_allclose(fit.material.moduli, SOLID.moduli, rtol=0.03)
+    np.testing.assert_allclose(fit.material.equilibrium, 1e6, rtol=1e-3)
+    assert max(fit.storage_residual, fit.loss_residual) < 1e-3
 
 
 @pytest.mark.parametrize("material", [SOLID, LIQUID], ids=["solid", "liquid"])
@@ -48,7 +49,7 @@ def test_intervals_hold_the_truth():
         hits += [(band.storage_low <= truth.real) & (truth.real <= band.storage_high)]
         hits += [(band.loss_low <= truth.imag) & (truth.imag <= band.loss_high)]
         spreads.append(np.median(band.loss_high / band.loss_low - 1))
-    assert 0.88 < np.mean(hits)  # 640 values, correlated; the benchmark counts 300 sets
+    assert np.mean(hits) > 0.88  # 640 values, correlated; the benchmark counts 300 sets
     assert np.median(spreads) < 0.08  # twice 1.96 times 2 %, and less where points help each other
 
 
@@ -90,7 +91,9 @@ def test_time_domain_and_both_together():
 
 def test_tension_and_properties_go_into_the_material():
     storage, loss = moduli(SOLID)
-    fit = em.fit.prony(OMEGA, storage, loss, kind="tensile", poisson=0.4, shift=em.WLF(5, 100, 300), name="x", citation="y")
+    fit = em.fit.prony(
+        OMEGA, storage, loss, kind="tensile", poisson=0.4, shift=em.WLF(5, 100, 300), name="x", citation="y"
+    )
     material = fit.material
     assert (material.kind, float(material.poisson), material.name, material.citation) == ("tensile", 0.4, "x", "y")
     np.testing.assert_allclose(2.8 * np.asarray(material.storage(OMEGA)), np.asarray(SOLID.storage(OMEGA)), rtol=1e-3)

@@ -83,7 +83,7 @@ def is_unit_row(cells: Sequence[str]) -> bool:
     words = [cell.strip() for cell in cells if cell.strip()]
     units = [word for word in words if known_unit(word) or word in ("-", "[-]", "%", "N", "mm", "µm", "1/MPa")]
     numbers = [word for word in words if re.fullmatch(r"[+-]?[\d.,]+([eE][+-]?\d+)?", word)]
-    return len(units) >= 2 and not numbers or (len(units) == 1 and len(words) == 1)
+    return (len(units) >= 2 and not numbers) or (len(units) == 1 and len(words) == 1)
 
 
 def understand(titles: Sequence[str], units: Sequence[str]) -> list[Column]:
@@ -99,7 +99,7 @@ def understand(titles: Sequence[str], units: Sequence[str]) -> list[Column]:
             continue
         unit = given or unit
         if unit and unit not in UNITS.get(measure(role), {unit: 1.0}):
-            if measure(role) == "frequency" and unit == "" or role == "torque":
+            if (measure(role) == "frequency" and unit == "") or role == "torque":
                 unit = ""
             else:
                 continue  # such as a "Phase" in volts

@@ -20,7 +20,9 @@ _KNOTS = 2.5  # per decade of velocity
 _MARGIN = 2.0  # decades of the curve beyond the data, on either side
 _BEND = (1e-4, 1.0)  # limits of the standard deviation of the curve's second difference
 _TWO_SIGMA = 1.96
-_FLAT = 6.0  # change of friction over all velocities, in standard deviations of the scatter, below which nothing is seen
+_FLAT = (
+    6.0  # change of friction over all velocities, in standard deviations of the scatter, below which nothing is seen
+)
 _POOR = 0.3  # relative standard deviation of a shift between neighbours above which it is worth a warning
 
 

@@ -8,7 +8,6 @@ from .isotherms import Isotherms, correlation, own_noise
 from .laws import LawFit, fit_laws
 from .shifting import LN10, Shifts, guess_shifts, join
 
-
 _INDEPENDENT = 1.3  # neighbours per independent point below which they count as independent
 
 

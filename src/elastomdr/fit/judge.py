@@ -18,7 +18,9 @@ _LAW_OFF = 0.15  # rms residual of the WLF law [decades]
 
 def judge(master: "MasterCurve") -> tuple[str, ...]:
     """The warnings of a master curve, most important first."""
-    return tuple([*_failed(master), *_simple(master), *_ambiguous(master), *_choice(master), *_gaps(master), *_details(master)])
+    return tuple(
+        [*_failed(master), *_simple(master), *_ambiguous(master), *_choice(master), *_gaps(master), *_details(master)]
+    )
 
 
 def _failed(master: "MasterCurve") -> Iterator[str]:
