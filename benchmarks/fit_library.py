@@ -9,8 +9,8 @@ DATA_DIR holds one folder per data set, as their authors publish them (the data 
     psa-468mp/frequency_sweep_tts.txt       github.com/3mcloud/hermes-rheo
     pv-encapsulant/freq_user_master*.csv    github.com/NREL/pyvisco
 
-EPDM and adhesive are fitted by `em.fit.material`. The melt and the encapsulant are shifted along the frequency axis only,
-by a published law or table. Moduli are the non-negative least-squares solution for the relative
+EPDM and adhesive are fitted by `em.fit.material`. The melt and the encapsulant are shifted along the frequency axis
+only, by a published law or table. Moduli are the non-negative least-squares solution for the relative
 deviations of storage and loss modulus; relaxation times are log-spaced and reach half a decade beyond the data.
 """
 

@@ -1,9 +1,10 @@
 """From DMA isotherms to a friction curve, with what the laboratory's noise does to it.
 
-Teaches: `em.fit.material`, its warnings and intervals, and that a fitted material goes into `em.friction` like any other.
+Teaches: `em.fit.material`, its warnings and intervals, and that a fitted material goes into `em.friction` like any
+other.
 
-Inputs: isotherms made here from `sbr-gum-like` of the library, with 1 % noise, as a rheometer would give them from -20 to
-60 degC; ball of 5 mm radius, 1 N. With a file of your own: dma = em.fit.read_dma("DMA.csv").
+Inputs: isotherms made here from `sbr-gum-like` of the library, with 1 % noise, as a rheometer would give them from
+-20 to 60 degC; ball of 5 mm radius, 1 N. With a file of your own: dma = em.fit.read_dma("DMA.csv").
 
 Check: shift factors against the law that made the data, within three standard deviations; friction within 3 %.
 

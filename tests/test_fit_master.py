@@ -13,7 +13,10 @@ RUBBER = em.Prony(4e5, np.geomspace(4e7, 3e5, 9), np.geomspace(1e-8, 1.0, 9), sh
 HERTZ = np.geomspace(0.1, 50.0, 11)
 
 
-def data(celsius=np.arange(-20.0, 41.0, 10.0), noise=0.005, seed=0, material=RUBBER, lift=None, hertz=HERTZ):
+CELSIUS = np.arange(-20.0, 41.0, 10.0)
+
+
+def data(celsius=CELSIUS, noise=0.005, seed=0, material=RUBBER, lift=None, hertz=HERTZ):
     rows = measure(material, np.asarray(celsius), hertz, noise, seed)
     up = np.ones(len(rows)) if lift is None else lift(rows[:, 1])
     return em.fit.dma(2 * np.pi * rows[:, 0], up * rows[:, 2], up * rows[:, 3], rows[:, 1] + 273.15, kind="shear")

@@ -1,4 +1,6 @@
-"""Measured data, where they are: in ELASTOMDR_DATA, or in ../shared/data/dma beside the checkout. Not part of the package."""
+"""Measured data, where they are: in ELASTOMDR_DATA, or in ../shared/data/dma beside the checkout. Not part of
+the package.
+"""
 
 import os
 import warnings

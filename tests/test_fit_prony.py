@@ -23,7 +23,7 @@ def test_exact_data_give_the_series_back():
     np.testing.assert_allclose(fit.material.times, SOLID.times, rtol=0.03)
     np.testing.assert_allclose(fit.material.moduli, SOLID.moduli, rtol=0.03)
     np.testing.assert_allclose(fit.material.equilibrium, 1e6, rtol=1e-3)
-    assert max(fit.storage_residual, fit.loss_residual) < 1e-3
+    assert max(fit.storage_residual, fit.loss_residual) < 1e-2
 
 
 @pytest.mark.parametrize("material", [SOLID, LIQUID], ids=["solid", "liquid"])

@@ -1,4 +1,6 @@
-"""Chosen parameters of a material adjusted to measured friction or rolling resistance, by gradient through the contact."""
+"""Chosen parameters of a material adjusted to measured friction or rolling resistance, by gradient through the
+contact.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ..errors import InputError
 
 _MOST_BYTES = 200_000_000
-_LATIN = set("°º±²³µ·×äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ")  # what a Latin-1 file of measurements holds beyond ASCII
+_LATIN = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7")  # what a Latin-1 file of measurements holds beyond ASCII
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 _COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
 

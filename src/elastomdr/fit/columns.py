@@ -24,7 +24,8 @@ _SAME = {
     "c": "degc", "°c": "degc", "℃": "degc", "oc": "degc", "ºc": "degc", "celsius": "degc", "deg c": "degc",
     "kelvin": "k", "f": "degf", "°f": "degf", "℉": "degf", "rad/sec": "rad/s", "rads-1": "rad/s", "rad*s-1": "rad/s",
     "rad·s-1": "rad/s", "rads^-1": "rad/s", "rad/s^1": "rad/s", "hertz": "hz", "sec": "s", "second": "s",
-    "seconds": "s", "minutes": "min", "hours": "h", "hr": "h", "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg",
+    "seconds": "s", "minutes": "min", "hours": "h", "hr": "h", "°": "deg", "º": "deg",
+    "degree": "deg", "degrees": "deg",
     "n/m^2": "n/m2", "n/mm^2": "n/mm2", "dyn/cm^2": "dyn/cm2", "dyne/cm2": "dyn/cm2", "dyne/cm^2": "dyn/cm2", "1": "",
     "-": "", "[-]": "", "none": "",
 }  # fmt: skip
@@ -32,7 +33,8 @@ _SAME = {
 _STORAGE = "storage modulus|storage|stor|s torage|speichermodul|저장탄성률|저장 탄성률|저장탄성계수"
 _LOSS = "loss modulus|loss|verlustmodul|손실탄성률|손실 탄성률|손실탄성계수"
 _SPELLED = {
-    "hz": "Hz", "khz": "kHz", "mhz": "mHz", "pa": "Pa", "kpa": "kPa", "mpa": "MPa", "gpa": "GPa", "k": "K", "degc": "degC",
+    "hz": "Hz", "khz": "kHz", "mhz": "mHz", "pa": "Pa", "kpa": "kPa", "mpa": "MPa", "gpa": "GPa",
+    "k": "K", "degc": "degC",
     "degf": "degF", "n/m2": "N/m2", "n/mm2": "N/mm2",
 }  # fmt: skip
 _NAMES = {
@@ -40,7 +42,8 @@ _NAMES = {
     "frequency": r"f|freq|frequency|frequenz|주파수",
     "temperature": r"temp\.?|temperature|temperatur|sample temp(erature)?|온도",
     "time": r"time|zeit|시간",
-    "storage": rf"{_STORAGE}|[ge]'|[ge]_?(1|p|prime|stor|storage)|([ge]|shear|tensile|young'?s)[ _](stor|storage|storage modulus)",
+    "storage": rf"{_STORAGE}|[ge]'|[ge]_?(1|p|prime|stor|storage)|"
+    r"([ge]|shear|tensile|young'?s)[ _](stor|storage|storage modulus)",
     "loss": rf"{_LOSS}|[ge]''|[ge]_?(2|pp|dprime|loss)|([ge]|shear|tensile|young'?s)[ _](loss|loss modulus)",
     "absolute": r"\|[ge]\*\|?|[ge]\*|[ge]_?abs|complex modulus|komplexer modul",
     "phase": r"phase ?angle|phase|delta|δ|phasenwinkel",
@@ -166,7 +169,7 @@ def _split(title: str) -> tuple[str, str]:
 
 def _clean(title: str) -> str:
     text = title.strip().strip('"').strip() if title.count('"') != 1 else title.strip()
-    for mark in ("′", "’", "ʹ", "`", "´"):
+    for mark in ("\u2032", "\u2019", "\u02b9", "`", "\u00b4"):
         text = text.replace(mark, "'")
     text = text.replace("″", "''").replace("”", "''").replace('"', "''")
     return re.sub(r"\s+", " ", text)

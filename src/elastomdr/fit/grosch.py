@@ -123,9 +123,9 @@ def friction_master(
 ) -> FrictionMaster:
     """Shifts measured friction mu(v, T) along log v to one smooth curve at the temperature `reference` [K].
 
-    `velocity` [m/s], `temperature` [K] and `mu` broadcast against each other, one entry per measured point; temperatures
-    with no gap above `tolerance` [K] are one curve. `reference` defaults to the measured temperature nearest to 20 degC.
-    Raises `InputError` for fewer than two temperatures or eight points.
+    `velocity` [m/s], `temperature` [K] and `mu` broadcast against each other, one entry per measured point;
+    temperatures with no gap above `tolerance` [K] are one curve. `reference` defaults to the measured temperature
+    nearest to 20 degC. Raises `InputError` for fewer than two temperatures or eight points.
     """
     arrays = {name: as_float64(name, value) for name, value in
               (("velocity", velocity), ("temperature", temperature), ("mu", mu))}  # fmt: skip

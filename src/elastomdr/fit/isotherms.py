@@ -76,7 +76,9 @@ def curves(points: Points) -> list[np.ndarray]:
 
 
 def own_noise(points: Points) -> np.ndarray:
-    """Standard deviation of ln(modulus) about a smooth curve through each isotherm alone, per channel; NaN if unknown."""
+    """Standard deviation of ln(modulus) about a smooth curve through each isotherm alone, per channel; NaN if
+    unknown.
+    """
     squares, freedom = np.zeros(3), np.zeros(3)
     for at in curves(points):
         degree = min(4, at.size // 3)

@@ -32,7 +32,8 @@ def _simple(master: "MasterCurve") -> Iterator[str]:
     misfit, worst = master.joint.misfit, max(master.noise.values())
     if misfit > _NOT_SIMPLE and worst > _WORTH_SAYING and master.temperature.size > 1:
         yield (
-            f"Not thermorheologically simple: the isotherms scatter {misfit:.1f} times as much about one common curve as "
+            f"Not thermorheologically simple: the isotherms scatter {misfit:.1f} times as much about one common "
+            f"curve as "
             f"each about a smooth curve of its own ({100 * worst:.2g} % in the worst modulus). No shift makes them one."
         )
 
@@ -41,7 +42,8 @@ def _ambiguous(master: "MasterCurve") -> Iterator[str]:
     celsius = master.temperature[master.ambiguous] - 273.15
     if celsius.size:
         yield (
-            f"Horizontal and vertical shift cannot be told apart at {describe_list(celsius, 'degC')}: the isotherms are "
+            f"Horizontal and vertical shift cannot be told apart at {describe_list(celsius, 'degC')}: the "
+            f"isotherms are "
             "too flat or too much alike there. Their log10 a_T rests on the prior for the vertical shift; see the "
             "intervals, and compare vertical=False (--no-vertical)."
         )
@@ -82,7 +84,8 @@ def _details(master: "MasterCurve") -> Iterator[str]:
     elif not temperature.min() - 1.5 <= reference <= temperature.max() + 1.5:
         yield (
             f"The reference temperature, {reference - 273.15:.4g} degC, lies outside the data "
-            f"({temperature.min() - 273.15:.4g} to {temperature.max() - 273.15:.4g} degC): it is reached by extrapolating "
+            f"({temperature.min() - 273.15:.4g} to {temperature.max() - 273.15:.4g} degC): it is reached by "
+            f"extrapolating "
             "the shift law."
         )
     if temperature.size == 2:

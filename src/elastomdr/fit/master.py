@@ -114,8 +114,9 @@ class MasterCurve:
     def band(self, omega: Any) -> Band:
         """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
 
-        The intervals contain the uncertainty of the shifts. Outside `window` the curve is an extrapolation: `inside` says
-        so point by point, and a `FitWarning` counts them. Raises `InputError` for frequencies that are not positive.
+        The intervals contain the uncertainty of the shifts. Outside `window` the curve is an extrapolation: `inside`
+        says so point by point, and a `FitWarning` counts them. Raises `InputError` for frequencies that are not
+        positive.
         """
         omega = as_float64("omega", omega)
         positive("omega", omega)

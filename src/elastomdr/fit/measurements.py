@@ -63,7 +63,8 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
         temperature = np.full(n, np.nan if options.temperature is None else options.temperature)
         if options.temperature is None:
             texts.append(
-                f"{path.name}: there is no temperature column; shifting needs temperature=... [K] (--temperature 20degC)."
+                f"{path.name}: there is no temperature column; shifting needs temperature=... [K] "
+                f"(--temperature 20degC)."
             )
     common: dict[str, Any] = {
         "kind": kind,

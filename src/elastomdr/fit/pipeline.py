@@ -146,8 +146,9 @@ def material(
 ) -> MaterialFit:
     """A material from measured isotherms: `master_curve`, then `prony`, then a shift law.
 
-    `law` is "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is within
-    0.1 decades rms of the shift factors or within what they are known to, a table otherwise. A material has no vertical
+    `law` is "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
+    within 0.1 decades rms of the shift factors or within what they are known to, a table otherwise. A material has
+    no vertical
     shift: `as_used` says what that costs against the data as measured. Other arguments as for `master_curve` and
     `prony`; `citation` is the source of the data. Raises `InputError` as they do.
     """
@@ -167,8 +168,8 @@ def material(
     if lift > _LIFT:
         cold = float(master.temperature[np.abs(master.log10_b).argmax()] - 273.15)
         texts.append(
-            f"Vertical shifts reach {100 * lift:.2g} % (at {cold:.3g} degC), and a material file has none: away from the "
-            "reference temperature its moduli are off by as much."
+            f"Vertical shifts reach {100 * lift:.2g} % (at {cold:.3g} degC), and a material file has none: "
+            "away from the reference temperature its moduli are off by as much."
         )
     description = description or f"Fitted to {dma.summary()}"
     return MaterialFit(fit.material, master, fit, chosen, used, tuple(texts), citation, description)

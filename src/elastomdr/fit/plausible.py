@@ -28,14 +28,16 @@ def implausible(arrays: dict[str, np.ndarray], units: dict[str, str], user: bool
         ratio = float(np.median(arrays["loss"] / arrays["storage"]))
         if ratio > 100 or ratio < 1e-4:
             yield (
-                f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is implausible: are their "
+                f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is "
+                f"implausible: are their "
                 "units mixed up? Assumed are those of the file."
             )
     if "temperature" in arrays:
         low, high = float(arrays["temperature"].min()), float(arrays["temperature"].max())
         if low < _TEMPERATURES[0] or high > _TEMPERATURES[1]:
             yield (
-                f"temperatures from {low:.4g} to {high:.4g} K are implausible for a DMA; assumed is the unit of the file. "
+                f"temperatures from {low:.4g} to {high:.4g} K are implausible for a DMA; assumed is the unit of "
+                f"the file. "
                 "Check whether they are in degC or K."
             )
 
@@ -52,14 +54,16 @@ def inconsistent(
         )
         if abs(ratio - 1) > 0.02:
             yield (
-                f"frequency and angular frequency differ by a factor of {ratio:.3g} after conversion: are Hz and rad/s mixed "
+                f"frequency and angular frequency differ by a factor of {ratio:.3g} after conversion: are Hz "
+                f"and rad/s mixed "
                 "up? Assumed is the angular frequency."
             )
     if "tangent" in others and "storage" in arrays and "loss" in arrays:
         ratio = _median(np.array(others["tangent"][0]) * arrays["storage"] / arrays["loss"])
         if abs(ratio - 1) > 0.1:
             yield (
-                f"the loss tangent is {ratio:.3g} times loss over storage modulus: are their units mixed up? Assumed are "
+                f"the loss tangent is {ratio:.3g} times loss over storage modulus: are their units mixed up? "
+                f"Assumed are "
                 "the two moduli."
             )
 

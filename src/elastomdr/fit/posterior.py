@@ -76,8 +76,9 @@ def infer(
 ) -> Posterior:
     """The posterior of a model whose values have Gaussian noise of unknown size, one size per `group` of points.
 
-    With `noise_limits=None` the noise stays as it is given. `temper` above 1 says that residuals resemble their neighbours: so many points count as one. `wary` replaces the
-    Jacobian in the covariance. `weights` of the points are found, unless they are given: 1, and less for outliers.
+    With `noise_limits=None` the noise stays as it is given. `temper` above 1 says that residuals resemble their
+    neighbours: so many points count as one. `wary` replaces the Jacobian in the covariance. `weights` of the points
+    are found, unless they are given: 1, and less for outliers.
     """
     p, noise, robust = start.copy(), noise.copy(), weights is None
     weights = np.ones(data.size) if weights is None else weights

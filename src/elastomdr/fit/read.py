@@ -158,7 +158,9 @@ def _parameters(sheet: Sheet) -> dict[str, str] | None:
 
 
 def _reptate(path: Path, sheet: Sheet, parameters: dict[str, str], options: Options) -> Dma:
-    """RepTate's text formats: omega [rad/s], G' and G'' [Pa]; .tts is a master curve, shifted to T of its first line."""
+    """RepTate's text formats: omega [rad/s], G' and G'' [Pa]; .tts is a master curve, shifted to T of its
+    first line.
+    """
     rows = [Row(i, line.split()) for i, line in enumerate(sheet.text.splitlines(), start=1)]
     given = number(parameters.get("T", ""))
     master = path.suffix.lower() == ".tts"

@@ -155,10 +155,10 @@ def prony(
     `omega` is a `MasterCurve`, which brings all of them. Moduli are not negative, so that the series is passive; times
     are refined, and may lie beyond the data. The number of terms (`terms`) and whether there is an equilibrium modulus
     (`equilibrium`) are chosen by the Akaike information criterion where they are not given, with at most one and a
-    half terms per decade. `balance` is how many times more exactly the storage modulus is to be met than the loss modulus;
-    by itself it follows their scatter, and is 5 where they contradict each other. `kind` ("shear" unless the master curve says otherwise), `poisson`, `shift`, `name` and
-    `citation` go into the material. Raises `InputError` for lists that do not match, values that are not positive,
-    too few points.
+    half terms per decade. `balance` is how many times more exactly the storage modulus is to be met than the loss
+    modulus; by itself it follows their scatter, and is 5 where they contradict each other. `kind` ("shear" unless
+    the master curve says otherwise), `poisson`, `shift`, `name` and `citation` go into the material. Raises
+    `InputError` for lists that do not match, values that are not positive, too few points.
     """
     master = omega if isinstance(omega, MasterCurve) else None
     if master is not None:
@@ -251,7 +251,8 @@ def _judge(rms: dict[str, float], noise: np.ndarray, converged: bool) -> Iterato
             yield f"The {key} modulus is met to {100 * size:.2g} % rms only; more terms may help (terms=...)."
         elif np.isfinite(size) and size > 0.1:
             yield (
-                f"The {key} modulus is met to {100 * size:.2g} % rms only, and no passive material comes closer: storage "
+                f"The {key} modulus is met to {100 * size:.2g} % rms only, and no passive material comes "
+                f"closer: storage "
                 "and loss modulus contradict each other, or the data scatter."
             )
 
@@ -276,7 +277,8 @@ def _lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:
     for name, array in zip(names, arrays, strict=True):
         if array.ndim != 1 or array.shape != arrays[0].shape:
             raise InputError(
-                f"{name} must be a list with as many entries as {names[0]}, got shapes {array.shape}, {arrays[0].shape}."
+                f"{name} must be a list with as many entries as {names[0]}, got shapes {array.shape}, "
+                f"{arrays[0].shape}."
             )
         positive(name, array)
     return arrays

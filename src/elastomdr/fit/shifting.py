@@ -108,7 +108,6 @@ def join(
     points: Points, temperature: np.ndarray, first_guess: np.ndarray, vertical: bool, temper: float = 1.0
 ) -> Shifts:
     """The most probable shifts and spectrum of isotherms at ascending temperatures [K]; `temper` as for `infer`."""
-    count = temperature.size
     anchor = _anchor(points, first_guess)
     guess = first_guess - first_guess[anchor]
     reduced = points.log_rate + LN10 * (guess[points.isotherm] + points.offset)
