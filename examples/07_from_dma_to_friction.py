@@ -37,9 +37,8 @@ def main(out: Path) -> None:
     )
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.4, 4.4))
-    figure.subplots_adjust(left=0.08, right=0.97, bottom=0.13, top=0.88, wspace=0.45)
+    figure.subplots_adjust(left=0.08, right=0.97, bottom=0.13, top=0.86, wspace=0.45)
     fit.prony.plot(left)
-    left.set_title("Isotherms shifted to 20 °C, Prony series and band", fontsize=10, loc="left")
     right.semilogx(velocity, true.mu, color="#222222", label="sample")
     right.semilogx(velocity, fitted.mu, "--", color="#b03a2e", label="material fitted to its DMA")
     right.set(xlabel="Sliding velocity $v$ [m/s]", ylabel="Friction coefficient [-]", ylim=(0, None))

@@ -148,9 +148,8 @@ def material(
 
     `law` is "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
     within 0.1 decades rms of the shift factors or within what they are known to, a table otherwise. A material has
-    no vertical
-    shift: `as_used` says what that costs against the data as measured. Other arguments as for `master_curve` and
-    `prony`; `citation` is the source of the data. Raises `InputError` as they do.
+    no vertical shift: `as_used` says what that costs against the data as measured. Other arguments as for
+    `master_curve` and `prony`; `citation` is the source of the data. Raises `InputError` as they do.
     """
     if law not in LAWS:
         raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}.")

@@ -145,7 +145,12 @@ def draw_friction_master(master: "FrictionMaster", ax: Any = None) -> Any:
     for i, kelvin in enumerate(levels):
         at = master.number == i
         ax.semilogx(
-            master.velocity[at], master.mu[at], "o", color=colours[i], markersize=4, label=f"{kelvin - 273.15:.4g} °C"
+            master.velocity[at],
+            master.mu[at],
+            "o",
+            color=colours[i],
+            markersize=4,
+            label=f"{round(kelvin - 273.15, 1):g} °C",
         )
     v = np.geomspace(master.velocity.min(), master.velocity.max(), 300)
     value, low, high = master.curve(v)
@@ -201,7 +206,7 @@ def _legend(ax: Any, master: "MasterCurve | None") -> None:
     shown = np.unique(np.linspace(0, count - 1, min(count, 10)).round().astype(int))
     colours = _scale(count)
     handles = [ax.plot([], [], "o", color=colours[i], markersize=4)[0] for i in shown]
-    labels = [f"{master.temperature[i] - 273.15:.4g} °C" for i in shown]
+    labels = [f"{round(master.temperature[i] - 273.15, 1):g} °C" for i in shown]
     ax.legend(handles, labels, frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
@@ -219,7 +224,7 @@ def _axes() -> Any:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.4, 4.6))  # with fixed margins: looking for the best ones takes longer than the fit
-    figure.subplots_adjust(left=0.11, right=0.84, bottom=0.12, top=0.88)
+    figure.subplots_adjust(left=0.13, right=0.84, bottom=0.12, top=0.88)
     return figure.add_subplot()
 
 
