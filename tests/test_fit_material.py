@@ -99,10 +99,10 @@ def test_vertical_shifts_that_a_material_cannot_have_are_said():
 def test_command_line(tmp_path, monkeypatch, capsys):
     two_rows(tmp_path, ROWS)
     monkeypatch.chdir(tmp_path)
-    assert main(["fit", "two.csv", "--reference", "20degC", "--out", "new/folder", "--name", "fitted"]) == 0
+    assert main(["fit", "two.csv", "--reference", "-5degC", "--out", "new/folder", "--name", "fitted"]) == 0
     out, err = capsys.readouterr()
     assert err == ""
-    for said in ("log10 a_T", "WLF", "residuals", "20 degC", "wrote 11 files", "fitted.toml"):
+    for said in ("log10 a_T", "WLF", "residuals", "-5 degC", "wrote 11 files", "fitted.toml"):
         assert said in out
     assert check_material(tmp_path / "new" / "folder" / "fitted.toml") == []
     scene = (
@@ -129,6 +129,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
         (["notemperature.csv"], "--temperature 20degC"),
         (["short.csv"], "five points"),
         (["two.csv", "tensile.csv"], "one kind"),
+        (["one.csv"], "range of frequencies"),
     ],
 )
 def test_bad_input_is_one_line_and_no_file(arguments, said, tmp_path, monkeypatch, capsys):
@@ -138,6 +139,7 @@ def test_bad_input_is_one_line_and_no_file(arguments, said, tmp_path, monkeypatc
     (tmp_path / "notemperature.csv").write_text(
         "f [Hz],G' [Pa],G'' [Pa]\n" + "\n".join(f"{f},2e6,1e5" for f in range(1, 9))
     )
+    (tmp_path / "one.csv").write_text("f [Hz],T [K],G' [Pa],G'' [Pa]\n" + 9 * "10,293,2e6,1e5\n")
     (tmp_path / "short.csv").write_text("f [Hz],T [degC],G' [Pa],G'' [Pa]\n1,20,2e6,1e5\n")
     (tmp_path / "tensile.csv").write_text("f [Hz],T [degC],E' [Pa],E'' [Pa]\n1,20,2e6,1e5\n2,20,2e6,1e5\n")
     before = sorted(path.name for path in tmp_path.rglob("*"))

@@ -118,6 +118,7 @@ def test_refusals():
     storage, loss = moduli(SOLID)
     for call, said in (
         (lambda: em.fit.prony(OMEGA, storage), "loss is missing"),
+        (lambda: em.fit.prony([1.0, 1.0], [1e6, 1e6], [1e5, 1e5]), "range of frequencies"),
         (lambda: em.fit.prony(), "two points at least"),
         (lambda: em.fit.prony(OMEGA[:5], storage, loss), "as many entries as omega"),
         (lambda: em.fit.prony(OMEGA, storage, -loss), "loss must be positive"),

@@ -14,6 +14,7 @@ from .units import TEMPERATURE, quantity
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """The options of this verb."""
+    command._negative_number_matcher = re.compile(r"-\.?\d")  # "-20degC" is a temperature, not an option
     add = command.add_argument
     add("data", metavar="DMA", nargs="+", help="measured isotherms; several files of one material are joined")
     add(

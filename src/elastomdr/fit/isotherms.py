@@ -32,6 +32,12 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
         )
     if every.size < 5:
         raise InputError(f"dma must have five points at least, got {every.size}.")
+    rates = np.concatenate([dma.frequency, 1 / dma.time])
+    if rates.max() < 1.5 * rates.min():
+        raise InputError(
+            f"dma must span a range of frequencies (or times), got {rates.min():.4g} to {rates.max():.4g} rad/s only: "
+            "a sweep of strain or temperature at one frequency has no master curve."
+        )
     number, mean = group(every, tolerance)
     n = dma.frequency.size
     frequency, time = number[:n], number[n:]

@@ -180,6 +180,8 @@ def prony(
         np.zeros(2 * n + time.size, dtype=int),
         np.zeros(2 * n + time.size),
     )
+    if np.ptp(points.log_rate) < np.log(1.5):
+        raise InputError(f"omega must span a range of frequencies, got {omega.size} points within a factor of 1.5.")
     _check_terms(terms, points)
     if equilibrium not in (None, True, False):
         raise InputError(f"equilibrium must be True, False or None (the data decide), got {equilibrium!r}.")
