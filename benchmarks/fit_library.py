@@ -9,19 +9,19 @@ DATA_DIR holds one folder per data set, as their authors publish them (the data 
     psa-468mp/frequency_sweep_tts.txt       github.com/3mcloud/hermes-rheo
     pv-encapsulant/freq_user_master*.csv    github.com/NREL/pyvisco
 
-Isotherms are shifted along the frequency axis only, as the material model does: by a published law or table, or by the
-WLF constants that leave the smallest residuals. Moduli are the non-negative least-squares solution for the relative
+EPDM and adhesive are fitted by `em.fit.material`. The melt and the encapsulant are shifted along the frequency axis
+only, by a published law or table. Moduli are the non-negative least-squares solution for the relative
 deviations of storage and loss modulus; relaxation times are log-spaced and reach half a decade beyond the data.
 """
 
 import argparse
-import csv
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize, nnls
+from scipy.optimize import nnls
 
 import elastomdr as em
 
@@ -36,30 +36,12 @@ class DataSet:
     note: str
     data: np.ndarray  # columns: angular frequency [rad/s], temperature [K], storage modulus [Pa], loss modulus [Pa]
     shift: Any  # WLF or ShiftTable
-    shift_source: dict[str, str] | None = None  # None: the constants are fitted, from those of `shift`
-    shift_note: str = "Fitted together with the moduli."
+    shift_source: dict[str, str]
     liquid: bool = False  # no equilibrium modulus
     per_decade: float = 1.0  # relaxation times per decade
     kind: str = "shear"
     poisson: float = 0.5
     poisson_source: str = "Assumed incompressible; not measured"
-
-
-def epdm(data: Path) -> DataSet:
-    with open(data / "epdm-70" / "tf_015p.csv", newline="", encoding="utf-8") as file:
-        keys = ("freq_hz", "temperature_C", "G_storage_pa", "G_loss_pa")
-        table = np.array([[float(row[key]) for key in keys] for row in csv.DictReader(file)])
-    return DataSet(
-        "epdm-70",
-        "EPDM, 70 Shore A, filled; dynamic moduli in shear at 0.15 % strain",
-        "Shear DMA at 0.15 % strain, run tf_015p, github.com/MarcusNi96/dma-prony-validation (GPL-3.0)",
-        "Filled: moduli fall with strain amplitude, and these hold near 0.15 %. The data's temperatures were corrected "
-        "by their authors with an empirical rule.",
-        table * [2 * np.pi, 1, 1, 1] + KELVIN,
-        em.WLF(3.0, 83.0, 298.15),
-        shift_note="Uncertain: published methods find log10 a_T at -10 degC of these data anywhere from 0.4 to 3.5. "
-        "Constants c1 = 3.0 and c2 = 83 K leave residuals of 0.065 and 0.068.",
-    )
 
 
 def polyisoprene(data: Path) -> DataSet:
@@ -81,24 +63,24 @@ def polyisoprene(data: Path) -> DataSet:
     )
 
 
-def adhesive(data: Path) -> DataSet:
-    rows = []
-    text = (data / "psa-468mp" / "frequency_sweep_tts.txt").read_text(encoding="utf-8-sig")
-    for step in text.split("[Step]")[1:]:
-        lines = [line.split("\t") for line in step.splitlines()]
-        names, units = (next(line for line in lines if line[0] == word) for word in ("Variables", "Units"))
-        columns = [names.index(k) for k in ("Angular frequency", "Temperature", "Storage modulus", "Loss modulus")]
-        factors = [{"rad/s": 1.0, "°C": 1.0, "kPa": 1e3, "MPa": 1e6}[units[column]] for column in columns]
-        points = [line for line in lines if line[0].startswith("Data point")]
-        rows += [[float(line[c]) * factor for c, factor in zip(columns, factors, strict=True)] for line in points]
-    rows = [row for row in rows if min(row[2:]) > 0]
-    return DataSet(
-        "psa-468mp",
-        "3M 468MP, acrylic pressure-sensitive adhesive",
-        "TRIOS export of 3M 468MP distributed with hermes-rheo, github.com/3mcloud/hermes-rheo (MIT)",
-        "Left out: one point at -40 degC and 20 Hz whose loss modulus is negative.",
-        np.array(rows) + KELVIN,
-        em.WLF(8.48, 139.2, 303.15),
+def epdm(data: Path) -> em.fit.MaterialFit:
+    return em.fit.material(
+        em.fit.read_dma(data / "epdm-70" / "tf_015p.csv"),
+        298.15,
+        name="epdm-70",
+        description="EPDM, 70 Shore A, filled; dynamic moduli in shear at 0.15 % strain",
+        citation="Shear DMA at 0.15 % strain, run tf_015p, github.com/MarcusNi96/dma-prony-validation (GPL-3.0), whose "
+        "authors corrected temperatures with an empirical rule; filled: moduli fall with strain amplitude",
+    )
+
+
+def adhesive(data: Path) -> em.fit.MaterialFit:
+    return em.fit.material(
+        em.fit.read_dma(data / "psa-468mp" / "frequency_sweep_tts.txt"),
+        303.15,
+        name="psa-468mp",
+        description="3M 468MP, acrylic pressure-sensitive adhesive",
+        citation="TRIOS export of 3M 468MP distributed with hermes-rheo, github.com/3mcloud/hermes-rheo (MIT)",
     )
 
 
@@ -137,21 +119,6 @@ def fit_prony(case: DataSet, log10_a: np.ndarray) -> tuple[float, np.ndarray, np
     return solution[-1], solution[:-1][kept], times[kept], misfit / len(omega) ** 0.5
 
 
-def fit_wlf(case: DataSet) -> em.WLF:
-    """The WLF constants, to four digits, with which the Prony series comes closest to the data."""
-    temperature, reference = case.data[:, 1], float(case.shift.reference)
-
-    def misfit(logarithms: np.ndarray) -> float:
-        c1, c2 = np.exp(logarithms)
-        if reference - c2 > temperature.min() - 1:  # the law's pole must stay below the data
-            return 1e3
-        return fit_prony(case, -c1 * (temperature - reference) / (c2 + temperature - reference))[-1]
-
-    options = {"xatol": 1e-5, "fatol": 1e-9}
-    best = minimize(misfit, np.log([case.shift.c1, case.shift.c2]), method="Nelder-Mead", options=options)
-    return em.WLF(*rounded(np.exp(best.x), 4), reference)
-
-
 def rounded(values: Any, digits: int) -> Any:
     """Values to significant digits, as floats."""
     return [rounded(value, digits) for value in values] if np.ndim(values) else float(f"{values:.{digits - 1}e}")
@@ -159,7 +126,7 @@ def rounded(values: Any, digits: int) -> Any:
 
 def build(case: DataSet, out: Path) -> str:
     """Fits one material, writes its file and says how well it fits; the residuals are those of the rounded numbers."""
-    shift = case.shift if case.shift_source else fit_wlf(case)
+    shift = case.shift
     omega, temperature, storage, loss = case.data.T
     log10_a = np.asarray(shift.log10_a(temperature))
     reduced = omega * 10**log10_a
@@ -177,7 +144,7 @@ def build(case: DataSet, out: Path) -> str:
         "source": {
             "moduli": fitted_here
             | {"note": case.note, "storage_residual": residuals[0], "loss_residual": residuals[1]},
-            "shift": case.shift_source or fitted_here | {"note": case.shift_note},
+            "shift": case.shift_source,
             "poisson": {"citation": case.poisson_source, "grade": "illustrative"},
             "range": {"citation": f"Span of the data: {case.citation}", "grade": "measured"},
         },
@@ -191,8 +158,14 @@ def main() -> None:
     parser.add_argument("data", type=Path, metavar="DATA_DIR")
     parser.add_argument("--out", type=Path, default=Path(__file__).parents[1] / "materials", metavar="DIRECTORY")
     arguments = parser.parse_args()
-    for read in (epdm, polyisoprene, adhesive, encapsulant):
+    for read in (polyisoprene, encapsulant):
         print(build(read(arguments.data), arguments.out))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", em.fit.FitWarning)  # they go into the file
+        for fit in (epdm(arguments.data), adhesive(arguments.data)):
+            em.save_material(fit.material, arguments.out / f"{fit.material.name}.toml", info=fit.info())
+            off = fit.prony.storage_residual, fit.prony.loss_residual
+            print(f"{fit.material.name}: {fit.prony.terms} branches, rms residuals {off[0]:.2g} and {off[1]:.2g}")
 
 
 if __name__ == "__main__":

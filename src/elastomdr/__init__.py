@@ -23,12 +23,15 @@ _HOMES = {
     "scenes.plan": ("plan",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
 }
+_PACKAGES = ("fit",)
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
 
-__all__ = ["__version__", *sorted(_MODULE_OF)]
+__all__ = ["__version__", *sorted([*_MODULE_OF, *_PACKAGES])]
 
 
 def __getattr__(name: str) -> Any:
+    if name in _PACKAGES:
+        return importlib.import_module(f".{name}", __name__)
     if name not in _MODULE_OF:
         raise AttributeError(f"module 'elastomdr' has no attribute {name!r}")
     value = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)

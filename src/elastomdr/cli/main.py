@@ -55,6 +55,9 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--quantity", choices=("friction", "rolling"), default="friction", help="what to plan for (default: friction)"
     )
+    words = "measured isotherms (DMA) to a material file, with cards, tables and figures"
+    command = verbs.add_parser("fit", help=words, description=f"From {words}.")
+    importlib.import_module(".fit", __package__).add_arguments(command)
     words = "the library of materials, or the numbers and sources of one of them"
     command = verbs.add_parser("materials", help=words, description=f"Prints {words}.")
     command.add_argument("name", metavar="NAME", nargs="?", help="a name in the library, or a material file")

@@ -1,0 +1,163 @@
+"""Do stated 95 % intervals hold the truth? 300 synthetic laboratories, each with a material of its own.
+
+    python benchmarks/fit_coverage.py [--sets 300] [--seed 1]
+
+Every set has a spectrum drawn at random (a solid or a liquid; discrete branches or a broad continuous one), a WLF law,
+isotherms that overlap raggedly, noise from 0.5 to 5 % of both moduli, with the vertical shift of entropy elasticity, a
+random one of some percent per isotherm, or none. Counted is how often the intervals that `master_curve` states hold the
+true log10 a_T of each isotherm, and the true storage and loss modulus at frequencies over the whole reduced window.
+"""
+
+import argparse
+
+import numpy as np
+from common import heading, one_core, plt, save, table, timed, verdict
+
+import elastomdr as em
+
+REFERENCE = 293.15
+
+
+class Laboratory:
+    """One material and one set of measurements of it."""
+
+    def __init__(self, seed: int):
+        self.rng = rng = np.random.default_rng(seed)
+        self.liquid = rng.random() < 0.3
+        self.broad = rng.random() < 0.5
+        c2 = rng.uniform(60.0, 200.0)
+        self.law = em.WLF(rng.uniform(3.0, 12.0), c2, REFERENCE)
+        coldest = REFERENCE - min(40.0, 0.55 * c2)
+        self.temperature = np.linspace(coldest, coldest + rng.uniform(50.0, 110.0), rng.integers(5, 12))
+        self.temperature[np.argmin(np.abs(self.temperature - REFERENCE))] = REFERENCE
+        self.log10_a = np.asarray(self.law.log10_a(self.temperature))
+        self.noise = 0.005 * 10 ** rng.uniform(0, 1)
+        self.shift = str(rng.choice(["none", "entropy", "random"]))
+        self.ln_b = {
+            "none": 0 * self.temperature,
+            "entropy": np.log(REFERENCE / self.temperature),
+            "random": rng.normal(0, 0.04, self.temperature.size),
+        }[self.shift]
+        self.ln_b = self.ln_b - self.ln_b[self.temperature == REFERENCE]
+        self.times, self.moduli, self.equilibrium = self._spectrum()
+        self.omega, self.storage, self.loss, self.at = self._measure()
+
+    def _spectrum(self):
+        rng = self.rng
+        low, high = -2.0 - self.log10_a.max() - 2, 2.0 - self.log10_a.min() + 1
+        if self.liquid:
+            high = rng.uniform(-1.0, 1.0)  # terminal zone inside the window
+        per_decade = 8 if self.broad else rng.uniform(1.0, 1.6)
+        log_times = np.linspace(low, high, max(4, int((high - low) * per_decade)))
+        level = 5.3 - rng.uniform(0.2, 0.55) * (log_times - log_times[-1])
+        level += rng.uniform(0.2, 0.6) * np.sin(rng.uniform(0.4, 0.9) * log_times + rng.uniform(0, 6))
+        if not self.broad:
+            level += rng.normal(0, 0.15, log_times.size)
+        if not self.liquid:
+            level -= 3 / (1 + np.exp(-3 * (log_times - log_times[-1] + 1.5)))
+        moduli = 10**level / per_decade
+        return 10**log_times, moduli, 0.0 if self.liquid else 0.6 * moduli.max() ** 0.5 * moduli[-1] ** 0.5
+
+    def moduli_at(self, omega):
+        x = omega[:, None] * self.times
+        return (
+            self.equilibrium + (self.moduli * x**2 / (1 + x**2)).sum(1),
+            (self.moduli * x / (1 + x**2)).sum(1),
+        )
+
+    def _measure(self):
+        rng, rows = self.rng, []
+        for i, temperature in enumerate(self.temperature):
+            start, stop = rng.uniform(-1.2, -0.6), rng.uniform(0.9, 1.7)
+            omega = 2 * np.pi * np.logspace(start, stop, rng.integers(9, 19))
+            g1, g2 = self.moduli_at(omega * 10 ** self.log10_a[i])
+            g1, g2 = (g * np.exp(-self.ln_b[i]) * (1 + self.noise * rng.normal(size=omega.size)) for g in (g1, g2))
+            rows.append(np.column_stack([omega, g1, g2, np.full(omega.size, temperature)]))
+        return np.concatenate(rows).T
+
+
+def trial(seed: int):
+    """Per set: hits of log10 a_T, storage and loss, the errors of log10 a_T, and what the set was."""
+    lab = Laboratory(seed)
+    dma = em.fit.dma(lab.omega, lab.storage, lab.loss, lab.at, kind="shear")
+    timing = timed(lambda: em.fit.master_curve(dma, REFERENCE))
+    master = timing.value
+    away = np.abs(master.temperature - REFERENCE) > 1e-6
+    low, high = master.log10_a_interval.T
+    hit_a = (low <= lab.log10_a) & (lab.log10_a <= high)
+    omega = np.geomspace(*master.window, 60)
+    band, (g1, g2) = master.band(omega), lab.moduli_at(omega)
+    return {
+        "a": hit_a[away],
+        "storage": (band.storage_low <= g1) & (g1 <= band.storage_high),
+        "loss": (band.loss_low <= g2) & (g2 <= band.loss_high),
+        "error": (master.log10_a - lab.log10_a)[away],
+        "score": (master.log10_a - lab.log10_a)[away] / master.log10_a_std[away],
+        "relative": np.concatenate([band.storage / g1 - 1, band.loss / g2 - 1]),
+        "seconds": timing.cpu,
+        "points": lab.omega.size,
+        "lab": lab,
+        "master": master,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sets", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    one_core()
+    record = heading("Coverage of stated 95 % intervals", f"{arguments.sets} sets, seed {arguments.seed}")
+    trials = [trial(1000 * arguments.seed + i) for i in range(arguments.sets)]
+    groups = {
+        "all": lambda lab: True,
+        **{
+            f"vertical shift: {name}": lambda lab, name=name: lab.shift == name
+            for name in ("none", "entropy", "random")
+        },
+        "noise below 1.6 %": lambda lab: lab.noise < 0.016,
+        "noise above 1.6 %": lambda lab: lab.noise >= 0.016,
+        "solids": lambda lab: not lab.liquid,
+        "liquids": lambda lab: lab.liquid,
+        "discrete branches": lambda lab: not lab.broad,
+        "continuous spectra": lambda lab: lab.broad,
+    }
+    rows = []
+    for name, belongs in groups.items():
+        chosen = [t for t in trials if belongs(t["lab"])]
+        if not chosen:
+            continue
+        hits = [100 * np.concatenate([t[key] for t in chosen]).mean() for key in ("a", "storage", "loss")]
+        off = np.median(np.abs(np.concatenate([t["error"] for t in chosen])))
+        curve = np.median(np.abs(np.concatenate([t["relative"] for t in chosen])))
+        rows.append((name, len(chosen), *hits, off, 100 * curve))
+    columns = (
+        "sets",
+        "count",
+        "log10 a_T [%]",
+        "storage [%]",
+        "loss [%]",
+        "median error of log10 a_T",
+        "median error of moduli [%]",
+    )
+    record["coverage"] = table(columns, rows)
+    seconds = np.array([t["seconds"] for t in trials])
+    print(f"\n  fit: median {np.median(seconds):.2f} s, longest {seconds.max():.2f} s of one core")
+    record["verdicts"] = [
+        verdict(f"{name} held, {side}", rows[0][2 + i], bound, " %", least=side == "at least")
+        for i, name in enumerate(("log10 a_T", "storage modulus", "loss modulus"))
+        for side, bound in (("at least", 90.0), ("at most", 99.0))
+    ]
+    figure, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+    scores = np.concatenate([t["score"] for t in trials])
+    ax.hist(scores.clip(-5, 5), bins=60, density=True, color="#9db8d2", label="log10 a_T, measured")
+    x = np.linspace(-5, 5, 200)
+    ax.plot(x, np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi), color="#1f5a94", label="standard normal")
+    ax.set(xlabel="Error over stated standard deviation [-]", ylabel="Density [-]")
+    ax.set_title(f"{arguments.sets} synthetic sets: 95 % intervals hold {rows[0][2]:.1f} % of log10 a_T", fontsize=10)
+    ax.legend(frameon=False)
+    save("fit_coverage", record, figure)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,30 @@
+"""From the laboratory to a material: reading DMA, master curves, Prony series, measured friction, calibration."""
+
+import importlib
+from typing import Any
+
+_HOMES = {
+    "data": ("Dma", "FitWarning", "dma", "relaxation", "join"),
+    "read": ("read_dma",),
+    "master": ("MasterCurve", "master_curve"),
+    "series": ("PronyFit", "prony"),
+    "pipeline": ("MaterialFit", "material"),
+    "cards": ("abaqus_card", "ansys_card", "plain_card"),
+    "grosch": ("FrictionMaster", "friction_master"),
+    "calibration": ("Calibration", "calibrate"),
+}
+_MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
+
+__all__ = sorted(_MODULE_OF)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module 'elastomdr.fit' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

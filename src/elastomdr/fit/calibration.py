@@ -1,0 +1,235 @@
+"""Chosen parameters of a material adjusted to measured friction or rolling resistance, by gradient through the
+contact.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.optimize import least_squares
+
+from .._runtime import as_float64, positive, require
+from ..errors import InputError, closest
+from ..material.prony import Prony
+from ..material.shift import WLF
+
+MEANINGS = {
+    "modulus": "log10 of a factor on all moduli",
+    "equilibrium": "log10 of a factor on the equilibrium modulus",
+    "slope": "exponent s of a factor (tau/tau_middle)^s on the moduli of the spectrum",
+    "cutoff": "log10 of a time tau_c [s]; moduli of branches are divided by 1 + (tau_c/tau)^2",
+    "time": "log10 of a factor on all relaxation times",
+    "c1": "log10 of a factor on the WLF constant c1",
+    "c2": "log10 of a factor on the WLF constant c2",
+    "offset": "a constant added to the computed coefficient, such as adhesion",
+    "gain": "log10 of a factor on the computed coefficient",
+}
+_WIDTH = 1.0  # standard deviation of the prior of a parameter, about its start, where none is given
+_UNLEARNED = 0.7  # posterior over prior standard deviation above which the data say little
+_TWO_SIGMA = 1.96
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """A calibrated material, the parameters that make it, and how well they are known."""
+
+    material: Prony
+    parameters: dict[str, float]
+    std: dict[str, float]  # standard deviation of each parameter, prior included
+    covariance: Float[np.ndarray, "p p"]  # in the order of `parameters`
+    measured: Float[np.ndarray, "..."]
+    computed: Float[np.ndarray, "..."]  # by the calibrated material; NaN where the contact did not converge
+    residuals: Float[np.ndarray, "..."]  # measured minus computed
+    used: Bool[np.ndarray, "..."]  # False where the contact did not converge: such a point counts for nothing
+    error: float  # standard deviation of the measurement, given or estimated
+    evaluations: int
+    warnings: tuple[str, ...]
+    converged: bool
+
+    def findings(self) -> Iterator[tuple[str, str]]:
+        """What a person needs to judge the calibration, as pairs of a name and a text."""
+        for name, value in self.parameters.items():
+            yield name, f"{value:.4g} +- {_TWO_SIGMA * self.std[name]:.2g}   {MEANINGS.get(name, 'your own')}"
+        rms = float(np.sqrt(np.mean(self.residuals[self.used] ** 2)))
+        yield "residuals", f"{rms:.3g} rms, error of a measurement {self.error:.3g}, {self.evaluations} evaluations"
+        for text in self.warnings:
+            yield "warning", text
+
+    def summary(self) -> str:
+        """Parameters with 95 % intervals, residuals and warnings in a few lines."""
+        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
+
+    def __repr__(self) -> str:
+        return f"Calibration\n{self.summary()}"
+
+
+def calibrate(
+    material: Prony,
+    shape: Any,
+    *,
+    velocity: Any,
+    measured: Any,
+    parameters: Sequence[str] | Mapping[str, float],
+    quantity: str = "friction",
+    error: Any = None,
+    widths: Mapping[str, float] | None = None,
+    change: Callable[[Prony, Any, dict[str, Any]], tuple[Prony, Any]] | None = None,
+    **scene: Any,
+) -> Calibration:
+    """The parameters with which computed friction (or `quantity="rolling"` resistance) comes closest to `measured`.
+
+    `parameters` are names from `elastomdr.fit.calibration.MEANINGS`, or a dict of names and starting values (0 where
+    none is given; the cutoff starts at the shortest relaxation time). Other names are yours if
+    `change(material, shape, values)` returns the material and the shape that they make. `scene` holds the other
+    arguments of `em.friction`: load, temperature, average, rtol. `error` is the standard deviation of a measurement,
+    one number or one per point; estimated from the residuals where it is not given. Each parameter has a Gaussian prior
+    about its start, of standard deviation 1 or as in `widths`: one that ends as uncertain as it began was not in the
+    data, and a warning says so. Jacobians are exact (`jax.jacfwd` through the contact solution). Raises `InputError`
+    for unknown names, measurements that do not match, or a start where the contact has no answer.
+    """
+    if not isinstance(material, Prony):
+        raise InputError(f"material must be a Prony, got {type(material).__name__}.")
+    if quantity not in ("friction", "rolling"):
+        raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
+    start = _start(material, parameters, change is not None)
+    names = list(start)
+    spread = np.array([float((widths or {}).get(name, _WIDTH)) for name in names])
+    positive("widths", spread)
+    data = as_float64("measured", measured)
+    require("measured", data, "finite", np.isfinite)
+    if data.size < len(names):
+        raise InputError(f"measured must have as many points as there are parameters, {len(names)}, got {data.size}.")
+    given = None if error is None else np.broadcast_to(as_float64("error", error), data.shape)
+    if given is not None:
+        positive("error", given)
+    compute = _computer(material, shape, quantity, names, change, dict(scene, velocity=velocity))
+    with jax.enable_x64(True):
+        value, jacobian = jax.jit(compute), jax.jit(jax.jacfwd(compute))
+        begin = np.array([start[name] for name in names])
+        first = np.asarray(value(begin))
+        if first.shape != data.shape:
+            raise InputError(f"measured must have the shape of what is computed, {first.shape}, got {data.shape}.")
+        used = np.isfinite(first)
+        if used.sum() < len(names):
+            raise InputError(
+                f"parameters must start where the contact has an answer, got NaN at {int((~used).sum())} points."
+            )
+        sigma = given if given is not None else np.full(data.shape, 0.05 * max(float(np.abs(data).max()), 1e-12))
+        answer, calls = None, 0
+        for _ in range(1 if given is not None else 3):
+            answer = _search(value, jacobian, begin, spread, data, used, sigma)
+            calls += int(answer.nfev)
+            used = used & np.isfinite(np.asarray(value(answer.x)))
+            if given is None:
+                left = (data - np.asarray(value(answer.x)))[used]
+                sigma = np.full(data.shape, max(np.sqrt((left**2).sum() / max(left.size - len(names), 1)), 1e-9))
+        assert answer is not None
+        computed = np.asarray(value(answer.x))
+        matrix = np.asarray(jacobian(answer.x))[used] / sigma[used][:, None]
+        covariance = np.linalg.inv(matrix.T @ matrix + np.diag(spread**-2.0))
+        values = dict(zip(names, answer.x.tolist(), strict=True))
+        changed, _ = _changed(material, shape, values, change)
+    std = np.sqrt(np.diag(covariance))
+    concrete = jax.tree.map(lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, changed)
+    return Calibration(
+        material=concrete,
+        parameters=values,
+        std=dict(zip(names, std.tolist(), strict=True)),
+        covariance=covariance,
+        measured=data,
+        computed=computed,
+        residuals=data - computed,
+        used=used,
+        error=float(np.sqrt(np.mean(sigma**2))),
+        evaluations=calls,
+        warnings=tuple(_judge(names, std, spread, covariance, used, answer.success)),
+        converged=bool(answer.success),
+    )
+
+
+def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
+    if isinstance(parameters, str) or not isinstance(parameters, (Sequence, Mapping)) or not parameters:
+        raise InputError(f"parameters must be names, or a dict of names and starts, got {parameters!r}.")
+    start: dict[str, float] = {}
+    for name in parameters:
+        if name not in MEANINGS and not own:
+            hint = closest(str(name), MEANINGS)
+            raise InputError(f"parameters must be among {', '.join(MEANINGS)}, got {name!r}.{hint}")
+        value = parameters[name] if isinstance(parameters, Mapping) else 0.0
+        if name == "cutoff" and not isinstance(parameters, Mapping):
+            value = float(np.log10(material.times[0])) if material.times.size else 0.0
+        start[name] = float(as_float64(f"parameters[{name!r}]", value))
+    if {"c1", "c2"} & start.keys() and not isinstance(material.shift, WLF):
+        raise InputError(f"parameters c1 and c2 need a material with a WLF law, got {material.shift!r}.")
+    return start
+
+
+def _changed(material: Prony, shape: Any, values: dict[str, Any], change: Any) -> tuple[Prony, Any]:
+    """The material (and shape) with parameters applied; differentiable."""
+    if change is not None:
+        material, shape = change(material, shape, values)
+    times, moduli = jnp.asarray(material.times), jnp.asarray(material.moduli)
+    equilibrium = jnp.asarray(material.equilibrium)
+    if "slope" in values and times.size:
+        middle = jnp.exp(jnp.mean(jnp.log(times)))
+        moduli = moduli * (times / middle) ** values["slope"]
+    if "cutoff" in values:
+        moduli = moduli / (1 + (10.0 ** values["cutoff"] / times) ** 2)
+    equilibrium = equilibrium * 10.0 ** (values.get("equilibrium", 0.0) + values.get("modulus", 0.0))
+    moduli, times = moduli * 10.0 ** values.get("modulus", 0.0), times * 10.0 ** values.get("time", 0.0)
+    material = eqx.tree_at(lambda m: (m.equilibrium, m.moduli, m.times), material, (equilibrium, moduli, times))
+    if {"c1", "c2"} & values.keys():
+        law = material.shift
+        factors = (10.0 ** values.get("c1", 0.0), 10.0 ** values.get("c2", 0.0))
+        law = eqx.tree_at(lambda s: (s.c1, s.c2), law, (law.c1 * factors[0], law.c2 * factors[1]))
+        material = eqx.tree_at(lambda m: m.shift, material, law)
+    return material, shape
+
+
+def _computer(material: Prony, shape: Any, quantity: str, names: list[str], change: Any, scene: dict[str, Any]) -> Any:
+    if quantity == "friction":
+        from ..scenes.friction import friction as call
+    else:
+        from ..scenes.rolling import rolling as call
+
+    def compute(p: Any) -> Any:
+        values = dict(zip(names, p, strict=True))
+        curve = call(*_changed(material, shape, values, change), **scene)
+        result = curve.mu if quantity == "friction" else curve.coefficient
+        return result * 10.0 ** values.get("gain", 0.0) + values.get("offset", 0.0)
+
+    return compute
+
+
+def _search(value: Any, jacobian: Any, begin: Any, spread: Any, data: Any, used: Any, sigma: Any) -> Any:
+    """Least squares with the prior as further residuals; a point that fails on the way repels the search."""
+
+    def residuals(p: np.ndarray) -> np.ndarray:
+        left = (data - np.asarray(value(p)))[used] / sigma[used]
+        return np.concatenate([np.where(np.isfinite(left), left, 1e3), (begin - p) / spread])
+
+    def derivative(p: np.ndarray) -> np.ndarray:
+        matrix = -np.asarray(jacobian(p))[used] / sigma[used][:, None]
+        return np.concatenate([np.where(np.isfinite(matrix), matrix, 0.0), -np.diag(1 / spread)])
+
+    return least_squares(residuals, begin, jac=derivative, method="trf", xtol=1e-8, ftol=1e-8, max_nfev=60)
+
+
+def _judge(names: list[str], std: Any, spread: Any, covariance: Any, used: Any, success: bool) -> Iterator[str]:
+    if not success:
+        yield "The search did not converge."
+    if not used.all():
+        yield f"{int((~used).sum())} of {used.size} points have no computed answer and count for nothing."
+    for i, name in enumerate(names):
+        if std[i] > _UNLEARNED * spread[i]:
+            yield f"{name} is hardly in the data: its uncertainty, {std[i]:.2g}, is that of the prior, {spread[i]:.2g}."
+    matrix = covariance / np.outer(std, std)
+    for i in range(len(names)):
+        for j in range(i):
+            if abs(matrix[i, j]) > 0.98:
+                yield f"{names[j]} and {names[i]} cannot be told apart (correlation {matrix[i, j]:.3f})."

@@ -1,0 +1,136 @@
+"""Files into rows of cells: text in several encodings and separators, spreadsheets."""
+
+import csv
+import io
+import os
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+from ..errors import InputError
+
+_MOST_BYTES = 200_000_000
+_LATIN = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7")  # what a Latin-1 file of measurements holds beyond ASCII
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
+_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
+
+
+class Row(NamedTuple):
+    """One line of a file or a sheet."""
+
+    line: int  # counted from 1
+    cells: list[str]
+
+
+class Sheet(NamedTuple):
+    """A file's rows; `text` is empty for spreadsheets."""
+
+    rows: list[Row]
+    text: str
+
+
+def read_cells(path: Path) -> Sheet:
+    """The rows of a text file or a spreadsheet. Raises `InputError`, with the file's name, where there are none."""
+    try:
+        if path.is_dir():
+            raise InputError(f"{path.name}: must be a file, got a folder; give the files in it.")
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError(f"{path.name}: must be a table of measurements, got {path.stat().st_size / 1e6:.0f} MB.")
+        raw = path.read_bytes()
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{path.name or path}: cannot be read ({getattr(error, 'strerror', None) or error})."
+        ) from error
+    if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
+        return Sheet(_spreadsheet(path), "")
+    text = decode(raw, path.name)
+    return Sheet(_split(text), text)
+
+
+def decode(raw: bytes, name: str) -> str:
+    """Text from UTF-8 or UTF-16 (with a mark, or UTF-8 without), Latin-1 or cp949, whichever its characters fit."""
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return raw.decode("utf-16", errors="replace")
+    if b"\0" in raw[:4096]:
+        raise InputError(f"{name}: must be a text file or a spreadsheet (.xls, .xlsx), got binary data.")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        pass
+    latin = raw.decode("latin-1")
+    if {character for character in latin if ord(character) > 127} <= _LATIN:
+        return latin
+    try:
+        return raw.decode("cp949")
+    except UnicodeDecodeError:
+        return latin
+
+
+def number(cell: str) -> float | None:
+    """The number in a cell, with a decimal point or comma, or None where it holds something else."""
+    text = cell.strip().strip('"')
+    if _COMMA.fullmatch(text):
+        text = text.replace(",", ".")
+    if not _NUMBER.fullmatch(text):
+        return None
+    return float(text.replace("d", "e").replace("D", "E"))
+
+
+def _split(text: str) -> list[Row]:
+    lines = text.splitlines()
+    separator = _separator(lines)
+    if separator == " ":
+        return [Row(i, line.split()) for i, line in enumerate(lines, start=1)]
+    rows = []
+    for i, line in enumerate(lines, start=1):
+        if separator == "," and '"' in line and not re.search(r"[GE]\"", line):
+            cells = next(csv.reader(io.StringIO(line)), [])
+        else:
+            cells = line.split(separator)
+        # Some exports separate titles with tabs and numbers with blanks.
+        if separator == "\t" and len(cells) == 1 and len(line.split()) > 2 and number(line.split()[0]) is not None:
+            cells = line.split()
+        rows.append(Row(i, [cell.strip() for cell in cells]))
+    return rows
+
+
+def _separator(lines: list[str]) -> str:
+    """The separator that cuts most lines into several cells that are mostly numbers."""
+    sample = [line for line in lines if line.strip()][:400]
+    best, most = ",", 0.0
+    for separator in ("\t", ";", ",", "|", " "):
+        score = 0.0
+        for line in sample:
+            cells = line.split() if separator == " " else line.split(separator)
+            known = sum(number(cell) is not None for cell in cells)
+            score += known if len(cells) >= 2 and known >= 2 else 0
+        if score > 1.05 * most:
+            best, most = separator, score
+    return best
+
+
+def _spreadsheet(path: Path) -> list[Row]:
+    try:
+        from python_calamine import CalamineError, CalamineWorkbook
+    except ImportError as error:
+        raise InputError(
+            f"{path.name}: reading spreadsheets needs python-calamine: pip install elastomdr[excel]"
+        ) from error
+    try:
+        book = CalamineWorkbook.from_path(os.fspath(path))
+        sheets = [book.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in book.sheet_names]
+    except (CalamineError, OSError, ValueError) as error:
+        raise InputError(f"{path.name}: is not a spreadsheet that can be read ({error}).") from error
+    rows: list[Row] = []
+    for sheet in sheets:  # line numbers are those of the sheet
+        rows += [Row(i, [_text(cell) for cell in cells]) for i, cells in enumerate(sheet, start=1)]
+        rows.append(Row(0, []))
+    return rows
+
+
+def _text(cell: object) -> str:
+    if isinstance(cell, float):
+        return repr(cell)
+    return str(cell).strip()

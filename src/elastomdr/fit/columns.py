@@ -1,0 +1,175 @@
+"""What a column of a DMA file holds and in which unit, from its title and its unit's cell."""
+
+import math
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from ..errors import InputError
+
+_HZ = 2 * math.pi
+UNITS: dict[str, dict[str, float]] = {  # role -> unit -> factor to SI (rad/s, Pa, s, rad); K has an offset too
+    "frequency": {"hz": _HZ, "khz": 1e3 * _HZ, "mhz": 1e-3 * _HZ, "rad/s": 1.0, "krad/s": 1e3, "mrad/s": 1e-3},
+    "modulus": {
+        "pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": 1e9, "n/m2": 1.0, "n/mm2": 1e6, "psi": 6894.757293168,
+        "ksi": 6894757.293168, "bar": 1e5, "dyn/cm2": 0.1,
+    },
+    "temperature": {"degc": 1.0, "k": 1.0, "degf": 5 / 9},
+    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "angle": {"deg": math.pi / 180, "rad": 1.0},
+    "ratio": {"": 1.0},
+}  # fmt: skip
+_OFFSETS = {"degc": 273.15, "k": 0.0, "degf": 459.67 * 5 / 9}
+_SAME = {
+    "c": "degc", "°c": "degc", "℃": "degc", "oc": "degc", "ºc": "degc", "celsius": "degc", "deg c": "degc",
+    "kelvin": "k", "f": "degf", "°f": "degf", "℉": "degf", "rad/sec": "rad/s", "rads-1": "rad/s", "rad*s-1": "rad/s",
+    "rad·s-1": "rad/s", "rads^-1": "rad/s", "rad/s^1": "rad/s", "hertz": "hz", "sec": "s", "second": "s",
+    "seconds": "s", "minutes": "min", "hours": "h", "hr": "h", "°": "deg", "º": "deg",
+    "degree": "deg", "degrees": "deg",
+    "n/m^2": "n/m2", "n/mm^2": "n/mm2", "dyn/cm^2": "dyn/cm2", "dyne/cm2": "dyn/cm2", "dyne/cm^2": "dyn/cm2", "1": "",
+    "-": "", "[-]": "", "none": "",
+}  # fmt: skip
+
+_STORAGE = "storage modulus|storage|stor|s torage|speichermodul|저장탄성률|저장 탄성률|저장탄성계수"
+_LOSS = "loss modulus|loss|verlustmodul|손실탄성률|손실 탄성률|손실탄성계수"
+_SPELLED = {
+    "hz": "Hz", "khz": "kHz", "mhz": "mHz", "pa": "Pa", "kpa": "kPa", "mpa": "MPa", "gpa": "GPa",
+    "k": "K", "degc": "degC",
+    "degf": "degF", "n/m2": "N/m2", "n/mm2": "N/mm2",
+}  # fmt: skip
+_NAMES = {
+    "omega": r"w|ω|omega|angular frequency|ang\.? freq(uency)?|angular freq|kreisfrequenz|각주파수",
+    "frequency": r"f|freq|frequency|frequenz|주파수",
+    "temperature": r"temp\.?|temperature|temperatur|sample temp(erature)?|온도",
+    "time": r"time|zeit|시간",
+    "storage": rf"{_STORAGE}|[ge]'|[ge]_?(1|p|prime|stor|storage)|"
+    r"([ge]|shear|tensile|young'?s)[ _](stor|storage|storage modulus)",
+    "loss": rf"{_LOSS}|[ge]''|[ge]_?(2|pp|dprime|loss)|([ge]|shear|tensile|young'?s)[ _](loss|loss modulus)",
+    "absolute": r"\|[ge]\*\|?|[ge]\*|[ge]_?abs|complex modulus|komplexer modul",
+    "phase": r"phase ?angle|phase|delta|δ|phasenwinkel",
+    "tangent": r"tan_?\(?(d|delta|δ)\)?|tan ?(d|delta|δ)|tand|loss (tangent|factor)|verlustfaktor",
+    "relaxation": r"[ge]_?(relax|t)|[ge]\(t\)|relaxation modulus|relaxationsmodul|relax|relaxation|완화탄성률",
+    "torque": r"(oscillation )?torque|drehmoment",
+}
+_KIND = {"omega": "frequency", "storage": "modulus", "loss": "modulus", "absolute": "modulus", "relaxation": "modulus",
+         "phase": "angle", "tangent": "ratio"}  # fmt: skip
+_PATTERNS = {role: re.compile(pattern, re.IGNORECASE) for role, pattern in _NAMES.items()}
+
+
+class Column(NamedTuple):
+    """One column that is understood."""
+
+    place: int
+    role: str
+    title: str
+    unit: str  # "" where none was given
+    letter: str  # "G", "E" or "" where the title does not say which modulus it is
+
+
+def measure(role: str) -> str:
+    """The kind of quantity behind a role: frequency, modulus, temperature, time, angle or ratio."""
+    return _KIND.get(role, role)
+
+
+def known_unit(text: str) -> str:
+    """A unit in the spelling used here, or an empty string where it is none."""
+    word = re.sub(r"\s+", "", text.strip().strip("[]()").strip()).lower().replace("²", "2").replace("μ", "µ")
+    word = word.replace("⁻¹", "-1").replace("⋅", "·")
+    word = _SAME.get(word, word)
+    if text.strip().strip("[]()") in ("MHz",):
+        return ""  # mHz is meant by nobody who writes MHz, and 1e6 Hz by nobody who has a DMA
+    return word if any(word in units for units in UNITS.values()) else ""
+
+
+def is_unit_row(cells: Sequence[str]) -> bool:
+    """Whether a row gives units: some of its cells are, none is a number, few are anything else."""
+    words = [cell.strip() for cell in cells if cell.strip()]
+    units = [word for word in words if known_unit(word) or word in ("-", "[-]", "%", "N", "mm", "µm", "1/MPa")]
+    numbers = [word for word in words if re.fullmatch(r"[+-]?[\d.,]+([eE][+-]?\d+)?", word)]
+    return (len(units) >= 2 and not numbers) or (len(units) == 1 and len(words) == 1)
+
+
+def understand(titles: Sequence[str], units: Sequence[str]) -> list[Column]:
+    """The columns whose titles say what they hold; `units` from a row of its own go before those in the title."""
+    columns = []
+    for place, title in enumerate(titles):
+        name, unit = _split(title)
+        given = known_unit(units[place]) if place < len(units) else ""
+        role = _role(name)
+        if role is None and unit:  # the end of the title was no unit after all
+            role, unit, name = _role(_clean(title)), "", _clean(title)
+        if role is None:
+            continue
+        unit = given or unit
+        if unit and unit not in UNITS.get(measure(role), {unit: 1.0}):
+            if (measure(role) == "frequency" and unit == "") or role == "torque":
+                unit = ""
+            else:
+                continue  # such as a "Phase" in volts
+        letter = ""
+        if measure(role) == "modulus":
+            match = re.match(r"\|?([geGE])(?=[_'*12(ptPT ]|abs|stor|loss|relax|prime|dprime|pp?$)", name)
+            letter = match[1].upper() if match else ""
+            letter = (
+                "G" if re.match(r"shear", name, re.I) else "E" if re.match(r"tensile|young", name, re.I) else letter
+            )
+        columns.append(Column(place, role, title.strip(), unit, letter))
+    return columns
+
+
+def convert(values: list[float], role: str, unit: str) -> list[float]:
+    """Values in SI; the unit is one of `UNITS`."""
+    factor = UNITS[measure(role)][unit]
+    offset = _OFFSETS[unit] if role == "temperature" else 0.0
+    return [value * factor + offset for value in values]
+
+
+def spelled(unit: str) -> str:
+    """A unit as an engineer writes it."""
+    return _SPELLED.get(unit, unit)
+
+
+def checked_unit(name: str, text: str | None, kind: str) -> str | None:
+    """A user's unit in the spelling used here; raises `InputError` where it is none of its kind."""
+    if text is None:
+        return None
+    unit = known_unit(text) if isinstance(text, str) else ""
+    if unit not in UNITS[kind] or not unit:
+        accepted = ", ".join(spelled(key) for key in UNITS[kind])
+        raise InputError(f"{name} must be one of {accepted}, got {text!r}.")
+    return unit
+
+
+def _role(name: str) -> str | None:
+    if name == "T":
+        return "temperature"
+    if name == "t":
+        return "time"
+    return next((role for role, pattern in _PATTERNS.items() if pattern.fullmatch(name)), None)
+
+
+def _split(title: str) -> tuple[str, str]:
+    """Name and unit of a title such as "G' [MPa]", "Frequency (Hz)", "E' / MPa" or "freq_hz"."""
+    text = _clean(title)
+    match = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\[\]()]*)\s*[\])]", text)
+    if match and (known_unit(match[2]) or not match[2].strip("- ")):
+        return match[1].strip(), known_unit(match[2])
+    for pattern in (r"(.*?)\s*[/,]\s*(\S+)", r"(.+)\s+in\s+(\S+)"):
+        match = re.fullmatch(pattern, text)
+        if match and known_unit(match[2]):
+            return match[1].strip(), known_unit(match[2])
+    for pattern in (r"(.+?)_(rad_?s|rad_per_s|[a-zA-Z]+)", r"(\S.*?)\s+([^\s]+)"):
+        match = re.fullmatch(pattern, text)
+        if match:
+            unit = {"rads": "rad/s", "rad_s": "rad/s", "rad_per_s": "rad/s"}.get(match[2].lower(), match[2])
+            if known_unit(unit) and _role(match[1]):
+                return match[1].strip(), known_unit(unit)
+    return text, ""
+
+
+def _clean(title: str) -> str:
+    text = title.strip().strip('"').strip() if title.count('"') != 1 else title.strip()
+    for mark in ("\u2032", "\u2019", "\u02b9", "`", "\u00b4"):
+        text = text.replace(mark, "'")
+    text = text.replace("″", "''").replace("”", "''").replace('"', "''")
+    return re.sub(r"\s+", " ", text)

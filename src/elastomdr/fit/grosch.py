@@ -1,0 +1,249 @@
+"""Master curves of measured friction: mu(v, T) over v a_T (K. A. Grosch, Proc. R. Soc. Lond. A 274 (1963) 21-39)."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.interpolate import BSpline
+
+from .._runtime import as_float64, positive, require, scalar
+from ..errors import InputError
+from .isotherms import correlation, group
+from .laws import LawFit, fit_laws
+from .posterior import Posterior, Prior, infer, one_thread
+from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
+from .spectrum import STORAGE, Points
+
+_KNOTS = 2.5  # per decade of velocity
+_MARGIN = 2.0  # decades of the curve beyond the data, on either side
+_BEND = (1e-4, 1.0)  # limits of the standard deviation of the curve's second difference
+_TWO_SIGMA = 1.96
+_FLAT = (
+    6.0  # change of friction over all velocities, in standard deviations of the scatter, below which nothing is seen
+)
+_POOR = 0.3  # relative standard deviation of a shift between neighbours above which it is worth a warning
+
+
+class _Spline(NamedTuple):
+    knots: np.ndarray
+
+    @property
+    def count(self) -> int:
+        return self.knots.size - 4
+
+    def basis(self, log_velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values and slopes of the cubic basis functions, (points, count)."""
+        low, high = self.knots[3], self.knots[-4]
+        x = np.clip(log_velocity, low, high)
+        spline = BSpline(self.knots, np.eye(self.count), 3)
+        return spline(x), spline.derivative()(x)
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionMaster:
+    """Measured friction shifted to one temperature: mu(v; T) = mu(v a_T; T_ref), with no vertical shift."""
+
+    reference: float  # T_ref [K]
+    temperature: Float[np.ndarray, " n"]  # mean temperature of each curve, ascending [K]
+    log10_a: Float[np.ndarray, " n"]  # 0 at the reference temperature [decades]
+    log10_a_std: Float[np.ndarray, " n"]
+    covariance: Float[np.ndarray, "n n"]  # of log10_a
+    laws: dict[str, LawFit]  # "WLF", "Arrhenius", "VFT": those that could be fitted
+    velocity: Float[np.ndarray, " m"]  # reduced velocity v a_T [m/s]
+    mu: Float[np.ndarray, " m"]  # measured friction coefficient
+    number: Int[np.ndarray, " m"]  # number of the temperature of each point
+    noise: float  # standard deviation of mu about the curve
+    warnings: tuple[str, ...]
+    converged: bool
+    _posterior: Posterior
+    _spline: _Spline
+    _anchor: float  # log10 a of the reference in the frame of the fit
+
+    @property
+    def wlf(self) -> Any:
+        """The WLF law (`em.WLF`) about the reference temperature; None where it could not be fitted."""
+        return self.laws["WLF"].law if "WLF" in self.laws else None
+
+    @property
+    def arrhenius(self) -> Any:
+        """The Arrhenius law (`em.Arrhenius`) about the reference temperature; None where it could not be fitted."""
+        return self.laws["Arrhenius"].law if "Arrhenius" in self.laws else None
+
+    def curve(self, velocity: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Friction coefficient with its 95 % interval (value, low, high) at reduced velocities [m/s] of any shape.
+
+        NaN beyond the measured reduced velocities.
+        """
+        velocity = as_float64("velocity", velocity)
+        positive("velocity", velocity)
+        flat = np.atleast_1d(velocity).ravel()
+        basis, _ = self._spline.basis(np.log(flat) + LN10 * self._anchor)
+        count = self._spline.count
+        value = basis @ self._posterior.mean[:count]
+        std = np.sqrt(np.einsum("ij,jk,ik->i", basis, self._posterior.covariance[:count, :count], basis))
+        inside = (flat >= self.velocity.min() * (1 - 1e-9)) & (flat <= self.velocity.max() * (1 + 1e-9))
+        value = np.where(inside, value, np.nan)
+        parts = (value, value - _TWO_SIGMA * std, value + _TWO_SIGMA * std)
+        return tuple(part.reshape(velocity.shape) for part in parts)  # type: ignore[return-value]
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the shifted friction with its curve on `ax`, or on a new figure; returns matplotlib Axes."""
+        from ..results.fit_figure import draw_friction_master
+
+        return draw_friction_master(self, ax)
+
+    def findings(self) -> Iterator[tuple[str, str]]:
+        """What a person needs to judge the shifts, as pairs of a name and a text."""
+        yield "reference", f"{self.reference - 273.15:.5g} degC"
+        v = np.geomspace(self.velocity.min(), self.velocity.max(), 400)
+        value, _, high = self.curve(v)
+        top = int(value.argmax())
+        yield "largest", f"mu = {value[top]:.3g} +- {high[top] - value[top]:.1g} at v a_T = {v[top]:.3g} m/s"
+        yield "scatter", f"{self.noise:.2g} in mu"
+        for kelvin, x, std in zip(self.temperature, self.log10_a, self.log10_a_std, strict=True):
+            yield f"{kelvin - 273.15:8.2f} degC", f"log10 a_T {x:8.3f} +- {_TWO_SIGMA * std:.3f}"
+        for name, fit in self.laws.items():
+            yield name, f"{fit.constants()}; rms residual {fit.rms:.3f} decades"
+        for text in self.warnings:
+            yield "warning", text
+
+    def summary(self) -> str:
+        """Shifts, laws and warnings in a few lines; intervals are 95 %."""
+        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
+
+    def __repr__(self) -> str:
+        return f"FrictionMaster\n{self.summary()}"
+
+
+@one_thread
+def friction_master(
+    velocity: Any, temperature: Any, mu: Any, reference: Any = None, *, tolerance: float = 1.5
+) -> FrictionMaster:
+    """Shifts measured friction mu(v, T) along log v to one smooth curve at the temperature `reference` [K].
+
+    `velocity` [m/s], `temperature` [K] and `mu` broadcast against each other, one entry per measured point;
+    temperatures with no gap above `tolerance` [K] are one curve. `reference` defaults to the measured temperature
+    nearest to 20 degC. Raises `InputError` for fewer than two temperatures or eight points.
+    """
+    arrays = {name: as_float64(name, value) for name, value in
+              (("velocity", velocity), ("temperature", temperature), ("mu", mu))}  # fmt: skip
+    try:
+        v, t, friction = (array.ravel() for array in np.broadcast_arrays(*arrays.values()))
+    except ValueError as error:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise InputError(f"velocity, temperature and mu must match in shape, got {shapes}.") from error
+    positive("velocity", v)
+    positive("temperature", t)
+    require("mu", friction, "finite", np.isfinite)
+    number, kelvin = group(t, float(scalar("tolerance", tolerance)))
+    if kelvin.size < 2 or friction.size < 8:
+        raise InputError(
+            f"temperature must have two values at least, and mu eight points, got {kelvin.size} and {friction.size}."
+        )
+    if reference is None:
+        reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
+    reference = float(scalar("reference", reference))
+    positive("reference", reference)
+    if not kelvin[0] - tolerance <= reference <= kelvin[-1] + tolerance:
+        raise InputError(
+            f"reference must be within the measured temperatures, {kelvin[0]:g} to {kelvin[-1]:g} K, got {reference:g}."
+        )
+    zero = np.zeros(friction.size)
+    points = Points(np.full(friction.size, STORAGE), np.log(v), friction, number, zero)
+    posterior, spline, anchor = _infer(points, kelvin)
+    return _assemble(points, kelvin, posterior, spline, anchor, reference)
+
+
+def _infer(points: Points, kelvin: np.ndarray) -> tuple[Posterior, _Spline, int]:
+    scale = max(float(np.ptp(points.log_value)), 1e-9)
+    guess = guess_shifts(points._replace(log_value=points.log_value / scale), kelvin)
+    anchor = kelvin.size // 2
+    guess = guess - guess[anchor]
+    reduced = points.log_rate + LN10 * guess[points.isotherm]
+    low, high = reduced.min() - _MARGIN * LN10, reduced.max() + _MARGIN * LN10
+    inner = np.linspace(low, high, int((high - low) / LN10 * _KNOTS) + 2)
+    step = inner[1] - inner[0]
+    spline = _Spline(np.concatenate([low - step * np.arange(3, 0, -1), inner, high + step * np.arange(1, 4)]))
+    count = spline.count
+    n = count + kelvin.size - 1
+
+    def model(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        log10_a, by_slope = from_slopes(p[count:], kelvin, anchor)
+        basis, slope = spline.basis(points.log_rate + LN10 * log10_a[points.isotherm])
+        jacobian = np.concatenate([basis, LN10 * (slope @ p[:count])[:, None] * by_slope[points.isotherm]], axis=1)
+        return basis @ p[:count], jacobian
+
+    every = np.eye(n)
+    start = np.zeros(n)
+    basis, _ = spline.basis(reduced)
+    second = np.diff(every[:count], 2, axis=0)
+    ridge = basis.T @ basis + 1e-2 * second[:, :count].T @ second[:, :count] + 1e-8 * np.eye(count)
+    start[:count] = np.linalg.solve(ridge, basis.T @ points.log_value)
+    start[count:] = first_slopes(guess, kelvin)
+    priors = [
+        Prior(second, 0.1 * scale, (_BEND[0] * scale, _BEND[1] * scale), 0.0, 1.5),
+        Prior(every[:count], 10 * scale, None, points.log_value.mean()),
+        *slope_priors(every[count:], kelvin),
+    ]
+    limits = (1e-5 * scale, scale)
+    noise = np.array([0.03 * scale])
+    posterior = infer(model, points.log_value, points.channel, start, priors, noise, noise_limits=limits)
+    rho = min(0.9, max(0.0, correlation(points, posterior.residuals)))
+    alike = (1 + rho) / (1 - rho)
+    if alike > 1.3:
+        noise = np.array([0.03 * scale])
+        posterior = infer(
+            model, points.log_value, points.channel, start, priors, noise, noise_limits=limits, temper=alike
+        )
+    return posterior, spline, anchor
+
+
+def _assemble(
+    points: Points, kelvin: np.ndarray, posterior: Posterior, spline: _Spline, anchor: int, reference: float
+) -> FrictionMaster:
+    count = spline.count
+    x, by_slope = from_slopes(posterior.mean[count:], kelvin, anchor)
+    spread = by_slope @ posterior.covariance[count:, count:] @ by_slope.T
+    place = np.interp(reference, kelvin, np.arange(kelvin.size))
+    low = min(int(place), kelvin.size - 2)
+    weights = np.zeros(kelvin.size)
+    weights[[low, low + 1]] = 1 - (place - low), place - low
+    change = np.eye(kelvin.size) - weights
+    basis, _ = spline.basis(points.log_rate + LN10 * x[points.isotherm])
+    flat = bool(np.ptp(basis @ posterior.mean[:count]) < _FLAT * posterior.noise[0])
+    if flat:  # noise alone makes curves fit each other; the shifts are then those expected beforehand
+        spread = spread + np.outer(x, x)
+    law = fit_laws(kelvin, x, spread, float(kelvin[anchor]))["WLF" if kelvin.size > 2 else "Arrhenius"].law
+    bent = float(law._log10_a(reference)) - weights @ np.asarray(law._log10_a(kelvin))
+    log10_a, covariance = change @ x - bent, change @ spread @ change.T
+    between = np.diff(np.eye(kelvin.size), axis=0)
+    step = np.sqrt(np.maximum(np.diag(between @ spread @ between.T), 0.0))
+    celsius = kelvin - 273.15
+    texts = [
+        f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known to +- {_TWO_SIGMA * step[i]:.2g} "
+        "decades only: the friction hardly changes there, or the curves do not overlap."
+        for i in np.flatnonzero(step > _POOR * np.abs(np.diff(x)))
+    ]
+    if flat:
+        texts = ["The friction is too flat against its scatter to see any shift: log10 a_T is what is usual of rubber."]
+    if not posterior.converged:
+        texts.insert(0, "The fit did not converge: look at the figure before using anything of it.")
+    return FrictionMaster(
+        reference=reference,
+        temperature=kelvin,
+        log10_a=log10_a,
+        log10_a_std=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
+        covariance=covariance,
+        laws=fit_laws(kelvin, log10_a, covariance, reference),
+        velocity=np.exp(points.log_rate) * 10 ** log10_a[points.isotherm],
+        mu=points.log_value,
+        number=points.isotherm,
+        noise=float(posterior.noise[0]),
+        warnings=tuple(texts),
+        converged=posterior.converged,
+        _posterior=posterior,
+        _spline=spline,
+        _anchor=float(weights @ x + bent),
+    )

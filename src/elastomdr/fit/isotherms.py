@@ -1,0 +1,109 @@
+"""Which points belong to one isotherm, and how noisy an isotherm is by itself."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from .data import Dma
+from .spectrum import LOSS, RELAXATION, STORAGE, Points
+
+_BIN = 4.0  # widest range of temperatures that still counts as one isotherm, where they run without a gap [K]
+
+
+class Isotherms(NamedTuple):
+    """Points and the temperature of each isotherm, ascending."""
+
+    points: Points
+    temperature: np.ndarray  # mean temperature of each isotherm [K]
+    deviation: np.ndarray  # of each point's temperature from that mean [K]
+
+
+def isotherms(dma: Dma, tolerance: float) -> Isotherms:
+    """Groups the points of `dma` into isotherms: temperatures with no gap above `tolerance` [K] are one.
+
+    Temperatures that run through without gaps, as in a ramp, are cut into bins. Raises `InputError` where a temperature
+    is not known or there are too few points.
+    """
+    every = np.concatenate([dma.temperature, dma.time_temperature])
+    if not np.isfinite(every).all():
+        raise InputError(
+            "temperature is not in the data; give it, with read_dma(..., temperature=293.15) or --temperature 20degC."
+        )
+    if every.size < 5:
+        raise InputError(f"dma must have five points at least, got {every.size}.")
+    rates = np.concatenate([dma.frequency, 1 / dma.time])
+    if rates.max() < 1.5 * rates.min():
+        raise InputError(
+            f"dma must span a range of frequencies (or times), got {rates.min():.4g} to {rates.max():.4g} rad/s only: "
+            "a sweep of strain or temperature at one frequency has no master curve."
+        )
+    number, mean = group(every, tolerance)
+    n = dma.frequency.size
+    frequency, time = number[:n], number[n:]
+    rate = np.log(dma.frequency)
+    apart = every - mean[number]
+    points = Points(
+        np.repeat([STORAGE, LOSS, RELAXATION], [n, n, dma.time.size]),
+        np.concatenate([rate, rate, -np.log(dma.time)]),
+        np.log(np.concatenate([dma.storage, dma.loss, dma.relaxation])),
+        np.concatenate([frequency, frequency, time]),
+        np.zeros(2 * n + dma.time.size),
+    )
+    return Isotherms(points, mean, np.concatenate([apart[:n], apart[:n], apart[n:]]))
+
+
+def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Number of the isotherm of each temperature, and the mean temperature of each isotherm, ascending [K]."""
+    order = np.argsort(temperature, kind="stable")
+    ascending = temperature[order]
+    starts = np.flatnonzero(np.diff(ascending, prepend=-np.inf) > tolerance)
+    number, count = np.zeros(temperature.size, dtype=int), 0
+    for start, stop in zip(starts, [*starts[1:], temperature.size], strict=True):
+        span = ascending[stop - 1] - ascending[start]
+        bins = max(1, int(np.ceil(span / max(_BIN, 2 * tolerance))))
+        inside = np.minimum(((ascending[start:stop] - ascending[start]) / max(span, 1e-9) * bins).astype(int), bins - 1)
+        _, inside = np.unique(inside, return_inverse=True)
+        number[order[start:stop]] = count + inside
+        count += int(inside.max()) + 1
+    mean = np.array([temperature[number == i].mean() for i in range(count)]).round(9)  # equal ones give their value
+    return number, mean
+
+
+def curves(points: Points) -> list[np.ndarray]:
+    """Indices of each isotherm's points of each channel, in order of frequency."""
+    found = []
+    for i in np.unique(points.isotherm):
+        for channel in np.unique(points.channel):
+            at = np.flatnonzero((points.isotherm == i) & (points.channel == channel))
+            if at.size:
+                found.append(at[np.argsort(points.log_rate[at], kind="stable")])
+    return found
+
+
+def own_noise(points: Points) -> np.ndarray:
+    """Standard deviation of ln(modulus) about a smooth curve through each isotherm alone, per channel; NaN if
+    unknown.
+    """
+    squares, freedom = np.zeros(3), np.zeros(3)
+    for at in curves(points):
+        degree = min(4, at.size // 3)
+        left = np.unique(points.log_rate[at]).size - degree - 1
+        if left < 2:
+            continue
+        u = points.log_rate[at]
+        u = (u - u.mean()) / max(float(np.ptp(u)), 1e-9)
+        fit = np.polynomial.polynomial.polyval(u, np.polynomial.polynomial.polyfit(u, points.log_value[at], degree))
+        size = np.abs(points.log_value[at] - fit)
+        size = np.minimum(size, 4 * np.median(size) + 1e-12)  # an outlier is not noise
+        squares[points.channel[at[0]]] += (size**2).sum()
+        freedom[points.channel[at[0]]] += at.size - degree - 1
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.sqrt(squares / np.where(freedom > 0, freedom, np.nan))
+
+
+def correlation(points: Points, residuals: np.ndarray) -> float:
+    """Correlation of neighbouring residuals along an isotherm: 0 for noise, towards 1 for a misfit of the model."""
+    pairs = [(residuals[at][1:] @ residuals[at][:-1], residuals[at] @ residuals[at]) for at in curves(points)]
+    values = [both / max(one, 1e-300) for (both, one), at in zip(pairs, curves(points), strict=True) if at.size >= 5]
+    return float(np.mean(values)) if values else 0.0

@@ -1,0 +1,162 @@
+"""The joint fit of all isotherms, and what it says at any reference temperature."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .isotherms import Isotherms, correlation, own_noise
+from .laws import LawFit, fit_laws
+from .shifting import LN10, Shifts, guess_shifts, join
+
+_INDEPENDENT = 1.3  # neighbours per independent point below which they count as independent
+
+
+_POOR = 0.12  # relative standard deviation of a step between neighbours above which it may not be told apart
+_EXCHANGED = 0.5  # part of its variance that is exchange with the vertical shifts
+
+
+class Joint(NamedTuple):
+    """The most probable shifts and spectrum, and by how much their covariance falls short of the truth."""
+
+    shifts: Shifts
+    choice: np.ndarray  # what the choice of shift model adds to log10 a_i: one direction of uncertainty [decades]
+    inflation: float  # by which the covariance has grown since residuals along an isotherm resemble each other
+    misfit: float  # scatter about the common curve over that of each isotherm about a smooth curve of its own
+
+
+class AtReference(NamedTuple):
+    """Shifts about a reference temperature."""
+
+    log10_a: np.ndarray
+    covariance: np.ndarray  # of log10_a
+    ln_b: np.ndarray
+    ln_b_std: np.ndarray
+    weights: np.ndarray  # of the isotherms whose mean stands for the reference state
+    laws: dict[str, LawFit]
+
+
+def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
+    """Shifts without a vertical part first, then with one, starting from that answer.
+
+    The choice between both enters the uncertainty with the weight that the data leave to the simpler one; data count
+    for less where their misfit is not noise.
+    """
+    guess = guess_shifts(data.points, data.temperature)
+    plain = join(_with_offsets(data, guess).points, data.temperature, guess, False)
+    found = plain.horizontal(plain.posterior.mean)[0]
+    points, several = _with_offsets(data, found).points, data.temperature.size > 1
+    shifts = join(points, data.temperature, found, True) if vertical and several else plain
+    temper = _alike(shifts)
+    if temper > _INDEPENDENT:
+        shifts = join(points, data.temperature, found, vertical and several, temper)
+        plain = join(points, data.temperature, found, False, temper) if vertical and several else shifts
+    misfit = _misfit(shifts)
+    gain = (shifts.posterior.evidence - plain.posterior.evidence) / max(1.0, misfit) ** 2
+    weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
+    here, there = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
+    apart = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
+    return Joint(shifts, np.sqrt(weight) * apart, temper, misfit)
+
+
+def about(joint: Joint, reference: float) -> AtReference:
+    """Shifts about a reference temperature [K], through the laws where it is not that of an isotherm."""
+    shifts = joint.shifts
+    p, n, temperature = shifts.posterior.mean, shifts.count, shifts.temperature
+    covariance = shifts.posterior.covariance
+    x, by_x = shifts.horizontal(p)
+    y = shifts.vertical() @ p
+    weights, bent = _interpolation(temperature, reference), 0.0
+    if n >= 2:
+        name = "WLF" if n >= 3 else "Arrhenius"
+        spread = by_x @ covariance @ by_x.T + np.outer(joint.choice, joint.choice)
+        centre = int(np.argmin(np.abs(temperature - reference)))
+        change = np.eye(n)
+        change[:, centre] -= 1
+        law = fit_laws(temperature, change @ x, change @ spread @ change.T, float(temperature[centre]))[name]
+        bent = float(law.law._log10_a(reference)) - weights @ np.asarray(law.law._log10_a(temperature))
+    change = np.eye(n) - weights
+    matrix = change @ by_x
+    full = matrix @ covariance @ matrix.T + np.outer(change @ joint.choice, change @ joint.choice)
+    log10_a = change @ x - bent
+    lift = change @ shifts.vertical()
+    entropy = shifts.vertical()[:, shifts.slopes.stop]
+    curved = np.log(temperature[shifts.anchor] / reference) - weights @ entropy
+    ln_b = change @ y - p[shifts.slopes.stop] * curved
+    std = np.sqrt(np.maximum(np.diag(lift @ covariance @ lift.T), 0.0))
+    laws = fit_laws(temperature, log10_a, full, reference) if n >= 2 else {}
+    return AtReference(log10_a, full, ln_b, std, weights, laws)
+
+
+def curve(
+    joint: Joint, reference: AtReference, log_rate: np.ndarray, channel: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """ln of the common curve at the reference temperature, and its standard deviation, at ln(omega) or ln(1/t)."""
+    shifts = joint.shifts
+    p = shifts.posterior.mean
+    x, by_x = shifts.horizontal(p)
+    lift = shifts.vertical()
+    weights = reference.weights
+    here = float(x[shifts.anchor] - reference.log10_a[shifts.anchor])
+    level = float((lift @ p)[shifts.anchor] - reference.ln_b[shifts.anchor])
+    answer = shifts.predict(p, channel, log_rate + LN10 * here)
+    jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - weights @ lift
+    jacobian[:, shifts.spectrum] += answer.by_neighbours
+    jacobian[:, shifts.equilibrium] += answer.by_equilibrium
+    jacobian[:, shifts.places] += answer.by_place
+    variance = np.einsum("ij,jk,ik->i", jacobian, shifts.posterior.covariance, jacobian)
+    variance += (LN10 * answer.by_rate * (weights @ joint.choice)) ** 2
+    return answer.log_value - level, np.sqrt(np.maximum(variance, 0.0))
+
+
+def told_apart(joint: Joint) -> np.ndarray:
+    """Whether the horizontal shift of an isotherm, from its neighbour on the anchor's side, is known apart from b_T.
+
+    It is not where its uncertainty is a fair part of it and would mostly be gone if the vertical shifts were known.
+    """
+    shifts, clear = joint.shifts, np.ones(joint.shifts.count, dtype=bool)
+    if shifts.count == 1:
+        return clear
+    x, by_x = shifts.horizontal(shifts.posterior.mean)
+    step_x, step_y = np.diff(by_x, axis=0), np.diff(shifts.vertical(), axis=0)
+    covariance = shifts.posterior.covariance
+    both = step_x @ covariance @ step_y.T
+    known = np.linalg.solve(step_y @ covariance @ step_y.T + 1e-12 * np.eye(len(step_y)), both.T)
+    variance = np.diag(step_x @ covariance @ step_x.T)
+    exchanged = np.einsum("ij,ji->i", both, known) / np.maximum(variance, 1e-300)
+    poor = (np.sqrt(variance) > _POOR * np.abs(np.diff(x))) & (exchanged > _EXCHANGED)
+    for i in np.flatnonzero(poor):
+        clear[i + 1 if i >= shifts.anchor else i] = False
+    return clear
+
+
+def _interpolation(temperature: np.ndarray, reference: float) -> np.ndarray:
+    """Weights of linear interpolation between isotherms; beyond the ends, all on the last one."""
+    weights = np.zeros(temperature.size)
+    place = np.interp(reference, temperature, np.arange(temperature.size))
+    low = min(int(place), max(temperature.size - 2, 0))
+    weights[low] = 1 - (place - low)
+    if temperature.size > 1:
+        weights[low + 1] = place - low
+    return weights
+
+
+def _with_offsets(data: Isotherms, log10_a: np.ndarray) -> Isotherms:
+    """The same data with what the shift law makes of each point's distance from its isotherm's mean temperature."""
+    if data.temperature.size < 2:
+        return data
+    slope = np.gradient(log10_a, data.temperature)
+    offset = slope[data.points.isotherm] * data.deviation
+    return data._replace(points=data.points._replace(offset=offset))
+
+
+def _alike(shifts: Shifts) -> float:
+    """How many neighbours along an isotherm carry the information of one point, since their residuals are alike."""
+    rho = min(0.9, max(0.0, correlation(shifts.points, shifts.posterior.residuals)))
+    return (1 + rho) / (1 - rho)
+
+
+def _misfit(shifts: Shifts) -> float:
+    """Scatter about the common curve over that of each isotherm about a smooth curve of its own, at most of moduli."""
+    alone, channels = own_noise(shifts.points), np.unique(shifts.points.channel)
+    ratios = [shifts.posterior.noise[c] / max(alone[c], 1e-4) for c in channels if np.isfinite(alone[c])]
+    return float(max(ratios, default=1.0))

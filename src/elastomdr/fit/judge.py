@@ -1,0 +1,101 @@
+"""What cannot be relied on in a master curve, in plain words."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .data import describe_list
+
+if TYPE_CHECKING:
+    from .master import MasterCurve
+
+_NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms alone
+_WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
+_CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
+_LAW_OFF = 0.15  # rms residual of the WLF law [decades]
+
+
+def judge(master: "MasterCurve") -> tuple[str, ...]:
+    """The warnings of a master curve, most important first."""
+    return tuple(
+        [*_failed(master), *_simple(master), *_ambiguous(master), *_choice(master), *_gaps(master), *_details(master)]
+    )
+
+
+def _failed(master: "MasterCurve") -> Iterator[str]:
+    if not master.converged:
+        yield "The joint fit did not converge: look at the figure before using anything of it."
+
+
+def _simple(master: "MasterCurve") -> Iterator[str]:
+    misfit, worst = master.joint.misfit, max(master.noise.values())
+    if misfit > _NOT_SIMPLE and worst > _WORTH_SAYING and master.temperature.size > 1:
+        yield (
+            f"Not thermorheologically simple: the isotherms scatter {misfit:.1f} times as much about one common "
+            f"curve as "
+            f"each about a smooth curve of its own ({100 * worst:.2g} % in the worst modulus). No shift makes them one."
+        )
+
+
+def _ambiguous(master: "MasterCurve") -> Iterator[str]:
+    celsius = master.temperature[master.ambiguous] - 273.15
+    if celsius.size:
+        yield (
+            f"Horizontal and vertical shift cannot be told apart at {describe_list(celsius, 'degC')}: the "
+            f"isotherms are "
+            "too flat or too much alike there. Their log10 a_T rests on the prior for the vertical shift; see the "
+            "intervals, and compare vertical=False (--no-vertical)."
+        )
+
+
+def _choice(master: "MasterCurve") -> Iterator[str]:
+    moved = np.abs(master.joint.choice - np.interp(master.reference, master.temperature, master.joint.choice))
+    if moved.max() > _CHOICE:
+        celsius = master.temperature[moved.argmax()] - 273.15
+        yield (
+            f"Whether there are vertical shifts is not for these data to say, and moves log10 a_T by about "
+            f"{moved.max():.2g} decades (at {celsius:.4g} degC); the intervals contain that."
+        )
+
+
+def _gaps(master: "MasterCurve") -> Iterator[str]:
+    rates = np.concatenate([master.frequency, 1 / master.time])
+    number = np.concatenate([master.isotherm, master.time_isotherm])
+    celsius = master.temperature - 273.15
+    lonely = []
+    for i in range(celsius.size - 1):
+        cold, warm = rates[number == i], rates[number == i + 1]
+        if cold.size and warm.size and cold.min() > warm.max():
+            lonely.append(
+                f"{celsius[i]:.4g} and {celsius[i + 1]:.4g} degC ({np.log10(cold.min() / warm.max()):.1f} decades)"
+            )
+    if lonely:
+        yield (
+            f"Isotherms do not overlap: {', '.join(lonely)}. The shift across the gap rests on the assumption of a "
+            "smooth spectrum."
+        )
+
+
+def _details(master: "MasterCurve") -> Iterator[str]:
+    temperature, reference = master.temperature, master.reference
+    if temperature.size == 1:
+        yield "There is one temperature only: no shift law."
+    elif not temperature.min() - 1.5 <= reference <= temperature.max() + 1.5:
+        yield (
+            f"The reference temperature, {reference - 273.15:.4g} degC, lies outside the data "
+            f"({temperature.min() - 273.15:.4g} to {temperature.max() - 273.15:.4g} degC): it is reached by "
+            f"extrapolating "
+            "the shift law."
+        )
+    if temperature.size == 2:
+        yield "There are two temperatures only: Arrhenius' law can be fitted, WLF and VFT cannot."
+    outliers = int((master.joint.shifts.posterior.weights < 1).sum())
+    if outliers:
+        total = master.joint.shifts.posterior.weights.size
+        yield f"{outliers} of {total} values are outliers (beyond 3 standard deviations) and count for less."
+    if "WLF" in master.laws and master.laws["WLF"].rms > _LAW_OFF:
+        yield (
+            f"The WLF law misses the shift factors by {master.laws['WLF'].rms:.2f} decades rms: "
+            "use the table of shift factors instead."
+        )

@@ -1,0 +1,247 @@
+"""Time-temperature superposition: isotherms become one master curve, with the uncertainty of every shift."""
+
+import os
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from .._runtime import as_float64, positive, scalar, significant
+from ..errors import InputError
+from .data import Dma, FitWarning
+from .isotherms import isotherms
+from .joint import AtReference, Joint, about, curve, fit_jointly, told_apart
+from .judge import judge
+from .laws import LawFit
+from .posterior import one_thread
+from .shifting import LN10
+from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
+
+TWO_SIGMA = 1.96  # a 95 % interval is the value plus and minus this many standard deviations
+
+
+class Band(NamedTuple):
+    """Storage and loss modulus at the reference temperature with their 95 % intervals; every array as `omega`."""
+
+    omega: Float[np.ndarray, "..."]  # angular frequency [rad/s]
+    storage: Float[np.ndarray, "..."]  # [Pa]
+    storage_low: Float[np.ndarray, "..."]
+    storage_high: Float[np.ndarray, "..."]
+    loss: Float[np.ndarray, "..."]  # [Pa]
+    loss_low: Float[np.ndarray, "..."]
+    loss_high: Float[np.ndarray, "..."]
+    inside: Bool[np.ndarray, "..."]  # False where omega lies outside the measured (reduced) frequencies
+
+
+@dataclass(frozen=True, eq=False)
+class MasterCurve:
+    """Isotherms shifted to one reference temperature: b_T M(omega; T) = M(omega a_T; T_ref).
+
+    One entry per isotherm in `temperature`, `log10_a`, `log10_b`, their standard deviations and `ambiguous`; one per
+    measured point in `frequency` and what follows. A standard deviation covers noise, the freedom of the vertical
+    shift and the choice whether there is any; `warnings` says in words what cannot be relied on.
+    """
+
+    reference: float  # T_ref [K]
+    kind: str  # "shear" or "tensile"
+    temperature: Float[np.ndarray, " n"]  # mean temperature of each isotherm, ascending [K]
+    log10_a: Float[np.ndarray, " n"]  # horizontal shift, 0 at the reference temperature [decades]
+    log10_a_std: Float[np.ndarray, " n"]
+    log10_b: Float[np.ndarray, " n"]  # vertical shift, 0 at the reference temperature
+    log10_b_std: Float[np.ndarray, " n"]
+    covariance: Float[np.ndarray, "n n"]  # of log10_a
+    ambiguous: Bool[np.ndarray, " n"]  # where horizontal and vertical shift cannot be told apart
+    laws: dict[str, LawFit]  # "WLF", "Arrhenius", "VFT": those that could be fitted
+    frequency: Float[np.ndarray, " m"]  # reduced angular frequency omega a_T [rad/s]
+    storage: Float[np.ndarray, " m"]  # b_T times storage modulus [Pa]
+    loss: Float[np.ndarray, " m"]  # b_T times loss modulus [Pa]
+    isotherm: Int[np.ndarray, " m"]  # number of the isotherm of each point
+    time: Float[np.ndarray, " k"]  # reduced time t/a_T [s]
+    relaxation: Float[np.ndarray, " k"]  # b_T times relaxation modulus [Pa]
+    time_isotherm: Int[np.ndarray, " k"]
+    noise: dict[str, float]  # relative standard deviation of the data about the curve, per kind of modulus
+    warnings: tuple[str, ...]
+    converged: bool
+    source: str
+    dma: Dma
+    joint: Joint  # the posterior of spectrum and shifts that all of this is read from
+    state: AtReference
+
+    @property
+    def wlf(self) -> Any:
+        """The WLF law (`em.WLF`) about the reference temperature; None where it could not be fitted."""
+        return self._law("WLF")
+
+    @property
+    def arrhenius(self) -> Any:
+        """The Arrhenius law (`em.Arrhenius`) about the reference temperature; None where it could not be fitted."""
+        return self._law("Arrhenius")
+
+    @property
+    def vft(self) -> Any:
+        """The VFT law (`em.VFT`) about the reference temperature; None where it could not be fitted."""
+        return self._law("VFT")
+
+    def _law(self, name: str) -> Any:
+        return self.laws[name].law if name in self.laws else None
+
+    @property
+    def log10_a_interval(self) -> Float[np.ndarray, "n 2"]:
+        """95 % interval of log10 a_T, low and high."""
+        return self.log10_a[:, None] + np.outer(self.log10_a_std, [-TWO_SIGMA, TWO_SIGMA])
+
+    @property
+    def log10_b_interval(self) -> Float[np.ndarray, "n 2"]:
+        """95 % interval of log10 b_T, low and high."""
+        return self.log10_b[:, None] + np.outer(self.log10_b_std, [-TWO_SIGMA, TWO_SIGMA])
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Lowest and highest reduced angular frequency of the data; for relaxation, 1/t [rad/s]."""
+        rates = np.concatenate([self.frequency, 1 / self.time])
+        return float(rates.min()), float(rates.max())
+
+    def at_reference(self, temperature: float) -> "MasterCurve":
+        """The same master curve about another reference temperature [K]."""
+        temperature = float(scalar("temperature", temperature))
+        positive("temperature", temperature)
+        return _assemble(self.dma, self.joint, temperature)
+
+    def band(self, omega: Any) -> Band:
+        """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
+
+        The intervals contain the uncertainty of the shifts. Outside `window` the curve is an extrapolation: `inside`
+        says so point by point, and a `FitWarning` counts them. Raises `InputError` for frequencies that are not
+        positive.
+        """
+        omega = as_float64("omega", omega)
+        positive("omega", omega)
+        flat = np.atleast_1d(omega).ravel()
+        channel = np.repeat([STORAGE, LOSS], flat.size)
+        value, std = curve(self.joint, self.state, np.log(np.tile(flat, 2)), channel)
+        low, high = np.exp(value - TWO_SIGMA * std), np.exp(value + TWO_SIGMA * std)
+        inside = check_outside(flat, self.window)
+        n = flat.size
+        parts = (np.exp(value[:n]), low[:n], high[:n], np.exp(value[n:]), low[n:], high[n:], inside)
+        return Band(omega, *(part.reshape(omega.shape) for part in parts))
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the shifted data with curve and band on `ax`, or on a new figure; returns matplotlib Axes."""
+        from ..results.fit_figure import draw_master
+
+        return draw_master(self, ax)
+
+    def findings(self) -> Iterator[tuple[str, str]]:
+        """What a person needs to judge the shifts, as pairs of a name and a text."""
+        yield "data", self.dma.summary()
+        yield "reference", f"{significant(self.reference - 273.15, 5)} degC"
+        low, high = self.window
+        yield "reduced window", f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades"
+        yield "scatter", ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.noise.items())
+        for i, kelvin in enumerate(self.temperature):
+            mark = "  (not told apart)" if self.ambiguous[i] else ""
+            yield (
+                f"{kelvin - 273.15:8.2f} degC",
+                f"log10 a_T {self.log10_a[i]:8.3f} +- {TWO_SIGMA * self.log10_a_std[i]:.3f}   "
+                f"log10 b_T {self.log10_b[i]:7.4f} +- {TWO_SIGMA * self.log10_b_std[i]:.4f}{mark}",
+            )
+        for name, fit in self.laws.items():
+            yield name, f"{fit.constants()}; rms residual {fit.rms:.3f} decades"
+        for text in self.warnings:
+            yield "warning", text
+
+    def summary(self) -> str:
+        """Shifts, laws and warnings in a few lines; intervals are 95 %."""
+        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
+
+    def __repr__(self) -> str:
+        return f"MasterCurve\n{self.summary()}"
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the shifted data, one row per point, with the shifts in header lines that start with "# "."""
+        from ..results.table import write_files
+        from .tables import master_csv
+
+        write_files({Path(path): master_csv(self).encode()})
+
+
+@one_thread
+def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tolerance: float = 1.5) -> MasterCurve:
+    """Shifts all isotherms of `dma` jointly to the temperature `reference` [K].
+
+    Storage and loss modulus (and relaxation, where there is any) of every isotherm share one non-negative smooth
+    spectrum; horizontal shifts fall with temperature; vertical shifts are those of entropy elasticity, none, or what
+    lies between, with a free part as wide as the data ask for (`vertical=False`: none). `reference` defaults to the
+    measured temperature nearest to 20 degC. Temperatures with no gap above `tolerance` [K] are one isotherm. Raises
+    `InputError` for anything but a `Dma` with temperatures, or a reference that is no temperature.
+    """
+    if not isinstance(dma, Dma):
+        raise InputError(f"dma must be a Dma, as em.fit.read_dma returns it, got {type(dma).__name__}.")
+    if not isinstance(vertical, (bool, np.bool_)):
+        raise InputError(f"vertical must be True or False, got {vertical!r}.")
+    tolerance = float(scalar("tolerance", tolerance))
+    positive("tolerance", tolerance)
+    if reference is not None:
+        reference = float(scalar("reference", reference))
+        positive("reference", reference)
+    sorted_dma = isotherms(dma, tolerance)
+    if reference is None:
+        reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
+    return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)
+
+
+def check_outside(omega: np.ndarray, window: tuple[float, float]) -> np.ndarray:
+    """Whether frequencies [rad/s] lie inside the measured window; those outside are counted in one `FitWarning`."""
+    inside = (omega >= window[0] * (1 - 1e-9)) & (omega <= window[1] * (1 + 1e-9))
+    if not inside.all():
+        warnings.warn(
+            f"{int((~inside).sum())} of {inside.size} frequencies are extrapolated: they lie outside the measured "
+            f"{window[0]:.3g} to {window[1]:.3g} rad/s.",
+            FitWarning,
+            stacklevel=3,
+        )
+    return inside
+
+
+def _assemble(dma: Dma, joint: Joint, reference: float) -> MasterCurve:
+    shifts, state = joint.shifts, about(joint, reference)
+    points = shifts.points
+    reduced = points.log_rate + LN10 * (state.log10_a[points.isotherm] + points.offset)
+    lifted = np.exp(points.log_value + state.ln_b[points.isotherm])
+    at = [points.channel == which for which in (STORAGE, LOSS, RELAXATION)]
+    clear = told_apart(joint)
+    master = MasterCurve(
+        reference=reference,
+        kind=dma.kind,
+        temperature=shifts.temperature,
+        log10_a=state.log10_a,
+        log10_a_std=np.sqrt(np.maximum(np.diag(state.covariance), 0.0)),
+        log10_b=state.ln_b / LN10,
+        log10_b_std=state.ln_b_std / LN10,
+        covariance=state.covariance,
+        ambiguous=~clear,
+        laws=state.laws,
+        frequency=np.exp(reduced[at[STORAGE]]),
+        storage=lifted[at[STORAGE]],
+        loss=lifted[at[LOSS]],
+        isotherm=points.isotherm[at[STORAGE]],
+        time=np.exp(-reduced[at[RELAXATION]]),
+        relaxation=lifted[at[RELAXATION]],
+        time_isotherm=points.isotherm[at[RELAXATION]],
+        noise={
+            name: float(np.sqrt(np.mean(shifts.posterior.residuals[where] ** 2)))
+            for name, where in zip(CHANNELS, at, strict=True)
+            if where.any()
+        },
+        warnings=(),
+        converged=shifts.posterior.converged,
+        source=dma.source,
+        dma=dma,
+        joint=joint,
+        state=state,
+    )
+    return replace(master, warnings=judge(master))

@@ -1,0 +1,170 @@
+"""The rows below a header become numbers in SI; what is no measurement is left out and named."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from .cells import Row, number
+from .columns import Column, convert, measure, spelled
+from .data import Dma
+from .plausible import implausible, inconsistent
+
+_NAMED = 6  # bad rows that a warning names one by one
+
+
+class Options(NamedTuple):
+    kind: str | None
+    units: dict[str, str | None]  # by measure
+    temperature: float | None
+    columns: dict[str, Any]
+
+
+class Block(NamedTuple):
+    """A header and the rows below it."""
+
+    columns: list[Column]
+    rows: list[Row]
+
+
+def measurements(path: Path, block: Block, options: Options, units: dict[str, str]) -> Dma:
+    """A block's points in SI; `units` are those that the format fixes."""
+    chosen: dict[str, Column] = {}
+    for column in block.columns:
+        chosen.setdefault(column.role, column)
+    dynamic = "storage" in chosen or "absolute" in chosen
+    if dynamic:
+        chosen.pop("time", None)
+        rate = "omega" if "omega" in chosen else "frequency"
+        needed = [rate, *_moduli(chosen)]
+    else:
+        needed = ["time", "relaxation"]
+    if "temperature" in chosen:
+        needed.append("temperature")
+    checks = [role for role in ("frequency", "tangent", "absolute") if role in chosen and role not in needed]
+    given = {role: _unit(chosen[role], options, units) for role in needed}
+    given |= {role: chosen[role].unit for role in checks}
+    values, bad = _numbers(block.rows, chosen, given, needed, checks)
+    if not values[needed[0]]:
+        raise InputError(
+            f"no row below the header {chosen[needed[0]].title!r} is a measurement ({'; '.join(bad[:2])})."
+        )
+    arrays = {role: np.array(convert(values[role], role, given[role])) for role in needed}
+    texts = list(inconsistent(arrays, {role: (values[role], given[role]) for role in checks}, dynamic))
+    kind = _kind(chosen, options)
+    texts += implausible(arrays, {chosen[role].title: spelled(given[role]) for role in needed}, modulus_given(options))
+    if bad:
+        more = f" and {len(bad) - _NAMED} more" if len(bad) > _NAMED else ""
+        texts.append(f"{path.name}: {len(bad)} rows left out: {'; '.join(bad[:_NAMED])}{more}.")
+    n = len(values[needed[0]])
+    temperature = arrays.get("temperature")
+    if temperature is None:
+        temperature = np.full(n, np.nan if options.temperature is None else options.temperature)
+        if options.temperature is None:
+            texts.append(
+                f"{path.name}: there is no temperature column; shifting needs temperature=... [K] "
+                f"(--temperature 20degC)."
+            )
+    common: dict[str, Any] = {
+        "kind": kind,
+        "units": {role: spelled(given[role]) for role in needed},
+        "warnings": tuple(texts),
+        "bad_rows": tuple(bad),
+        "source": path.name,
+    }
+    none = np.zeros(0)
+    if not dynamic:
+        return Dma(none, none, none, none, time=arrays["time"], relaxation=arrays["relaxation"],
+                   time_temperature=temperature, **common)  # fmt: skip
+    if "loss" in arrays:
+        storage, loss = arrays["storage"], arrays["loss"]
+    elif "tangent" in arrays:
+        storage, loss = arrays["storage"], arrays["storage"] * arrays["tangent"]
+    else:
+        storage, loss = (arrays["absolute"] * part(arrays["phase"]) for part in (np.cos, np.sin))
+    return Dma(temperature, arrays[rate], storage, loss, **common)
+
+
+def modulus_given(options: Options) -> bool:
+    """Whether the user, not the file, said what the moduli are in."""
+    return options.units["modulus"] is not None
+
+
+def _moduli(chosen: dict[str, Column]) -> tuple[str, str]:
+    if {"storage", "loss"} <= chosen.keys():
+        return "storage", "loss"
+    return ("storage", "tangent") if "tangent" in chosen and "storage" in chosen else ("absolute", "phase")
+
+
+def _numbers(
+    rows: list[Row], chosen: dict[str, Column], given: dict[str, str], needed: list[str], checks: list[str]
+) -> tuple[dict[str, list[float]], list[str]]:
+    """The numbers of good rows, by role, and what is wrong with each of the others."""
+    values: dict[str, list[float]] = {role: [] for role in (*needed, *checks)}
+    bad = []
+    for row in rows:
+        found, wrong = {}, ""
+        for role in needed:
+            column = chosen[role]
+            cell = row.cells[column.place] if column.place < len(row.cells) else ""
+            value = number(cell)
+            if value is None or not np.isfinite(value):
+                wrong = f"{column.title} is {cell[:20]!r}, no number"
+            elif role not in ("temperature", "phase") and value <= 0:
+                wrong = f"{column.title} is {value:g} {spelled(given[role])}, not positive"
+            if wrong:
+                break
+            found[role] = value
+        if wrong:
+            bad.append(f"line {row.line}: {wrong}")
+            continue
+        for role in checks:
+            column = chosen[role]
+            extra = number(row.cells[column.place]) if column.place < len(row.cells) else None
+            found[role] = np.nan if extra is None else extra
+        for role, value in found.items():
+            values[role].append(value)
+    return values, bad
+
+
+def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
+    """The unit of a column: the file's own, that of the format, or the user's."""
+    kind = measure(column.role)
+    if column.role == "omega" and not column.unit:
+        return "rad/s"
+    if kind == "ratio":
+        return ""
+    unit = column.unit or fixed.get(column.role) or options.units.get(kind)
+    if unit:
+        return unit
+    option = {"frequency": "frequency_unit", "modulus": "modulus_unit", "temperature": "temperature_unit",
+              "time": "time_unit", "angle": ""}[kind]  # fmt: skip
+    if kind == "angle":
+        raise InputError(
+            f"the unit of {column.title!r} is not in the file: name it in the title, as '{column.title} [deg]'."
+        )
+    example = {"frequency": "Hz", "modulus": "MPa", "temperature": "degC", "time": "s"}[kind]
+    raise InputError(
+        f"the unit of {column.title!r} is not in the file; give it, as {option}={example!r} "
+        f"(--{option.replace('_', '-')} {example})."
+    )
+
+
+def _kind(chosen: dict[str, Column], options: Options) -> str:
+    letters = {chosen[r].letter for r in ("storage", "loss", "absolute", "relaxation") if r in chosen} - {""}
+    if "torque" in chosen:
+        letters.add("G")  # torque means torsion, and torsion is shear
+    if len(letters) > 1:
+        raise InputError(
+            f"moduli must be all of shear or all of tension, got columns of {' and '.join(sorted(letters))}."
+        )
+    found = {"G": "shear", "E": "tensile"}.get("".join(letters))
+    if found and options.kind and found != options.kind:
+        raise InputError(f"kind must be {found!r}, as the file's columns say, got {options.kind!r}.")
+    kind = found or options.kind
+    if kind is None:
+        raise InputError(
+            "whether the moduli are of shear or tension is not in the file; give it, as kind='shear' (--kind shear)."
+        )
+    return kind

@@ -1,0 +1,225 @@
+"""From measured isotherms to a material in one call, and the files that come of it."""
+
+import os
+import re
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import __version__
+from .._runtime import significant
+from ..errors import InputError
+from ..material.library import save_material
+from ..material.prony import Prony
+from ..material.shift import ShiftTable
+from .cards import abaqus_card, ansys_card, plain_card
+from .data import Dma
+from .master import MasterCurve, master_curve
+from .series import PronyFit, prony
+from .tables import master_csv, prony_csv, shifts_csv
+
+LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
+_LAW_MISSES = 0.1  # rms residual of the WLF law above which a table of shift factors replaces it [decades]
+_LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
+
+
+@dataclass(frozen=True, eq=False)
+class MaterialFit:
+    """A material with the master curve and the series that it comes from."""
+
+    material: Prony
+    master: MasterCurve
+    prony: PronyFit
+    law: str  # of `LAWS`
+    as_used: dict[str, float]  # rms relative residual of the material, with its shift law, to the data as measured
+    warnings: tuple[str, ...]
+    citation: str
+    description: str
+
+    def findings(self) -> Iterator[tuple[str, str]]:
+        """What a person needs to judge the material, as pairs of a name and a text."""
+        yield "material", self.material.name
+        yield from ((name, text) for name, text in self.master.findings() if name != "warning")
+        yield "shift law", f"{self.law} in the material" if self.law != "none" else "none in the material"
+        yield from ((name, text) for name, text in self.prony.findings() if name != "warning")
+        if self.as_used:
+            parts = ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.as_used.items())
+            yield "as used", f"material and shift law against the data as measured: {parts} rms"
+        for text in self.warnings:
+            yield "warning", text
+
+    def summary(self) -> str:
+        """Shifts, series, residuals and warnings in a few lines; intervals are 95 %."""
+        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
+
+    def __repr__(self) -> str:
+        return f"MaterialFit\n{self.summary()}"
+
+    def info(self) -> dict[str, Any]:
+        """What a material file holds beside the numbers: description, range, sources with the quality of the fit."""
+        master, fit = self.master, self.prony
+        fitted = {"citation": f"{self.citation}, fitted by elastomdr {__version__} (em.fit)", "grade": "fitted here"}
+        span = [float(significant(t, 6)) for t in (master.temperature.min(), master.temperature.max())]
+        if span[0] == span[1]:
+            span = [span[0] - 0.5, span[1] + 0.5]
+        moduli = fitted | {"note": self._note()}
+        moduli["storage_residual"] = _round(fit.storage_residual if fit.storage.size else fit.relaxation_residual, 2)
+        moduli["loss_residual"] = _round(fit.loss_residual if fit.loss.size else fit.relaxation_residual, 2)
+        sources = {
+            "moduli": moduli,
+            "shift": fitted | {"note": self._shift_note()},
+            "poisson": {"citation": "Assumed, not measured", "grade": "illustrative"},
+            "range": {"citation": f"Span of the data: {self.citation}", "grade": "measured"},
+        }
+        if self.material.shift is None:
+            del sources["shift"]
+        low, high = (_round(value, 4) for value in fit.window)
+        return {
+            "description": self.description,
+            "reference_temperature": float(master.reference),
+            "range": {"frequency": [low, high], "temperature": span},
+            "source": sources,
+        }
+
+    def _note(self) -> str:
+        fit = self.prony
+        parts = [f"{fit.terms} terms over {np.log10(fit.window[1] / fit.window[0]):.1f} decades."]
+        if not fit.storage.size:
+            parts.append("From relaxation; both residuals are of the relaxation modulus.")
+        for name, size in self.as_used.items():
+            parts.append(f"{name.capitalize()} as measured, by this file with its shift law: {100 * size:.2g} % rms.")
+        return " ".join([*parts, *self.warnings])
+
+    def _shift_note(self) -> str:
+        master = self.master
+        worst = 1.96 * float(master.log10_a_std.max())
+        parts = [f"{master.temperature.size} isotherms shifted jointly, log10 a_T to +- {worst:.2g} (95 %) at worst."]
+        if self.law in master.laws:
+            parts.append(f"The law misses them by {master.laws[self.law].rms:.2g} decades rms.")
+        return " ".join(parts)
+
+    def files(self, stem: str | None = None) -> dict[str, bytes]:
+        """File name to content: the material, its cards, tables and figures. Cards that do not exist are left out."""
+        from ..results.fit_figure import figures
+
+        stem = self.material.name if stem is None else stem
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"{stem}.toml"
+            save_material(self.material, path, info=self.info())
+            content = {path.name: path.read_bytes()}
+        texts = {
+            f"{stem}-master.csv": master_csv(self.master),
+            f"{stem}-shifts.csv": shifts_csv(self.master),
+            f"{stem}-prony.csv": prony_csv(self.prony),
+            f"{stem}-plain.csv": plain_card(self.material),
+            f"{stem}-abaqus.inp": abaqus_card(self.material),
+            f"{stem}-ansys.mac": ansys_card(self.material),
+        }
+        content |= {name: text.encode() for name, text in texts.items()}
+        return content | {f"{stem}-{name}.png": image for name, image in figures(self).items()}
+
+    def save(self, folder: str | os.PathLike[str], stem: str | None = None) -> list[Path]:
+        """Writes all `files` into a folder that is there; all of them or none. Returns their paths."""
+        from ..results.table import write_files
+
+        paths = {Path(folder) / name: content for name, content in self.files(stem).items()}
+        write_files(paths)
+        return list(paths)
+
+
+def material(
+    dma: Dma,
+    reference: Any = None,
+    *,
+    vertical: bool = True,
+    terms: int | None = None,
+    equilibrium: bool | None = None,
+    poisson: float = 0.5,
+    law: str = "auto",
+    name: str = "",
+    citation: str = "",
+    description: str = "",
+) -> MaterialFit:
+    """A material from measured isotherms: `master_curve`, then `prony`, then a shift law.
+
+    `law` is "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
+    within 0.1 decades rms of the shift factors or within what they are known to, a table otherwise. A material has
+    no vertical shift: `as_used` says what that costs against the data as measured. Other arguments as for
+    `master_curve` and `prony`; `citation` is the source of the data. Raises `InputError` as they do.
+    """
+    if law not in LAWS:
+        raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}.")
+    master = master_curve(dma, reference, vertical)
+    chosen = _choose(master) if law == "auto" else law
+    shift = None if chosen == "none" else _table(master) if chosen == "table" else _law(master, chosen)
+    name = name or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem).strip("-.").lower() or "rubber"
+    citation = citation or f"Measured data: {dma.source or 'arrays'}"
+    fit = prony(
+        master, terms=terms, equilibrium=equilibrium, poisson=poisson, shift=shift, name=name, citation=citation
+    )
+    used = _as_used(fit.material, dma, master)
+    texts = [*dma.warnings, *master.warnings, *fit.warnings]
+    lift = float(np.abs(np.expm1(np.log(10) * master.log10_b)).max())
+    if lift > _LIFT:
+        cold = float(master.temperature[np.abs(master.log10_b).argmax()] - 273.15)
+        texts.append(
+            f"Vertical shifts reach {100 * lift:.2g} % (at {cold:.3g} degC), and a material file has none: "
+            "away from the reference temperature its moduli are off by as much."
+        )
+    description = description or f"Fitted to {dma.summary()}"
+    return MaterialFit(fit.material, master, fit, chosen, used, tuple(texts), citation, description)
+
+
+def _choose(master: MasterCurve) -> str:
+    if master.temperature.size < 2:
+        return "none"
+    if master.temperature.size == 2:
+        return "Arrhenius"
+    fit = master.laws["WLF"]
+    known = float(np.sqrt(np.mean(master.log10_a_std**2)))
+    return "WLF" if fit.rms <= max(_LAW_MISSES, known) else "table"
+
+
+def _law(master: MasterCurve, name: str) -> Any:
+    if name not in master.laws:
+        raise InputError(
+            f"law must be one that these data allow ({', '.join([*master.laws, 'none'])}), got {name!r}: there are "
+            f"{master.temperature.size} temperatures."
+        )
+    return master.laws[name].law
+
+
+def _table(master: MasterCurve) -> ShiftTable:
+    """The shift factors as a table, with the reference temperature as one of its entries."""
+    if master.temperature.size < 2:
+        raise InputError("law must be 'none' for data of one temperature, got 'table'.")
+    away = np.abs(master.temperature - master.reference) > 0.5
+    temperature = np.append(master.temperature[away], master.reference)
+    log10_a = np.append(master.log10_a[away], 0.0)
+    order = np.argsort(temperature)
+    return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))
+
+
+def _as_used(material: Prony, dma: Dma, master: MasterCurve) -> dict[str, float]:
+    """Relative rms residuals of a material at the measured temperatures, without any vertical shift."""
+    if material.shift is None or not dma.frequency.size:
+        return {}
+    try:
+        log10_a = np.asarray(material.shift.log10_a(dma.temperature))
+    except InputError:  # a table ends at the mean of its last isotherm
+        low, high = (float(material.shift.temperature[i]) for i in (0, -1))
+        log10_a = np.asarray(material.shift.log10_a(np.clip(dma.temperature, low, high)))
+    x = dma.frequency[:, None] * (10**log10_a)[:, None] * np.asarray(material.times)
+    moduli = np.asarray(material.moduli)
+    storage = float(material.equilibrium) + (moduli * x / (x + 1 / x)).sum(axis=1)
+    loss = (moduli / (x + 1 / x)).sum(axis=1)
+    parts = {"storage modulus": storage / dma.storage - 1, "loss modulus": loss / dma.loss - 1}
+    return {name: float(np.sqrt(np.mean(part**2))) for name, part in parts.items()}
+
+
+def _round(value: float, digits: int) -> float:
+    return float(f"{value:.{digits - 1}e}")

@@ -1,0 +1,73 @@
+"""What looks wrong in measured data: moduli no polymer has, columns that contradict each other."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from .columns import convert
+
+_LARGEST = 3e10  # [Pa], above any polymer
+_SMALLEST = 1e3  # [Pa], below what the stiffest point of any solid polymer or melt in its plateau has
+_TEMPERATURES = (120.0, 700.0)  # [K]
+
+
+def implausible(arrays: dict[str, np.ndarray], units: dict[str, str], user: bool) -> Iterator[str]:
+    """Warnings on values that a polymer hardly has; they say what was assumed."""
+    whose = "as you say" if user else "as the file says"
+    for role in ("storage", "absolute", "relaxation"):
+        if role not in arrays:
+            continue
+        low, high = float(arrays[role].min()), float(arrays[role].max())
+        if high > _LARGEST or high < _SMALLEST:
+            side = "high" if high > _LARGEST else "low"
+            yield (
+                f"moduli from {low:.3g} to {high:.3g} Pa are implausibly {side} for a polymer; assumed is the unit, "
+                f"{whose}: {', '.join(f'{title} in {unit}' for title, unit in units.items() if unit)}. Check it."
+            )
+    if "storage" in arrays and "loss" in arrays:
+        ratio = float(np.median(arrays["loss"] / arrays["storage"]))
+        if ratio > 100 or ratio < 1e-4:
+            yield (
+                f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is "
+                f"implausible: are their "
+                "units mixed up? Assumed are those of the file."
+            )
+    if "temperature" in arrays:
+        low, high = float(arrays["temperature"].min()), float(arrays["temperature"].max())
+        if low < _TEMPERATURES[0] or high > _TEMPERATURES[1]:
+            yield (
+                f"temperatures from {low:.4g} to {high:.4g} K are implausible for a DMA; assumed is the unit of "
+                f"the file. "
+                "Check whether they are in degC or K."
+            )
+
+
+def inconsistent(
+    arrays: dict[str, np.ndarray], others: dict[str, tuple[list[float], str]], dynamic: bool
+) -> Iterator[str]:
+    """Warnings on columns that contradict each other: omega and f, loss tangent and moduli."""
+    if not dynamic:
+        return
+    if "frequency" in others and others["frequency"][1] and "omega" in arrays:
+        ratio = _median(
+            np.array(convert(others["frequency"][0], "frequency", others["frequency"][1])) / arrays["omega"]
+        )
+        if abs(ratio - 1) > 0.02:
+            yield (
+                f"frequency and angular frequency differ by a factor of {ratio:.3g} after conversion: are Hz "
+                f"and rad/s mixed "
+                "up? Assumed is the angular frequency."
+            )
+    if "tangent" in others and "storage" in arrays and "loss" in arrays:
+        ratio = _median(np.array(others["tangent"][0]) * arrays["storage"] / arrays["loss"])
+        if abs(ratio - 1) > 0.1:
+            yield (
+                f"the loss tangent is {ratio:.3g} times loss over storage modulus: are their units mixed up? "
+                f"Assumed are "
+                "the two moduli."
+            )
+
+
+def _median(values: np.ndarray) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if known.size else 1.0

@@ -1,0 +1,179 @@
+"""Least squares with Gaussian priors whose widths the data choose: the machinery behind master curves.
+
+Unknowns p with prior precision sum_j w_j P_j, residuals r = (data - model(p))/sigma. The most probable p is found by
+damped Gauss-Newton, noise and prior widths by MacKay's fixed point (D. J. C. MacKay, Neural Computation 4 (1992)
+415-447), the covariance is the inverse of the Hessian there.
+"""
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, ParamSpec, TypeVar
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from threadpoolctl import threadpool_limits
+
+_HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
+_RATIO = 5.0  # largest ratio of two groups' noise: a misfit of one must not leave it to the others alone
+_ROUNDS = 40
+_STEPS = 12  # of Gauss-Newton before the widths are looked at again
+
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def one_thread(function: Callable[P, R]) -> Callable[P, R]:
+    """Keeps linear algebra on one thread: for matrices of a hundred rows threads only wait for each other."""
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        with threadpool_limits(1, user_api="blas"):
+            return function(*args, **kwargs)
+
+    return wrapper
+
+
+class Prior(NamedTuple):
+    """A group of unknowns seen through rows @ p, each row zero with standard deviation `width`."""
+
+    rows: np.ndarray  # (m, n)
+    width: float
+    limits: tuple[float, float] | None = None  # bounds of the width where the data choose it; None: it is fixed
+    target: np.ndarray | float = 0.0  # what rows @ p is expected to be
+    loosen: float = 1.0  # factor on a width that the data chose
+
+
+class Posterior(NamedTuple):
+    """The most probable unknowns and what is known about them."""
+
+    mean: np.ndarray  # (n,)
+    covariance: np.ndarray  # (n, n)
+    noise: np.ndarray  # standard deviation per noise group
+    weights: np.ndarray  # 1, or less for outliers, per data point
+    residuals: np.ndarray  # data minus model, not scaled
+    widths: tuple[float, ...]  # of the priors
+    evidence: float  # ln of the marginal likelihood, up to a constant
+    converged: bool
+
+
+Model = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # p -> (model values, Jacobian)
+Wary = Callable[[np.ndarray], np.ndarray]  # p -> the Jacobian that the covariance is computed with
+
+
+def infer(
+    model: Model,
+    data: np.ndarray,
+    group: np.ndarray,
+    start: np.ndarray,
+    priors: Sequence[Prior],
+    noise: np.ndarray,
+    *,
+    temper: float = 1.0,
+    wary: Wary | None = None,
+    noise_limits: tuple[float, float] | None = (1e-5, 1.0),
+    weights: np.ndarray | None = None,
+) -> Posterior:
+    """The posterior of a model whose values have Gaussian noise of unknown size, one size per `group` of points.
+
+    With `noise_limits=None` the noise stays as it is given. `temper` above 1 says that residuals resemble their
+    neighbours: so many points count as one. `wary` replaces the Jacobian in the covariance. `weights` of the points
+    are found, unless they are given: 1, and less for outliers.
+    """
+    p, noise, robust = start.copy(), noise.copy(), weights is None
+    weights = np.ones(data.size) if weights is None else weights
+    widths = [prior.width for prior in priors]
+    grams = [prior.rows.T @ prior.rows for prior in priors]
+    pulls = [prior.rows.T @ np.broadcast_to(prior.target, prior.rows.shape[0]) for prior in priors]
+    counts = np.array([(group == g).sum() for g in range(noise.size)])
+    converged, cost = False, np.inf
+    for _ in range(_ROUNDS):
+        precision = sum(gram / width**2 for gram, width in zip(grams, widths, strict=True))
+        pull = sum(vector / width**2 for vector, width in zip(pulls, widths, strict=True))
+        scale = np.sqrt(weights / temper) / noise[group]
+        p, residuals, jacobian, settled = _climb(model, data, scale, precision, pull, p)
+        scaled = jacobian * scale[:, None]
+        hessian = scaled.T @ scaled + precision
+        factor = _cholesky(hessian)
+        covariance = cho_solve(factor, np.eye(p.size))
+        leverage = np.einsum("ij,ij->i", scaled @ covariance, scaled)
+        before = np.log(np.concatenate([noise, widths]))
+        for g in range(noise.size):
+            at = group == g
+            if counts[g] and noise_limits is not None:
+                freedom = max(counts[g] - leverage[at].sum(), 0.1 * counts[g])
+                size = np.sqrt((weights[at] * residuals[at] ** 2).sum() / freedom)
+                noise[g] = np.clip(size, *noise_limits)
+        if noise_limits is not None:
+            noise = np.maximum(noise, noise[counts > 0].max() / _RATIO)
+        for j, prior in enumerate(priors):
+            if prior.limits is None:
+                continue
+            seen = prior.rows @ p - prior.target
+            known = len(seen) - np.einsum("ij,ji->", grams[j], covariance) / widths[j] ** 2
+            estimate = prior.loosen * np.sqrt((seen @ seen + 1e-12) / max(known, 0.1))
+            widths[j] = float(np.clip(estimate, *prior.limits))
+        if robust:
+            size = np.abs(residuals) / noise[group]
+            weights = np.minimum(1.0, _HUBER / np.maximum(size, 1e-12))
+        cost = np.abs(np.log(np.concatenate([noise, widths])) - before).max()
+        if settled and cost < 0.03:
+            converged = True
+            break
+    if wary is not None:
+        scaled = wary(p) * (np.sqrt(weights / temper) / noise[group])[:, None]
+        precision = sum(gram / width**2 for gram, width in zip(grams, widths, strict=True))
+        covariance = cho_solve(_cholesky(scaled.T @ scaled + precision), np.eye(p.size))
+    log_evidence = (
+        -0.5 * (weights * (residuals / noise[group]) ** 2).sum() / temper
+        - np.log(noise[group]).sum() / temper
+        - np.log(np.diag(factor[0])).sum()
+    )
+    for prior, width in zip(priors, widths, strict=True):
+        seen = prior.rows @ p - prior.target
+        log_evidence -= 0.5 * (seen @ seen) / width**2 + len(seen) * np.log(width)
+    return Posterior(p, covariance, noise, weights, residuals, tuple(widths), float(log_evidence), converged)
+
+
+def _climb(
+    model: Model, data: np.ndarray, scale: np.ndarray, precision: np.ndarray, pull: np.ndarray, p: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
+    """Damped Gauss-Newton to the most probable unknowns; returns them with residuals and Jacobian there."""
+    damping = 1e-3
+    value, jacobian = model(p)
+
+    def penalty(p: np.ndarray, value: np.ndarray) -> float:
+        r = (data - value) * scale
+        return float(r @ r + p @ precision @ p - 2 * pull @ p)
+
+    now = penalty(p, value)
+    for _ in range(_STEPS):
+        scaled = jacobian * scale[:, None]
+        gradient = scaled.T @ ((data - value) * scale) - precision @ p + pull
+        hessian = scaled.T @ scaled + precision
+        while True:
+            damped = hessian + damping * np.diag(np.diag(hessian))
+            step = cho_solve(_cholesky(damped), gradient)
+            largest = np.abs(step).max()
+            trial = p + step * min(1.0, 3.0 / max(largest, 1e-12))
+            new_value, new_jacobian = model(trial)
+            new = penalty(trial, new_value)
+            if np.isfinite(new) and new <= now + 1e-12 * abs(now):
+                break
+            damping *= 8
+            if damping > 1e8:
+                return p, data - value, jacobian, True
+        gain = now - new
+        p, value, jacobian, now, damping = trial, new_value, new_jacobian, new, max(damping / 8, 1e-9)
+        if gain < 3e-3:
+            return p, data - value, jacobian, True
+    return p, data - value, jacobian, False
+
+
+def _cholesky(matrix: np.ndarray) -> tuple[np.ndarray, bool]:
+    jitter, scale = 0.0, np.abs(np.diag(matrix)).max()
+    while True:
+        try:
+            return cho_factor(matrix + jitter * scale * np.eye(len(matrix)))
+        except np.linalg.LinAlgError:
+            jitter = max(10 * jitter, 1e-14)

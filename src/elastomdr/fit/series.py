@@ -1,0 +1,294 @@
+"""Prony series from dynamic moduli, relaxation, or both: what `em.fit.prony` does and returns."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from .._runtime import as_float64, positive, scalar, significant
+from ..errors import InputError
+from ..material.prony import Prony
+from .data import KINDS
+from .isotherms import correlation
+from .joint import Joint, about, curve
+from .master import TWO_SIGMA, Band, MasterCurve, check_outside
+from .posterior import one_thread
+from .shifting import join
+from .spectrum import LOSS, RELAXATION, STORAGE, Points
+from .terms import choose_terms, most_terms
+
+_RATIO = 3.0  # largest ratio between the weights of two kinds of modulus: a series has to meet all of them
+_CONTRADICTION = 0.1  # scatter above which storage and loss modulus contradict each other
+_STORAGE_FIRST = 5.0  # times that the storage modulus then counts for more: it is the better measured of the two
+_LEAST_NOISE = 0.002  # relative standard deviation below which residuals are not trusted to be noise
+
+
+@dataclass(frozen=True, eq=False)
+class PronyFit:
+    """A Prony series through data, how far it is from them, and how well each number is known.
+
+    Residuals are relative, prediction over data minus one; standard deviations follow from the scatter of the data
+    about the series, and their likeness between neighbours. `kind` says whether moduli are of shear or tension.
+    """
+
+    material: Prony
+    storage_residual: float  # root mean square of the relative residuals; NaN where there are no such data
+    loss_residual: float
+    relaxation_residual: float
+    residuals: dict[str, Float[np.ndarray, " m"]]  # relative, per point, for "storage", "loss", "relaxation"
+    equilibrium_std: float  # [Pa]; 0 for a liquid
+    moduli_std: Float[np.ndarray, " n"]  # [Pa]
+    times_std: Float[np.ndarray, " n"]  # [s]
+    covariance: Float[np.ndarray, "p p"]  # of ln moduli, ln times and, for a solid, ln equilibrium
+    omega: Float[np.ndarray, " m"]  # data, as fitted [rad/s]
+    storage: Float[np.ndarray, " m"]  # [Pa]
+    loss: Float[np.ndarray, " m"]  # [Pa]
+    time: Float[np.ndarray, " k"]  # [s]
+    relaxation: Float[np.ndarray, " k"]  # [Pa]
+    kind: str
+    warnings: tuple[str, ...]
+    converged: bool
+    joint: Joint  # the smooth spectrum whose intervals `band` uses
+    master: MasterCurve | None
+
+    @property
+    def terms(self) -> int:
+        """Number of relaxation times."""
+        return int(self.material.times.size)
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Lowest and highest angular frequency of the data; for relaxation, 1/t [rad/s]."""
+        rates = np.concatenate([self.omega, 1 / self.time])
+        return float(rates.min()), float(rates.max())
+
+    def moduli_at(self, omega: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Storage and loss modulus [Pa] of the series, in the data's own kind, at omega [rad/s] of any shape."""
+        x = np.asarray(omega, dtype=float)[..., None] * np.asarray(self.material.times)
+        moduli = np.asarray(self.material.moduli)
+        storage, loss = (x / (x + 1 / x) * moduli).sum(axis=-1), (moduli / (x + 1 / x)).sum(axis=-1)
+        return float(self.material.equilibrium) + storage, loss
+
+    def band(self, omega: Any) -> Band:
+        """Storage and loss modulus of the series with 95 % intervals, at angular frequencies [rad/s], any shape.
+
+        The intervals are those of a smooth spectrum through the same data (with the uncertainty of the shifts, where
+        the data are a master curve), widened by the distance between that and the series. Frequencies outside `window`
+        are extrapolated: `inside` marks them, and a `FitWarning` counts them.
+        """
+        omega = as_float64("omega", omega)
+        positive("omega", omega)
+        flat = np.atleast_1d(omega).ravel()
+        state = self.master.state if self.master is not None else about(self.joint, self.joint.shifts.temperature[0])
+        channel = np.repeat([STORAGE, LOSS], flat.size)
+        smooth, std = curve(self.joint, state, np.log(np.tile(flat, 2)), channel)
+        value = np.log(np.concatenate(self.moduli_at(flat)))
+        std = np.sqrt(std**2 + (value - smooth) ** 2)
+        low, high = np.exp(value - TWO_SIGMA * std), np.exp(value + TWO_SIGMA * std)
+        inside = check_outside(flat, self.window)
+        n = flat.size
+        parts = (np.exp(value[:n]), low[:n], high[:n], np.exp(value[n:]), low[n:], high[n:], inside)
+        return Band(omega, *(part.reshape(omega.shape) for part in parts))
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the series, one row per term, with residuals and warnings in header lines that start with "# "."""
+        from ..results.table import write_files
+        from .tables import prony_csv
+
+        write_files({Path(path): prony_csv(self).encode()})
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws data, series and band against frequency on `ax`, or on a new figure; returns matplotlib Axes."""
+        from ..results.fit_figure import draw_prony
+
+        return draw_prony(self, ax)
+
+    def findings(self) -> Iterator[tuple[str, str]]:
+        """What a person needs to judge the series, as pairs of a name and a text."""
+        decades = np.log10(self.window[1] / self.window[0])
+        yield "terms", f"{self.terms} over {decades:.1f} decades ({self.kind} moduli)"
+        named = (
+            ("storage", self.storage_residual),
+            ("loss", self.loss_residual),
+            ("relaxation", self.relaxation_residual),
+        )
+        yield "residuals", ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)) + " rms"
+        level = float(self.material.equilibrium)
+        yield "equilibrium", f"{level:.4g} +- {TWO_SIGMA * self.equilibrium_std:.2g} Pa" if level else "0: a liquid"
+        for modulus, std, time in zip(self.material.moduli, self.moduli_std, self.material.times, strict=True):
+            yield "term", f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- {TWO_SIGMA * std:.2g} Pa"
+        for text in self.warnings:
+            yield "warning", text
+
+    def summary(self) -> str:
+        """The series, its residuals and warnings in a few lines; intervals are 95 %."""
+        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
+
+    def __repr__(self) -> str:
+        return f"PronyFit\n{self.summary()}"
+
+
+@one_thread
+def prony(
+    omega: Any = None,
+    storage: Any = None,
+    loss: Any = None,
+    *,
+    time: Any = None,
+    relaxation: Any = None,
+    terms: int | None = None,
+    equilibrium: bool | None = None,
+    balance: float | None = None,
+    kind: str | None = None,
+    poisson: float = 0.5,
+    shift: Any = None,
+    name: str = "",
+    citation: str = "",
+) -> PronyFit:
+    """The Prony series that comes closest, relatively, to storage and loss moduli, to relaxation, or to both.
+
+    `omega` [rad/s], `storage` and `loss` [Pa] are lists of one length; `time` [s] and `relaxation` [Pa] likewise; or
+    `omega` is a `MasterCurve`, which brings all of them. Moduli are not negative, so that the series is passive; times
+    are refined, and may lie beyond the data. The number of terms (`terms`) and whether there is an equilibrium modulus
+    (`equilibrium`) are chosen by the Akaike information criterion where they are not given, with at most one and a
+    half terms per decade. `balance` is how many times more exactly the storage modulus is to be met than the loss
+    modulus; by itself it follows their scatter, and is 5 where they contradict each other. `kind` ("shear" unless
+    the master curve says otherwise), `poisson`, `shift`, `name` and `citation` go into the material. Raises
+    `InputError` for lists that do not match, values that are not positive, too few points.
+    """
+    master = omega if isinstance(omega, MasterCurve) else None
+    if master is not None:
+        omega, storage, loss = master.frequency, master.storage, master.loss
+        time, relaxation = master.time, master.relaxation
+        kind = master.kind if kind is None else kind
+    kind = "shear" if kind is None else kind
+    if kind not in KINDS:
+        raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
+    omega, storage, loss = _lists(("omega", "storage", "loss"), (omega, storage, loss))
+    time, relaxation = _lists(("time", "relaxation"), (time, relaxation))
+    n = omega.size
+    if 2 * n + time.size < 3:
+        raise InputError(f"omega, storage and loss (or time and relaxation) must have two points at least, got {n}.")
+    points = Points(
+        np.repeat([STORAGE, LOSS, RELAXATION], [n, n, time.size]),
+        np.concatenate([np.log(omega), np.log(omega), -np.log(time)]),
+        np.log(np.concatenate([storage, loss, relaxation])),
+        np.zeros(2 * n + time.size, dtype=int),
+        np.zeros(2 * n + time.size),
+    )
+    if np.ptp(points.log_rate) < np.log(1.5):
+        raise InputError(f"omega must span a range of frequencies, got {omega.size} points within a factor of 1.5.")
+    _check_terms(terms, points)
+    if equilibrium not in (None, True, False):
+        raise InputError(f"equilibrium must be True, False or None (the data decide), got {equilibrium!r}.")
+    if balance is not None:
+        balance = float(scalar("balance", balance))
+        positive("balance", balance)
+    joint = master.joint if master is not None else _smooth(points)
+    noise = _weigh(joint.shifts.posterior.noise, points, balance)
+    weights = joint.shifts.posterior.weights
+    found = choose_terms(points, noise, weights, joint.inflation, terms, equilibrium)
+    residuals = np.expm1(-found.posterior.residuals)
+    parts = {
+        key: residuals[points.channel == which]
+        for key, which in (("storage", STORAGE), ("loss", LOSS), ("relaxation", RELAXATION))
+    }
+    rms = {key: float(np.sqrt(np.mean(part**2))) if part.size else float("nan") for key, part in parts.items()}
+    std = np.sqrt(np.diag(found.posterior.covariance))
+    count = found.log_times.size
+    moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
+    level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
+    material = Prony(
+        level, numbers[:count], numbers[count:], kind=kind, poisson=poisson, shift=shift, name=name, citation=citation
+    )
+    fit = PronyFit(
+        material=material,
+        storage_residual=rms["storage"],
+        loss_residual=rms["loss"],
+        relaxation_residual=rms["relaxation"],
+        residuals={key: part for key, part in parts.items() if part.size},
+        equilibrium_std=found.equilibrium * float(std[-1]) if found.equilibrium else 0.0,
+        moduli_std=moduli * std[:count],
+        times_std=times * std[count : 2 * count],
+        covariance=found.posterior.covariance,
+        omega=omega,
+        storage=storage,
+        loss=loss,
+        time=time,
+        relaxation=relaxation,
+        kind=kind,
+        warnings=tuple(_judge(rms, noise, found.posterior.converged)),
+        converged=found.posterior.converged,
+        joint=joint,
+        master=master,
+    )
+    return fit
+
+
+def _weigh(noise: np.ndarray, points: Points, balance: float | None) -> np.ndarray:
+    """Standard deviations that the kinds of modulus are weighed with: their scatter, within limits."""
+    present = np.unique(points.channel)
+    noise = np.maximum(noise, _LEAST_NOISE)
+    noise = np.maximum(noise, noise[present].max() / _RATIO)
+    if LOSS not in present or STORAGE not in present:
+        return noise
+    stiff = np.median(points.log_value[points.channel == STORAGE]) > np.median(points.log_value[points.channel == LOSS])
+    if balance is None and noise[present].max() > _CONTRADICTION and stiff:
+        balance = _STORAGE_FIRST
+    if balance is not None:
+        noise[LOSS] = noise[[STORAGE, LOSS]].max()
+        noise[STORAGE] = noise[LOSS] / balance
+    return noise
+
+
+def _judge(rms: dict[str, float], noise: np.ndarray, converged: bool) -> Iterator[str]:
+    if not converged:
+        yield "The refinement of the times did not converge: look at the figure before using the series."
+    for (key, size), scatter in zip(rms.items(), noise, strict=True):
+        if np.isfinite(size) and size > 0.1 and size > 1.5 * scatter:
+            yield f"The {key} modulus is met to {100 * size:.2g} % rms only; more terms may help (terms=...)."
+        elif np.isfinite(size) and size > 0.1:
+            yield (
+                f"The {key} modulus is met to {100 * size:.2g} % rms only, and no passive material comes "
+                f"closer: storage "
+                "and loss modulus contradict each other, or the data scatter."
+            )
+
+
+def _smooth(points: Points) -> Joint:
+    """The smooth spectrum through data of one temperature."""
+    shifts = join(points, np.array([293.15]), np.zeros(1), False)
+    rho = min(0.9, max(0.0, correlation(points, shifts.posterior.residuals)))
+    alike = (1 + rho) / (1 - rho)
+    if alike > 1.3:
+        shifts = join(points, np.array([293.15]), np.zeros(1), False, alike)
+    return Joint(shifts, np.zeros(1), alike, 1.0)
+
+
+def _lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:
+    missing = [name for name, value in zip(names, values, strict=True) if value is None]
+    if len(missing) == len(names):
+        return [np.zeros(0)] * len(names)
+    if missing:
+        raise InputError(f"{' and '.join(missing)} is missing: {', '.join(names)} go together.")
+    arrays = [np.atleast_1d(as_float64(name, value)) for name, value in zip(names, values, strict=True)]
+    for name, array in zip(names, arrays, strict=True):
+        if array.ndim != 1 or array.shape != arrays[0].shape:
+            raise InputError(
+                f"{name} must be a list with as many entries as {names[0]}, got shapes {array.shape}, "
+                f"{arrays[0].shape}."
+            )
+        positive(name, array)
+    return arrays
+
+
+def _check_terms(terms: Any, points: Points) -> None:
+    if terms is None:
+        return
+    most = max(4 * most_terms(points.log_rate), 4)
+    if isinstance(terms, bool) or not isinstance(terms, (int, np.integer)) or not 1 <= terms <= most:
+        raise InputError(f"terms must be a whole number from 1 to {most} for these data, got {terms!r}.")

@@ -1,0 +1,213 @@
+"""Shift factors of isotherms, found jointly with the smooth spectrum that all of them share.
+
+An isotherm i is predicted from the spectrum at the anchor isotherm's temperature T_a by
+
+    b_i M(omega; T_i) = M_a(omega a_i),     ln b_i = s ln(T_a/T_i) + delta_i,
+
+M any of storage, loss and relaxation modulus. s = 1 is the elasticity of entropy of a rubber or melt, s = 0 no vertical
+shift; its prior covers both, and the free part delta_i is as wide as the data ask for. Shift factors fall as the
+temperature rises: the unknowns are logarithms of the slopes -d(log10 a_T)/dT between neighbours, which are expected to
+change slowly, how slowly the data decide. All isotherms are fitted at once: their order does not matter.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .posterior import Posterior, Prior, infer
+from .spectrum import LOSS, PER_DECADE, Points, Prediction, nodes, predict
+
+LN10 = float(np.log(10.0))
+_ENTROPY = (0.5, 0.75)  # mean and width of s
+_FREE = (0.003, 0.3)  # limits of the standard deviation of delta_i
+_FIXED = 1e-5  # width of a prior that fixes an unknown
+_SLOPE = np.log(0.06)  # usual -d(log10 a_T)/dT of rubbers and melts [1/K]
+_LEAST = 0.03  # least slope to begin with [1/K]
+_BEND = -0.012  # usual d(ln slope)/dT: that of WLF laws 150 K above their pole [1/K]
+_CHANGE = (0.1, 0.4)  # limits of the standard deviation of ln(slope ratio) over 10 K
+_CURVATURE = (0.04, 3.0)  # limits of the standard deviation of the second difference of ln H_k
+_PLACE = 0.3  # by how much of their spacing relaxation times may be off the grid
+_LOOSEN = 1.5  # wider than most probable: one width for all times smooths away what is sharper than the average
+
+
+class Shifts(NamedTuple):
+    """The joint posterior of spectrum and shifts; `layout` says where in the unknowns each of them is."""
+
+    posterior: Posterior
+    log_times: np.ndarray  # ln tau_k at the anchor's temperature
+    temperature: np.ndarray  # of the isotherms, ascending [K]
+    anchor: int
+    points: Points
+
+    @property
+    def count(self) -> int:
+        return self.temperature.size
+
+    @property
+    def spectrum(self) -> slice:
+        return slice(0, self.log_times.size)
+
+    @property
+    def equilibrium(self) -> int:
+        return self.log_times.size
+
+    @property
+    def slopes(self) -> slice:
+        """ln of -d(log10 a_T)/dT between neighbours."""
+        start = self.log_times.size + 1
+        return slice(start, start + self.count - 1)
+
+    def predict(self, p: np.ndarray, channel: np.ndarray, log_rate: np.ndarray) -> Prediction:
+        """What the spectrum predicts at the anchor's temperature."""
+        log_times = self.log_times + p[self.places]
+        return predict(channel, log_rate, log_times, p[self.spectrum], np.exp(p[self.equilibrium]))
+
+    def horizontal(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """log10 a_i, and its derivatives with respect to all unknowns."""
+        log10_a, by_slope = from_slopes(p[self.slopes], self.temperature, self.anchor)
+        jacobian = np.zeros((self.count, p.size))
+        jacobian[:, self.slopes] = by_slope
+        return log10_a, jacobian
+
+    @property
+    def places(self) -> slice:
+        """By how much each ln tau_k is off its place on the grid."""
+        start = self.slopes.stop + 1 + self.count
+        return slice(start, start + self.log_times.size)
+
+    def vertical(self) -> np.ndarray:
+        """Matrix that takes the unknowns to ln b_i."""
+        start = self.slopes.stop
+        matrix = np.zeros((self.count, self.places.stop))
+        matrix[:, start] = np.log(self.temperature[self.anchor] / self.temperature)
+        matrix[:, start + 1 : self.places.start] = np.eye(self.count)
+        return matrix
+
+
+def from_slopes(log_slopes: np.ndarray, temperature: np.ndarray, anchor: int) -> tuple[np.ndarray, np.ndarray]:
+    """log10 a_i about an isotherm, and its derivatives, from ln of -d(log10 a_T)/dT between neighbours."""
+    steps = np.exp(log_slopes) * np.diff(temperature)
+    m, i = np.arange(temperature.size - 1), np.arange(temperature.size)[:, None]
+    sign = ((m >= i) & (m < anchor)).astype(float) - ((m < i) & (m >= anchor))
+    return sign @ steps, sign * steps
+
+
+def slope_priors(slopes: np.ndarray, temperature: np.ndarray) -> list[Prior]:
+    """What is expected of ln slopes: their size, and that they change slowly; `slopes` picks them from the unknowns."""
+    apart = np.sqrt(np.diff(0.5 * (temperature[1:] + temperature[:-1])) / 10.0)
+    change = np.diff(slopes, axis=0) / apart[:, None]
+    return [Prior(slopes, 1.5, None, _SLOPE), Prior(change, 0.2, _CHANGE, 10.0 * _BEND * apart)]
+
+
+def first_slopes(guess: np.ndarray, temperature: np.ndarray) -> np.ndarray:
+    """ln slopes to begin with, from a guess of log10 a_i."""
+    return np.log(np.maximum(-np.diff(guess) / np.diff(temperature), _LEAST))
+
+
+def join(
+    points: Points, temperature: np.ndarray, first_guess: np.ndarray, vertical: bool, temper: float = 1.0
+) -> Shifts:
+    """The most probable shifts and spectrum of isotherms at ascending temperatures [K]; `temper` as for `infer`."""
+    anchor = _anchor(points, first_guess)
+    guess = first_guess - first_guess[anchor]
+    reduced = points.log_rate + LN10 * (guess[points.isotherm] + points.offset)
+    log_times = nodes(reduced)
+    shifts = Shifts(None, log_times, temperature, anchor, points)  # type: ignore[arg-type]
+    lift, n = shifts.vertical(), shifts.places.stop
+    start = np.zeros(n)
+    start[shifts.spectrum] = _first_spectrum(points, reduced, log_times)
+    lowest = (
+        points.log_value[points.channel != LOSS].min() if (points.channel != LOSS).any() else points.log_value.min()
+    )
+    start[shifts.equilibrium] = lowest - 1.0
+    start[shifts.slopes] = first_slopes(guess, temperature)
+
+    def model(p: np.ndarray, wary: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        log10_a, by_slope = shifts.horizontal(p)
+        rate = points.log_rate + LN10 * (log10_a[points.isotherm] + points.offset)
+        answer = shifts.predict(p, points.channel, rate)
+        jacobian = LN10 * answer.by_rate[:, None] * by_slope[points.isotherm]
+        jacobian[:, shifts.spectrum] = answer.by_neighbours if wary else answer.by_spectrum
+        jacobian[:, shifts.equilibrium] = answer.by_equilibrium
+        jacobian -= lift[points.isotherm]
+        jacobian[:, shifts.places] = answer.by_place
+        return answer.log_value - (lift @ p)[points.isotherm], jacobian
+
+    posterior = infer(
+        model,
+        points.log_value,
+        points.channel,
+        start,
+        _priors(shifts, start, vertical),
+        np.full(3, 0.03),
+        temper=temper,
+        wary=lambda p: model(p, wary=True)[1],
+    )
+    return shifts._replace(posterior=posterior)
+
+
+def _priors(shifts: Shifts, start: np.ndarray, vertical: bool) -> list[Prior]:
+    n, k = start.size, shifts.log_times.size
+    every = np.eye(n)
+    second = np.zeros((k - 2, n))
+    second[:, :k] = np.diff(np.eye(k), 2, axis=0)
+    slopes, entropy = every[shifts.slopes], shifts.slopes.stop
+    free = every[entropy + 1 : shifts.places.start]
+    return [
+        Prior(second, 0.6 / PER_DECADE, _CURVATURE, 0.0, _LOOSEN),
+        Prior(every[shifts.spectrum], 12.0, None, start[shifts.spectrum].mean()),
+        Prior(every[[shifts.equilibrium]], 3.0, None, start[shifts.equilibrium]),
+        *slope_priors(slopes, shifts.temperature),
+        Prior(every[[entropy]], _ENTROPY[1] if vertical else _FIXED, None, _ENTROPY[0] if vertical else 0.0),
+        Prior(every[shifts.places], _PLACE * LN10 / PER_DECADE),
+        Prior(free, 0.01 if vertical else _FIXED, _FREE if vertical else None),
+    ]
+
+
+def _anchor(points: Points, guess: np.ndarray) -> int:
+    """The isotherm nearest to the middle of the reduced frequencies."""
+    reduced = points.log_rate + LN10 * guess[points.isotherm]
+    middle = 0.5 * (reduced.min() + reduced.max())
+    centres = [reduced[points.isotherm == i].mean() for i in range(guess.size)]
+    return int(np.argmin(np.abs(np.array(centres) - middle)))
+
+
+def _first_spectrum(points: Points, reduced: np.ndarray, log_times: np.ndarray) -> np.ndarray:
+    """ln H_k from the loss modulus, H = (2/pi) G'' per unit of ln tau, or from the slope of the other moduli."""
+    at = points.channel == LOSS
+    at = at if at.any() else np.ones(at.size, dtype=bool)
+    order = np.argsort(-reduced[at])
+    level = points.log_value[at][order] + (0.0 if (points.channel == LOSS).any() else np.log(0.1))
+    return np.interp(log_times, -reduced[at][order], level) + np.log(2 / np.pi * LN10 / PER_DECADE)
+
+
+def guess_shifts(points: Points, temperature: np.ndarray) -> np.ndarray:
+    """log10 a_i to begin with, from neighbours in temperature: the shift that makes both one smooth curve."""
+    guess = np.zeros(temperature.size)
+    for i in range(temperature.size - 2, -1, -1):
+        guess[i] = guess[i + 1] + _pair(points, i, i + 1, temperature[i + 1] - temperature[i])
+    return guess
+
+
+def _pair(points: Points, cold: int, warm: int, apart: float) -> float:
+    """log10(a_cold/a_warm) by least squares of polynomials in ln omega, one per channel, over a grid of shifts."""
+    grid = np.arange(-0.5, max(4.0, 0.6 * apart), 0.05)
+    at = (points.isotherm == cold) | (points.isotherm == warm)
+    rate, value, channel = points.log_rate[at], points.log_value[at], points.channel[at]
+    is_cold = points.isotherm[at] == cold
+    u = rate + LN10 * grid[:, None] * is_cold  # (grid, points)
+    low, high = u.min(axis=1, keepdims=True), u.max(axis=1, keepdims=True)
+    u = 2 * (u - low) / np.maximum(high - low, 1e-9) - 1
+    columns = [is_cold * np.ones_like(u)]  # a vertical offset, held small below
+    for which in np.unique(channel):
+        columns += [np.where(channel == which, u**power, 0.0) for power in range(6)]
+    design = np.stack(columns, axis=-1)
+    ridge = np.array([1e2] + [1e-8, 1e-8, 1e-8, 1e-6, 1e-4, 1e-2] * len(np.unique(channel)))
+    normal = np.einsum("gpi,gpj->gij", design, design) + np.diag(ridge)
+    right = np.einsum("gpi,p->gi", design, value)
+    solution = np.linalg.solve(normal, right[..., None])[..., 0]
+    error = ((design @ solution[..., None])[..., 0] - value) ** 2
+    misfit = error.sum(axis=1) + (ridge * solution**2).sum(axis=1)
+    usual = 0.06 * apart  # decades per kelvin, where the data say nothing
+    penalty = value.size * np.log(misfit / value.size + 1e-6) + ((grid - usual) / 2.0) ** 2
+    return float(grid[np.argmin(penalty)])

@@ -1,0 +1,75 @@
+"""The tables of a fit: shifted data, shift factors, series."""
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import __version__
+
+if TYPE_CHECKING:
+    from .master import MasterCurve
+    from .series import PronyFit
+
+
+def master_csv(master: "MasterCurve") -> str:
+    """Shifted data, one row per point, as comma-separated text with the shifts in header lines."""
+    symbol = "G" if master.kind == "shear" else "E"
+    columns: dict[str, Sequence[Any]]
+    if master.frequency.size:
+        order = np.argsort(master.frequency, kind="stable")
+        columns = {
+            "reduced angular frequency [rad/s]": master.frequency[order],
+            f"storage modulus {symbol}' times b_T [Pa]": master.storage[order],
+            f"loss modulus {symbol}'' times b_T [Pa]": master.loss[order],
+            "isotherm [K]": master.temperature[master.isotherm[order]],
+        }
+    else:
+        order = np.argsort(master.time, kind="stable")
+        columns = {
+            "reduced time [s]": master.time[order],
+            f"relaxation modulus {symbol} times b_T [Pa]": master.relaxation[order],
+            "isotherm [K]": master.temperature[master.time_isotherm[order]],
+        }
+    return _csv("MasterCurve", master.findings(), columns)
+
+
+def shifts_csv(master: "MasterCurve") -> str:
+    """Shift factors with their standard deviations, one row per isotherm."""
+    columns = {
+        "temperature [K]": master.temperature,
+        "log10 a_T [-]": master.log10_a,
+        "standard deviation of log10 a_T [-]": master.log10_a_std,
+        "log10 b_T [-]": master.log10_b,
+        "standard deviation of log10 b_T [-]": master.log10_b_std,
+        "told apart": ~master.ambiguous,
+    }
+    return _csv("shift factors", [("reference", f"{master.reference:.10g} K"), ("source", master.source)], columns)
+
+
+def prony_csv(fit: "PronyFit") -> str:
+    """The series with standard deviations, one row per term; the equilibrium modulus has an infinite time."""
+    symbol = "G" if fit.kind == "shear" else "E"
+    material = fit.material
+    columns = {
+        "relaxation time [s]": [*np.asarray(material.times).tolist(), np.inf],
+        "standard deviation of it [s]": [*fit.times_std.tolist(), 0.0],
+        f"modulus {symbol} [Pa]": [*np.asarray(material.moduli).tolist(), float(material.equilibrium)],
+        "standard deviation of modulus [Pa]": [*fit.moduli_std.tolist(), fit.equilibrium_std],
+    }
+    return _csv("Prony series", [(k, v) for k, v in fit.findings() if k != "term"], columns)
+
+
+def _csv(what: str, findings: Iterable[tuple[str, str]], columns: dict[str, Sequence[Any]]) -> str:
+    lines = [f"# elastomdr {__version__}: {what}", "# units: SI, in brackets in the column titles"]
+    lines += [f"# {' '.join(f'{name.strip()}: {text}'.split())}" for name, text in findings]
+    rows = zip(*(list(column) for column in columns.values()), strict=True)
+    lines.append(",".join(columns))
+    lines += [",".join(_cell(value) for value in row) for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, (float, np.floating)):
+        return "" if np.isnan(value) else repr(float(value))
+    return str(value)

@@ -1,0 +1,171 @@
+"""The few terms of a Prony series: how many, where, and whether there is an equilibrium modulus."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import nnls
+
+from .posterior import Posterior, Prior, infer
+from .spectrum import LOSS, RELAXATION, Points, predict
+
+_LN10 = float(np.log(10.0))
+_BEYOND = 0.5  # decades by which the first and last term may start beyond the data
+_MOST_PER_DECADE = 1.5
+_FAR = 1.5  # decades beyond the fast end at which one more term may start
+_MOVE = 0.7  # standard deviation of a refined time about its place on the grid, in spacings
+_FREE = 15.0  # standard deviation of a logarithm that the data alone decide
+_PLATEAU = 0.1  # least part of the lowest storage modulus that an equilibrium modulus must be to be believed
+_DECISIVE = 10.0  # by how much a liquid must do better before a body that levels off counts as one
+_IDLE = 1e-3  # largest share of any value below which a term is left out, in noise standard deviations
+
+
+class Terms(NamedTuple):
+    """A refined series; logarithms of moduli and times with their covariance, the equilibrium modulus last if any."""
+
+    log_moduli: np.ndarray
+    log_times: np.ndarray
+    equilibrium: float  # 0 for a liquid
+    posterior: Posterior
+    criterion: float  # Akaike information criterion: smaller is better
+
+
+def most_terms(log_rate: np.ndarray) -> int:
+    """How many terms data over this range of ln(omega) may have: one and a half per decade."""
+    decades = (log_rate.max() - log_rate.min()) / _LN10
+    return max(1, int(np.floor(_MOST_PER_DECADE * decades)))
+
+
+def choose_terms(
+    points: Points, noise: np.ndarray, weights: np.ndarray, alike: float, terms: int | None, solid: bool | None
+) -> Terms:
+    """The series with the smallest information criterion; `terms` and `solid` settle number and equilibrium modulus.
+
+    `noise` is the standard deviation of ln(value) per channel, `weights` are less than 1 for outliers, `alike` is the
+    number of neighbours that count as one.
+    """
+    data = (points, noise, weights, alike)
+    rooms = (True, False) if solid is None else (solid,)
+    if terms is not None:
+        trials = [_best(data, terms, room) for room in rooms]
+        if solid is None and not _levels_off(points, trials[0]):
+            return trials[1]
+        if solid is None and trials[1].criterion > trials[0].criterion - _DECISIVE:
+            return trials[0]
+        return min(trials, key=lambda t: t.criterion)
+    most = most_terms(points.log_rate)
+    best, worse = None, 0
+    for count in _counts(most):
+        trial = _best(data, count, rooms[0])
+        if best is None or trial.criterion < best.criterion:
+            best, worse = trial, 0
+        else:
+            worse += 1
+        if worse == 3:
+            break
+    assert best is not None
+    if solid is None:
+        count = best.log_times.size
+        liquids = [_best(data, other, False) for other in {count, min(count + 1, most)}]
+        liquid = min(liquids, key=lambda t: t.criterion)
+        if liquid.criterion < best.criterion - _DECISIVE or not _levels_off(points, best):
+            return liquid
+    return best
+
+
+def _levels_off(points: Points, found: Terms) -> bool:
+    """Whether the slow end of the data is that of a solid, so that its equilibrium modulus is more than a guess.
+
+    Over the slowest decade the storage modulus must rise more slowly than the frequency (that of a melt in its terminal
+    zone rises with its square), and the equilibrium modulus must be a fair part of the lowest value.
+    """
+    elastic = points.channel != LOSS
+    rate, value = points.log_rate[elastic], points.log_value[elastic]
+    if not rate.size:
+        return False
+    slow = rate <= rate.min() + _LN10
+    flat = slow.sum() < 3 or np.ptp(rate[slow]) == 0 or np.polyfit(rate[slow], value[slow], 1)[0] < 1.0
+    return bool(flat and found.equilibrium > _PLATEAU * np.exp(value.min()))
+
+
+def _counts(most: int) -> list[int]:
+    """Numbers of terms to try: every one up to ten, then in steps of about 8 %."""
+    first = max(1, most // 3)
+    return sorted({*range(first, min(most, 10) + 1), *np.linspace(first, most, 12).round().astype(int).tolist()})
+
+
+def _best(data: tuple[Points, np.ndarray, np.ndarray, float], count: int, solid: bool) -> Terms:
+    """The better of two starts: with terms close to the data, and with one well beyond their fast end."""
+    trials = [_refine(*data, count, solid, far) for far in ((False, True) if count > 2 else (False,))]
+    return min(trials, key=lambda t: t.criterion)
+
+
+def _refine(
+    points: Points, noise: np.ndarray, weights: np.ndarray, alike: float, count: int, solid: bool, far: bool
+) -> Terms:
+    """Non-negative least squares on log-spaced times, then times and moduli together."""
+    low, high = -points.log_rate.max(), -points.log_rate.min()
+    beyond = min(_BEYOND * _LN10, (high - low) / 2)
+    inner = count - far
+    log_times = np.array([0.5 * (low + high)]) if inner == 1 else np.linspace(low - beyond, high + beyond, inner)
+    spacing = (high - low + 2 * beyond) / max(inner - 1, 1)
+    if far:
+        log_times = np.concatenate([[low - _FAR * _LN10], log_times])
+    moduli, equilibrium = _first(points, noise, log_times, solid)
+    top = np.exp(points.log_value).max()
+    start = np.concatenate([np.log(np.maximum(moduli, 1e-6 * top)), log_times])
+    if solid:
+        lowest = points.log_value[points.channel != LOSS].min(initial=points.log_value.max())
+        start = np.append(start, np.log(max(equilibrium, 0.03 * np.exp(lowest))))
+
+    while True:
+        n = (start.size - solid) // 2
+
+        def model(p: np.ndarray, n: int = n) -> tuple[np.ndarray, np.ndarray]:
+            level = np.exp(p[-1]) if solid else 0.0
+            answer = predict(points.channel, points.log_rate, p[n : 2 * n], p[:n], level)
+            parts = [answer.by_spectrum, answer.by_place] + ([answer.by_equilibrium[:, None]] if solid else [])
+            return answer.log_value, np.concatenate(parts, axis=1)
+
+        every = np.eye(start.size)
+        priors = [
+            Prior(np.delete(every, slice(n, 2 * n), axis=0), _FREE, None, np.delete(start, slice(n, 2 * n))),
+            Prior(every[n : 2 * n], _MOVE * spacing, None, start[n : 2 * n]),
+        ]
+        posterior = infer(
+            model,
+            points.log_value,
+            points.channel,
+            start,
+            priors,
+            noise,
+            noise_limits=None,
+            temper=alike,
+            weights=weights,
+        )
+        p = posterior.mean
+        _, jacobian = model(p)
+        share = np.abs(jacobian[:, :n] / noise[points.channel][:, None]).max(axis=0)
+        if (share > _IDLE).all() or n == 1:
+            break
+        kept = share > _IDLE
+        start = np.concatenate([p[:n][kept], p[n : 2 * n][kept], p[2 * n :]])
+    residuals = posterior.residuals / noise[points.channel]
+    criterion = float((weights * residuals**2).sum() / alike + 2.0 * start.size)
+    order = np.argsort(p[n : 2 * n])
+    full = np.concatenate([order, n + order, np.arange(2 * n, p.size)])
+    posterior = posterior._replace(mean=p[full], covariance=posterior.covariance[np.ix_(full, full)])
+    level = float(np.exp(p[-1])) if solid else 0.0
+    return Terms(p[:n][order], p[n : 2 * n][order], level, posterior, criterion)
+
+
+def _first(points: Points, noise: np.ndarray, log_times: np.ndarray, solid: bool) -> tuple[np.ndarray, float]:
+    u = points.log_rate[:, None] + log_times
+    x = np.exp(np.clip(u, -300, 300))
+    storage, loss = 1 / (1 + 1 / x**2), 1 / (x + 1 / x)
+    channel = points.channel[:, None]
+    matrix = np.where(channel == LOSS, loss, np.where(channel == RELAXATION, np.exp(-1 / x), storage))
+    if solid:
+        matrix = np.column_stack([matrix, points.channel != LOSS])
+    weight = np.exp(-points.log_value) / noise[points.channel]
+    solution, _ = nnls(matrix * weight[:, None], 1 / noise[points.channel])
+    return solution[: log_times.size], float(solution[-1]) if solid else 0.0

@@ -1,0 +1,124 @@
+"""Measured friction: shifted to a master curve, and parameters of a material calibrated to it."""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.errors import InputError
+
+LAW = em.WLF(6.0, 110.0, 293.15)
+KELVIN = np.array([268.15, 278.15, 288.15, 293.15, 303.15, 318.15])
+VELOCITY = np.geomspace(1e-4, 1e-1, 12)
+
+
+def bell(v):
+    """A friction curve with a peak, as Grosch's."""
+    return 0.3 + 0.9 * np.exp(-((np.log10(v) - 0.5) ** 2) / 9)
+
+
+def measured(noise=0.01, seed=0):
+    rng = np.random.default_rng(seed)
+    a = 10 ** np.asarray(LAW.log10_a(KELVIN))[:, None]
+    mu = bell(VELOCITY * a)
+    return mu + noise * rng.normal(size=mu.shape)
+
+
+def test_grosch_master_curve():
+    scores = []
+    for seed in range(6):
+        master = em.fit.friction_master(VELOCITY, KELVIN[:, None], measured(0.01, seed), 293.15)
+        truth = np.asarray(LAW.log10_a(KELVIN))
+        away = KELVIN != 293.15
+        scores.append(((master.log10_a - truth)[away] / master.log10_a_std[away]) ** 2)
+        assert np.abs(master.log10_a - truth).max() < 0.2
+    assert 0.2 < np.mean(scores) < 3.0  # a chi squared of 30 values that are correlated within each set
+    assert isinstance(master.wlf, em.WLF)
+    assert abs(float(master.wlf.c1) - 6.0) < 3 * master.laws["WLF"].std["c1"]
+    v = np.geomspace(master.velocity.min(), master.velocity.max(), 30)
+    value, low, high = master.curve(v)
+    assert np.abs(value - bell(v)).max() < 0.03
+    assert np.mean((low <= bell(v)) & (bell(v) <= high)) > 0.7
+    assert np.isnan(master.curve(1e6)[0])
+    assert master.noise == pytest.approx(0.01, rel=0.3)
+    assert master.warnings == ()
+    assert "v a_T" in master.plot().get_xlabel()
+    assert "log10 a_T" in repr(master)
+
+
+def test_flat_friction_has_no_shift():
+    rng = np.random.default_rng(0)
+    flat = 0.7 + 0.01 * rng.normal(size=(KELVIN.size, VELOCITY.size))
+    master = em.fit.friction_master(VELOCITY, KELVIN[:, None], flat, 293.15)
+    assert any("too flat" in text for text in master.warnings)
+    assert master.log10_a_std.max() > 0.2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((VELOCITY, KELVIN, measured()), "must match in shape"),
+        ((-VELOCITY, KELVIN[:, None], measured()), "velocity must be positive"),
+        ((VELOCITY, 293.15, measured()[0]), "two values at least"),
+        ((VELOCITY, KELVIN[:, None], measured(), 400.0), "within the measured temperatures"),
+        ((VELOCITY, KELVIN[:, None], np.full((6, 12), np.nan)), "mu must be finite"),
+    ],
+)
+def test_refusals_of_friction(arguments, said):
+    with pytest.raises(InputError, match=said):
+        em.fit.friction_master(*arguments)
+
+
+RUBBER = em.Prony(1e6, np.geomspace(2e7, 4e5, 4), np.geomspace(1e-6, 1e-2, 4), shift=LAW)
+SCENE = {"load": 1.0, "temperature": KELVIN[::2, None], "average": None, "rtol": 1e-3}
+SPEED = np.geomspace(1e-3, 1.0, 5)
+
+
+def test_calibration_finds_what_was_changed():
+    """A slope of the spectrum, a level and a shift constant are found again from noisy friction, by exact gradients."""
+    middle = np.exp(np.log(np.asarray(RUBBER.times)).mean())
+    other = em.Prony(
+        1e6 * 10**0.1,
+        np.asarray(RUBBER.moduli) * 10**0.1 * (np.asarray(RUBBER.times) / middle) ** 0.08,
+        RUBBER.times,
+        shift=em.WLF(6.0 * 10**0.05, 110.0, 293.15),
+    )
+    ball = em.Paraboloid(5e-3)
+    mu = em.friction(other, ball, velocity=SPEED, **SCENE).mu
+    mu = mu + 2e-4 * np.random.default_rng(0).normal(size=mu.shape)
+    found = em.fit.calibrate(RUBBER, ball, velocity=SPEED, measured=mu, parameters=("modulus", "slope", "c1"), **SCENE)
+    truth = {"modulus": 0.1, "slope": 0.08, "c1": 0.05}
+    assert found.converged
+    for name, value in truth.items():
+        assert abs(found.parameters[name] - value) < 4 * found.std[name]
+        assert found.std[name] < 0.05
+    assert found.error == pytest.approx(2e-4, rel=0.5)
+    np.testing.assert_allclose(found.material.moduli, other.moduli, rtol=0.1)
+    np.testing.assert_allclose(em.friction(found.material, ball, velocity=SPEED, **SCENE).mu, found.computed, rtol=1e-6)
+    assert "residuals" in repr(found)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"parameters": ("slop",)}, "Did you mean 'slope'"),
+        ({"parameters": "slope"}, "parameters must be names"),
+        ({"parameters": ()}, "parameters must be names"),
+        ({"measured": [0.1, np.nan]}, "measured must be finite"),
+        ({"measured": [0.1], "parameters": ("slope", "time")}, "as many points"),
+        ({"quantity": "wear"}, "quantity must be"),
+        ({"material": em.StandardSolid(1e6, 1e6, 1.0), "parameters": ("c1",)}, "need a material with a WLF law"),
+        ({"material": "rubber"}, "material must be a Prony"),
+        ({"error": -1.0}, "error must be positive"),
+    ],
+)
+def test_refusals_of_calibration(changes, said):
+    arguments = {
+        "material": RUBBER,
+        "shape": em.Paraboloid(5e-3),
+        "velocity": SPEED[:2],
+        "measured": [0.1, 0.1],
+        "parameters": ("slope",),
+        "load": 1.0,
+    } | changes
+    with pytest.raises(InputError, match=said):
+        em.fit.calibrate(arguments.pop("material"), arguments.pop("shape"), **arguments)

@@ -1,0 +1,192 @@
+"""Master curves: the truth is found, intervals hold it, and what cannot be known is said."""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.errors import InputError
+
+from .dma_files import measure
+
+LAW = em.WLF(7.0, 120.0, 293.15)
+RUBBER = em.Prony(4e5, np.geomspace(4e7, 3e5, 9), np.geomspace(1e-8, 1.0, 9), shift=LAW)
+HERTZ = np.geomspace(0.1, 50.0, 11)
+
+
+CELSIUS = np.arange(-20.0, 41.0, 10.0)
+
+
+def data(celsius=CELSIUS, noise=0.005, seed=0, material=RUBBER, lift=None, hertz=HERTZ):
+    rows = measure(material, np.asarray(celsius), hertz, noise, seed)
+    up = np.ones(len(rows)) if lift is None else lift(rows[:, 1])
+    return em.fit.dma(2 * np.pi * rows[:, 0], up * rows[:, 2], up * rows[:, 3], rows[:, 1] + 273.15, kind="shear")
+
+
+@pytest.fixture(scope="module")
+def master():
+    return em.fit.master_curve(data(), 293.15)
+
+
+def test_shift_factors_are_found_within_their_intervals(master):
+    truth = np.asarray(LAW.log10_a(master.temperature))
+    assert np.sqrt(np.mean((master.log10_a - truth) ** 2)) < 0.03  # a power law: 1 % up is 0.02 decades sideways
+    low, high = master.log10_a_interval.T
+    assert ((low <= truth) & (truth <= high)).all()
+    assert (master.log10_a_std[np.arange(7) != 4] > 1e-4).all()
+    at = np.flatnonzero(master.temperature == 293.15)[0]
+    assert master.log10_a[at] == master.log10_b[at] == master.log10_a_std[at] == 0
+    assert master.converged
+    assert master.warnings == ()
+    assert master.noise["storage modulus"] == pytest.approx(0.005, rel=0.25)
+
+
+def test_the_laws(master):
+    assert isinstance(master.wlf, em.WLF)
+    assert isinstance(master.arrhenius, em.Arrhenius)
+    assert isinstance(master.vft, em.VFT)
+    assert float(master.wlf.reference) == 293.15
+    np.testing.assert_allclose([master.wlf.c1, master.wlf.c2], [7.0, 120.0], rtol=0.06)
+    assert abs(float(master.wlf.c2) - 120) < 3 * master.laws["WLF"].std["c2"]
+    assert master.laws["WLF"].rms < 0.02 < master.laws["Arrhenius"].rms
+    assert master.laws["WLF"].residuals.shape == master.temperature.shape
+    np.testing.assert_allclose(master.vft.log10_a(263.15), master.wlf.log10_a(263.15), atol=0.02)
+
+
+def test_the_band_holds_the_true_moduli(master):
+    omega = np.geomspace(*master.window, 50)
+    band, truth = master.band(omega), RUBBER.at(293.15).complex_modulus(omega)
+    assert np.mean((band.storage_low <= truth.real) & (truth.real <= band.storage_high)) > 0.85
+    assert np.mean((band.loss_low <= truth.imag) & (truth.imag <= band.loss_high)) > 0.85
+    assert np.median(band.loss_high / band.loss_low - 1) < 0.05
+    assert band.inside.all()
+    with pytest.warns(em.fit.FitWarning, match="2 of 3 frequencies are extrapolated"):
+        assert master.band(np.array([master.window[0] / 10, 10.0, master.window[1] * 10])).inside.tolist() == [0, 1, 0]
+
+
+def test_the_order_of_the_points_does_not_matter(master):
+    dma = data()
+    order = np.random.default_rng(1).permutation(dma.frequency.size)
+    shuffled = em.fit.dma(*(a[order] for a in (dma.frequency, dma.storage, dma.loss, dma.temperature)), kind="shear")
+    again = em.fit.master_curve(shuffled, 293.15)
+    np.testing.assert_allclose(again.log10_a, master.log10_a, atol=1e-4)
+    np.testing.assert_allclose(again.log10_a_std, master.log10_a_std, rtol=0.02, atol=1e-6)
+
+
+@pytest.mark.parametrize("celsius", [-20.0, 15.0, 40.0])
+def test_the_reference_temperature_can_be_changed(master, celsius):
+    moved = master.at_reference(celsius + 273.15)
+    fresh = em.fit.master_curve(data(), celsius + 273.15)
+    np.testing.assert_allclose(moved.log10_a, fresh.log10_a, atol=1e-12)
+    truth = np.asarray(LAW.at_reference(celsius + 273.15).log10_a(master.temperature))
+    np.testing.assert_allclose(moved.log10_a, truth, atol=0.08)
+    assert (np.abs(moved.log10_a - truth) <= 3 * moved.log10_a_std + 1e-9).all()
+    omega = np.geomspace(*moved.window, 20)[2:-2]
+    np.testing.assert_allclose(moved.band(omega).storage, RUBBER.at(celsius + 273.15).storage(omega), rtol=0.03)
+
+
+@pytest.mark.parametrize(
+    "lift", [lambda c: (c + 273.15) / 293.15, lambda c: 1 + 0.05 * np.sin(c)], ids=["entropy", "free"]
+)
+def test_vertical_shifts_are_found(lift):
+    master = em.fit.master_curve(data(lift=lift), 293.15)
+    truth = np.log10(lift(20.0) / lift(master.temperature - 273.15))
+    assert (np.abs(master.log10_b - truth) <= 3 * master.log10_b_std + 1e-9).all()
+    assert np.abs(master.log10_b - truth).max() < 0.012
+    assert np.abs(master.log10_a - np.asarray(LAW.log10_a(master.temperature))).max() < 0.08
+    without = em.fit.master_curve(data(lift=lift), 293.15, vertical=False)
+    assert np.abs(without.log10_b).max() < 1e-4
+    assert without.noise["storage modulus"] > 1.5 * master.noise["storage modulus"]
+
+
+def test_a_plateau_is_not_told_apart():
+    """On a plateau with a constant loss tangent a horizontal shift is a vertical one."""
+    tau = np.geomspace(1e-30, 1e40, 281)
+    flat = em.Prony(0.0, 5e4 * tau**-0.06, tau, shift=em.WLF(4.0, 110.0, 293.15))
+    rows = data(np.arange(20.0, 71.0, 10.0), material=flat, lift=lambda c: 1 + 0.02 * np.cos(c))
+    master = em.fit.master_curve(rows, 293.15)
+    assert master.ambiguous[2:].any()
+    assert any("Horizontal and vertical shift cannot be told apart" in text for text in master.warnings)
+    truth = np.asarray(flat.shift.log10_a(master.temperature))
+    assert (np.abs(master.log10_a - truth) <= 4 * master.log10_a_std + 1e-9).all()
+    assert master.log10_a_std.max() > 0.05
+
+
+def test_isotherms_that_do_not_overlap_are_named():
+    master = em.fit.master_curve(data([-20.0, 20.0, 30.0], hertz=np.geomspace(1, 10, 12)), 293.15)
+    assert any("do not overlap" in text and "-20 and 20 degC" in text for text in master.warnings)
+    assert master.log10_a_std[0] > 5 * master.log10_a_std[2]
+
+
+def test_two_processes_are_not_thermorheologically_simple():
+    rows = [measure(RUBBER, np.array([c]), HERTZ, 0.005, 0) for c in (-20.0, 0.0, 20.0, 40.0)]
+    other = em.Prony(0, [4e6, 4e6], [1e-2, 1e-1], shift=em.Arrhenius(2e4, 293.15))
+    more = [measure(other, np.array([c]), HERTZ, 0.0, 0) for c in (-20.0, 0.0, 20.0, 40.0)]
+    f, t, s, l = (np.concatenate(rows) + np.concatenate(more) * [0, 0, 1, 1]).T
+    master = em.fit.master_curve(em.fit.dma(2 * np.pi * f, s, l, t + 273.15, kind="shear"), 293.15)
+    assert any(text.startswith("Not thermorheologically simple") for text in master.warnings)
+
+
+def test_relaxation_shifts_too():
+    rng = np.random.default_rng(0)
+    t, kelvin = np.geomspace(0.1, 100, 16), np.arange(253.15, 314, 10)
+    moduli = np.concatenate([np.asarray(RUBBER.at(T).relaxation(t)) for T in kelvin])
+    moduli *= 1 + 0.01 * rng.normal(size=moduli.size)
+    dma = em.fit.relaxation(np.tile(t, kelvin.size), moduli, np.repeat(kelvin, t.size), kind="shear")
+    master = em.fit.master_curve(dma, 293.15)
+    truth = np.asarray(LAW.log10_a(master.temperature))
+    assert (np.abs(master.log10_a - truth) <= 3 * master.log10_a_std + 1e-9).all()
+    assert np.abs(master.log10_a - truth).max() < 0.15
+    both = em.fit.master_curve(em.fit.join(dma, data()), 293.15)
+    assert np.abs(both.log10_a - truth).max() < 0.03
+    assert both.time.size == moduli.size
+
+
+def test_few_temperatures():
+    one = em.fit.master_curve(data([20.0]))
+    assert one.wlf is None
+    assert any("one temperature only" in text for text in one.warnings)
+    two = em.fit.master_curve(data([10.0, 20.0]), 293.15)
+    assert two.wlf is None
+    assert two.arrhenius is not None
+    outside = em.fit.master_curve(data(), 273.15 + 60)
+    assert any("extrapolating" in text for text in outside.warnings)
+
+
+def test_a_ramp_is_cut_into_isotherms():
+    rng = np.random.default_rng(2)
+    kelvin = np.repeat(np.linspace(258.0, 308.0, 120), 3)
+    omega = 2 * np.pi * np.tile([0.5, 5.0, 50.0], 120)
+    moduli = np.array([RUBBER.at(T).complex_modulus(w) for T, w in zip(kelvin[::6], omega[::6], strict=True)])
+    a = 10 ** np.asarray(LAW.log10_a(kelvin))
+    moduli = np.asarray(RUBBER.at(293.15).complex_modulus(omega * a))
+    noise = 1 + 0.01 * rng.normal(size=(2, kelvin.size))
+    master = em.fit.master_curve(
+        em.fit.dma(omega, moduli.real * noise[0], moduli.imag * noise[1], kelvin, kind="shear"), 293.15
+    )
+    assert 10 <= master.temperature.size <= 20
+    assert np.abs(master.log10_a - np.asarray(LAW.log10_a(master.temperature))).max() < 0.08
+
+
+def test_refusals():
+    dma = data()
+    for call, said in (
+        (lambda: em.fit.master_curve([1, 2]), "dma must be a Dma"),
+        (lambda: em.fit.master_curve(dma, -5), "reference must be positive"),
+        (lambda: em.fit.master_curve(dma, "20 degC"), "reference must be a number"),
+        (lambda: em.fit.master_curve(dma, 293.15, vertical="yes"), "vertical must be True or False"),
+        (lambda: em.fit.master_curve(dma, 293.15, tolerance=0), "tolerance must be positive"),
+        (lambda: em.fit.master_curve(em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="shear")), "five points"),
+    ):
+        with pytest.raises(InputError, match=said):
+            call()
+
+
+def test_tables_and_figures(master, tmp_path):
+    master.to_csv(tmp_path / "master.csv")
+    lines = (tmp_path / "master.csv").read_text().splitlines()
+    rows = [line for line in lines if not line.startswith("#")]
+    assert len(rows) == 1 + master.frequency.size
+    assert any("log10 a_T" in line for line in lines)
+    ax = master.plot()
+    assert "rad/s" in ax.get_xlabel()
+    assert "log10 a_T" in repr(master)

@@ -1,0 +1,191 @@
+"""From a file to a material that em.friction reads: round trips in every format, the command line, cards, files."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.main import main
+from elastomdr.cli.scene import read_scene
+from elastomdr.errors import InputError
+from elastomdr.fit import abaqus_card, ansys_card, plain_card
+from elastomdr.material.check import check_material
+
+from .dma_files import CELSIUS, HERTZ, WRITERS, measure, plain_csv, two_rows
+
+RUBBER = em.Prony(
+    6e5, np.geomspace(6e7, 2e5, 10), np.geomspace(1e-9, 1.0, 10), shift=em.WLF(5.8, 125.0, 293.15), name="known"
+)
+ROWS = measure(RUBBER)
+BALL = em.Paraboloid(5e-3)
+VELOCITY = np.geomspace(1e-4, 1.0, 8)  # 2 mm of contact: 0.05 to 500 rad/s, within the reduced window at 0 to 40 degC
+# The bare line compiles faster than the average of directions, and depends on the material in the same way.
+SCENE = {"load": 1.0, "temperature": np.array([[273.15], [293.15], [313.15]]), "average": None, "rtol": 1e-4}
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return em.friction(RUBBER, BALL, velocity=VELOCITY, **SCENE)
+
+
+@pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.__name__)
+def test_round_trip_to_friction(writer, tmp_path, truth):
+    """Material, measurements with 0.3 % noise, file, fit, material file, friction: within 2 % of where it began."""
+    fit = em.fit.material(em.fit.read_dma(writer(tmp_path, ROWS)), 293.15, name="again")
+    em.save_material(fit.material, tmp_path / "again.toml", info=fit.info())
+    material = em.load_material(tmp_path / "again.toml")
+    again = em.friction(material, BALL, velocity=VELOCITY, **SCENE)
+    assert again.converged.all()
+    np.testing.assert_allclose(again.mu, truth.mu, rtol=0.02)
+
+
+def test_material_file_is_complete(tmp_path):
+    fit = em.fit.material(em.fit.read_dma(two_rows(tmp_path, ROWS)), 293.15, name="my-rubber", citation="Here, today")
+    files = fit.files()
+    assert sorted(files) == sorted(
+        [f"my-rubber{end}" for end in (".toml", "-master.csv", "-shifts.csv", "-prony.csv", "-plain.csv", "-abaqus.inp",
+         "-ansys.mac", "-master.png", "-shifts.png", "-cole-cole.png", "-van-gurp-palmen.png")]
+    )  # fmt: skip
+    assert all(files[name].startswith(b"\x89PNG") for name in files if name.endswith(".png"))
+    (tmp_path / "my-rubber.toml").write_bytes(files["my-rubber.toml"])
+    assert check_material(tmp_path / "my-rubber.toml") == []
+    text = files["my-rubber.toml"].decode()
+    for said in ("Here, today", "fitted here", "storage_residual", "loss_residual", "isotherms shifted jointly"):
+        assert said in text
+    paths = fit.save(tmp_path)
+    assert sorted(path.name for path in paths) == sorted(files)
+    table = pd.read_csv(tmp_path / "my-rubber-shifts.csv", comment="#")
+    np.testing.assert_allclose(table["log10 a_T [-]"], fit.master.log10_a, rtol=1e-15)
+    assert fit.as_used["loss modulus"] < 0.02
+    assert "WLF in the material" in repr(fit)
+
+
+@pytest.mark.parametrize("law", ["WLF", "VFT", "Arrhenius", "table", "none"])
+def test_every_shift_law_can_be_chosen(law, tmp_path):
+    fit = em.fit.material(em.fit.read_dma(plain_csv(tmp_path, ROWS)), 293.15, law=law, name="m")
+    em.save_material(fit.material, tmp_path / "m.toml", info=fit.info())
+    loaded = em.load_material(tmp_path / "m.toml")
+    assert type(loaded.shift).__name__ == {"table": "ShiftTable", "none": "NoneType"}.get(law, law)
+    if law in ("WLF", "VFT", "table"):
+        truth = np.asarray(RUBBER.shift.log10_a(CELSIUS[1:-1] + 273.15))
+        np.testing.assert_allclose(loaded.shift.log10_a(CELSIUS[1:-1] + 273.15), truth, atol=0.05)
+
+
+def test_shift_factors_that_are_no_wlf_become_a_table():
+    jump = np.where(CELSIUS > 25, -1.5, 0.0) + np.asarray(RUBBER.shift.log10_a(CELSIUS + 273.15))
+    omega = 2 * np.pi * HERTZ
+    moduli = [np.asarray(RUBBER.at(293.15).complex_modulus(omega * 10**x)) for x in jump]
+    parts = [em.fit.dma(omega, m.real, m.imag, c + 273.15, kind="shear") for m, c in zip(moduli, CELSIUS, strict=True)]
+    fit = em.fit.material(em.fit.join(*parts), 293.15)
+    assert fit.law == "table"
+    np.testing.assert_allclose(fit.material.shift.log10_a(293.15), 0.0, atol=1e-12)
+    np.testing.assert_allclose(fit.master.log10_a, jump, atol=0.15)
+
+
+def test_vertical_shifts_that_a_material_cannot_have_are_said():
+    lift = np.array([1, 1, 1, 1]) * 1.0
+    rows = ROWS * lift
+    up = (rows[:, 1] + 273.15) / 293.15
+    dma = em.fit.dma(2 * np.pi * rows[:, 0], up * rows[:, 2], up * rows[:, 3], rows[:, 1] + 273.15, kind="shear")
+    fit = em.fit.material(dma, 293.15)
+    assert any("a material file has none" in text for text in fit.warnings)
+    assert fit.as_used["storage modulus"] > 3 * fit.prony.storage_residual
+
+
+def test_command_line(tmp_path, monkeypatch, capsys):
+    two_rows(tmp_path, ROWS)
+    monkeypatch.chdir(tmp_path)
+    assert main(["fit", "two.csv", "--reference", "-5degC", "--out", "new/folder", "--name", "fitted"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    for said in ("log10 a_T", "WLF", "residuals", "-5 degC", "wrote 11 files", "fitted.toml"):
+        assert said in out
+    assert check_material(tmp_path / "new" / "folder" / "fitted.toml") == []
+    scene = (
+        'material = "new/folder/fitted.toml"\ntemperature = "20 degC"\n[indenter]\nshape = "sphere"\nradius = "5 mm"\n'
+    )
+    (tmp_path / "s.toml").write_text(scene + '[contact]\nload = "1 N"\nvelocity = ["1 mm/s", "1 cm/s"]\n')
+    assert read_scene("s.toml").material.name == "fitted"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["two.csv", "--reference", "20"], "20 degC"),
+        (["two.csv", "--reference", "20 parsec"], "a temperature"),
+        (["tow.csv"], "tow.csv: cannot be read"),
+        (["two.csv", "--kind", "shearing"], "invalid choice"),
+        (["two.csv", "--terms", "0"], "terms must be a whole number"),
+        (["two.csv", "--law", "wolf"], "law must be one of"),
+        (["two.csv", "--name", "a/b"], "--name must be"),
+        (["two.csv", "--column", "storage"], "--column must be"),
+        (["two.csv", "--poisson", "0.9"], "poisson must be"),
+        (["two.csv", "--out", "two.csv"], "--out must be a folder"),
+        (["nounit.csv"], "--frequency-unit Hz"),
+        (["notemperature.csv"], "--temperature 20degC"),
+        (["short.csv"], "five points"),
+        (["two.csv", "tensile.csv"], "one kind"),
+        (["one.csv"], "range of frequencies"),
+    ],
+)
+def test_bad_input_is_one_line_and_no_file(arguments, said, tmp_path, monkeypatch, capsys):
+    two_rows(tmp_path, ROWS)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "nounit.csv").write_text("f,T [K],G' [Pa],G'' [Pa]\n1,293,2e6,1e5\n2,293,2e6,1e5\n")
+    (tmp_path / "notemperature.csv").write_text(
+        "f [Hz],G' [Pa],G'' [Pa]\n" + "\n".join(f"{f},2e6,1e5" for f in range(1, 9))
+    )
+    (tmp_path / "one.csv").write_text("f [Hz],T [K],G' [Pa],G'' [Pa]\n" + 9 * "10,293,2e6,1e5\n")
+    (tmp_path / "short.csv").write_text("f [Hz],T [degC],G' [Pa],G'' [Pa]\n1,20,2e6,1e5\n")
+    (tmp_path / "tensile.csv").write_text("f [Hz],T [degC],E' [Pa],E'' [Pa]\n1,20,2e6,1e5\n2,20,2e6,1e5\n")
+    before = sorted(path.name for path in tmp_path.rglob("*"))
+    assert main(["fit", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("elastomdr: error: ")
+    assert err.count("\n") == 1
+    assert said in err
+    assert sorted(path.name for path in tmp_path.rglob("*")) == before
+
+
+def test_names_of_functions_are_not_shadowed_by_modules():
+    """Whatever of `em.fit` is used first, its functions stay functions."""
+    code = "import elastomdr as em; em.fit.MaterialFit; em.fit.PronyFit; em.fit.Dma; em.fit.Calibration;"
+    code += "assert all(callable(getattr(em.fit, name)) for name in em.fit.__all__)"
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
+
+
+def test_import_of_the_package_stays_light():
+    code = (
+        "import sys, elastomdr as em; em.fit; assert not {'jax', 'scipy', 'numpy', 'matplotlib'} & sys.modules.keys()"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
+
+
+def test_cards_hold_the_same_material():
+    abaqus = abaqus_card(RUBBER)
+    rows = re.search(r"\*VISCOELASTIC, TIME=PRONY\n((?:[\d.e+-]+, .*\n)+)", abaqus)[1].splitlines()
+    g, k, tau = np.array([[float(x) for x in row.split(",")] for row in rows]).T
+    half = float(re.search(r"NEO HOOKE, MODULI=INSTANTANEOUS\n([\d.e+-]+)", abaqus)[1])
+    np.testing.assert_allclose(2 * half * g, RUBBER.moduli, rtol=1e-7)
+    np.testing.assert_allclose(2 * half * (1 - g.sum()), 6e5, rtol=1e-3)  # from 8 digits of nearly 1
+    np.testing.assert_allclose(tau, RUBBER.times, rtol=1e-7)
+    assert (k == 0).all()
+    assert "*TRS, DEFINITION=WLF\n293.15, 5.8, 125" in abaqus
+    tensile = em.Prony(1e6, [3e6], [0.1], kind="tensile", poisson=0.3)
+    assert "*ELASTIC, MODULI=INSTANTANEOUS\n4000000, 0.3" in abaqus_card(tensile)
+    assert "0.75, 0.75, 0.1" in abaqus_card(tensile)
+    ansys = ansys_card(tensile)
+    assert "MP,EX,1,4000000" in ansys
+    assert ansys.count("TB,PRONY,1,1,1,") == 2
+    assert "TBDATA,1,0.75,0.1" in ansys
+    assert "TBDATA,1,293.15,5.8,125" in ansys_card(RUBBER)
+    plain = [line for line in plain_card(RUBBER).splitlines() if not line.startswith("#")]
+    assert len(plain) == 11
+    assert "a liquid" in abaqus_card(em.Maxwell(1e5, 1.0))
+    with pytest.raises(InputError, match="viscosity must be 0"):
+        abaqus_card(em.KelvinVoigt(1e6, 1e3))

@@ -1,0 +1,59 @@
+"""Measured data, where they are: in ELASTOMDR_DATA, or in ../shared/data/dma beside the checkout. Not part of
+the package.
+"""
+
+import os
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.fit import FitWarning
+
+DATA = Path(os.environ.get("ELASTOMDR_DATA", Path(__file__).parents[2] / "shared" / "data" / "dma"))
+pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="measured data are not here; set ELASTOMDR_DATA")
+
+
+def read(*names):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FitWarning)
+        return em.fit.read_dma([path for name in names for path in sorted(DATA.glob(name))])
+
+
+def test_polyisoprene_follows_the_published_law():
+    master = em.fit.master_curve(read("polyisoprene-34k/*.osc"), 263.15)
+    published = em.WLF(4.965, 139.3, 298.15).at_reference(263.15)
+    assert np.sqrt(np.mean((master.log10_a - np.asarray(published.log10_a(master.temperature))) ** 2)) < 0.03
+    assert float(em.fit.prony(master).material.equilibrium) == 0
+
+
+def test_epdm_is_met_and_judged():
+    fit = em.fit.material(read("epdm-70/tf_015p.csv"), 298.15)
+    assert fit.prony.loss_residual < 0.08
+    assert fit.prony.storage_residual < 0.03
+    assert fit.prony.terms <= 12
+    assert fit.master.ambiguous[fit.master.temperature > 310].all()
+    assert any("Horizontal and vertical" in text and "45.98" in text for text in fit.warnings)
+    assert any("Not thermorheologically simple" in text for text in fit.warnings)
+
+
+def test_adhesive_and_its_bad_row():
+    with pytest.warns(FitWarning, match="1 rows left out: line 538: Loss modulus is -29.8"):
+        dma = em.fit.read_dma(DATA / "psa-468mp" / "frequency_sweep_tts.txt")
+    assert dma.size == 339
+    master = em.fit.master_curve(dma, 303.15)
+    np.testing.assert_allclose([master.wlf.c1, master.wlf.c2], [8.48, 139.2], rtol=0.05)
+    fit = em.fit.prony(master)
+    assert fit.storage_residual < 0.1
+    assert fit.loss_residual < 0.1
+    assert fit.terms <= 1.5 * np.log10(fit.window[1] / fit.window[0])
+
+
+def test_sheet_and_table_of_the_encapsulant_agree():
+    sheet, table = read("pv-encapsulant/freq_Eplexor_raw.xls"), read("pv-encapsulant/freq_user_raw.csv")
+    np.testing.assert_allclose(sheet.storage, table.storage, rtol=1e-9)
+    np.testing.assert_allclose(sheet.temperature, table.temperature)
+    assert sheet.kind == table.kind == "tensile"
+    assert read("pv-encapsulant/time_user_raw.csv").time.size == 210

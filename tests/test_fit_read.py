@@ -1,0 +1,183 @@
+"""Reading DMA files: every format gives the same SI numbers, units are never guessed, bad rows are named."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.errors import InputError
+from elastomdr.fit import FitWarning
+
+from .dma_files import WRITERS, eplexor_xlsx, isotherms, measure, plain_csv
+
+MATERIAL = em.Prony(5e5, [2e6, 1e6, 5e5], [1e-5, 1e-3, 1e-1], shift=em.WLF(6.0, 110.0, 293.15))
+ROWS = measure(MATERIAL)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def file(text: str, name: str = "dma.csv", encoding: str = "utf-8"):
+        path = tmp_path / name
+        path.write_bytes(text.encode(encoding))
+        return path
+
+    return file
+
+
+@pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.__name__)
+def test_every_format_gives_the_same_numbers(writer, tmp_path):
+    paths = writer(tmp_path, ROWS)
+    dma = em.fit.read_dma(paths if len(paths) > 1 else paths[0])
+    order = np.lexsort((dma.frequency, dma.temperature))
+    assert dma.kind == "shear"
+    assert dma.size == len(ROWS)
+    assert dma.bad_rows == ()
+    digits = 1e-5 if writer.__name__ in ("reptate", "decimal_comma") else 1e-12
+    np.testing.assert_allclose(dma.frequency[order], 2 * np.pi * ROWS[:, 0], rtol=digits)
+    np.testing.assert_allclose(dma.temperature[order], ROWS[:, 1] + 273.15, rtol=1e-12)
+    np.testing.assert_allclose(dma.storage[order], ROWS[:, 2], rtol=digits)
+    np.testing.assert_allclose(dma.loss[order], ROWS[:, 3], rtol=digits)
+    assert set(dma.units) >= {"storage", "loss", "temperature"}
+
+
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ("f,T [K],G' [Pa],G'' [Pa]", "frequency_unit='Hz' (--frequency-unit Hz)"),
+        ("f [Hz],T [K],G',G''", "modulus_unit='MPa'"),
+        ("f [Hz],T,G' [Pa],G'' [Pa]", "temperature_unit='degC'"),
+        ("f [Hz],T [K],storage modulus [Pa],loss modulus [Pa]", "kind='shear' (--kind shear)"),
+        ("f [Hz],T [K],E' [Pa],G'' [Pa]", "all of shear or all of tension"),
+        ("a,b,c,d", "Name the columns"),
+    ],
+)
+def test_what_nobody_says_is_asked_for(write, header, said):
+    path = write(header + "\n" + "\n".join(f"{f},293.15,2e6,1e5" for f in (1, 2, 4)))
+    with pytest.raises(InputError) as error:
+        em.fit.read_dma(path)
+    assert said in str(error.value)
+    assert str(error.value).startswith("dma.csv: ")
+
+
+def test_the_user_fills_in_but_does_not_overrule(write):
+    path = write("f,T,storage,loss\n" + "\n".join(f"{f},20,2,0.1" for f in (1, 2, 4)))
+    dma = em.fit.read_dma(path, frequency_unit="Hz", temperature_unit="degC", modulus_unit="MPa", kind="tensile")
+    np.testing.assert_allclose(dma.frequency, 2 * np.pi * np.array([1, 2, 4]))
+    np.testing.assert_allclose([dma.temperature[0], dma.storage[0], dma.loss[0]], [293.15, 2e6, 1e5])
+    assert dma.kind == "tensile"
+    path = write("f [rad/s],T [degC],E' [kPa],E'' [kPa]\n" + "\n".join(f"{f},20,2000,100" for f in (1, 2, 4)))
+    dma = em.fit.read_dma(path, frequency_unit="Hz", modulus_unit="MPa")
+    np.testing.assert_allclose([dma.frequency[0], dma.storage[0]], [1, 2e6])
+    with pytest.raises(InputError, match="as the file's columns say"):
+        em.fit.read_dma(path, kind="shear")
+    with pytest.raises(InputError, match="frequency_unit must be one of Hz"):
+        em.fit.read_dma(path, frequency_unit="furlong")
+
+
+def test_columns_by_title_or_number(write):
+    path = write("speed,stiff,damp,warm\nHz,MPa,MPa,C\n" + "\n".join(f"{f},2,0.1,20" for f in (1, 2, 4)))
+    columns = {"frequency": "speed", "storage": 2, "loss": "damp", "temperature": 4}
+    dma = em.fit.read_dma(path, columns=columns, kind="shear")
+    np.testing.assert_allclose([dma.frequency[0], dma.storage[0], dma.temperature[0]], [2 * np.pi, 2e6, 293.15])
+    with pytest.raises(InputError, match="Did you mean 'storage'"):
+        em.fit.read_dma(path, columns={"storge": 2})
+
+
+def test_bad_rows_are_counted_and_named(write):
+    rows = ["1,20,2e6,1e5", "2,20,,1e5", "3,20,2e6,-5", "4,20,x,1e5", "5,20,2e6,1e5", "nan,20,2e6,1e5", "6,20,2e6,0"]
+    path = write("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "\n".join(rows))
+    with pytest.warns(FitWarning, match=r"5 rows left out: line 3: .*line 4: G'' \[Pa\] is -5 Pa, not positive"):
+        dma = em.fit.read_dma(path)
+    assert dma.size == 2
+    assert [text.split(":")[0] for text in dma.bad_rows] == ["line 3", "line 4", "line 5", "line 7", "line 8"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "1,20,2.5,0.3\n2,20,2.6,0.3\n", "implausibly low"),
+        ("f [Hz],T [degC],G' [GPa],G'' [GPa]\n" + "1,20,2500,300\n2,20,2600,300\n", "implausibly high"),
+        ("f [Hz],T [K],G' [Pa],G'' [Pa]\n" + "1,20,2e6,3e5\n2,20,2e6,3e5\n", "degC or K"),
+        ("f [Hz],T [degC],G' [Pa],G'' [kPa]\n" + "1,20,2e6,3e5\n2,20,2e6,3e5\n", "units mixed up"),
+        ("f [Hz],w [rad/s],T [degC],G' [Pa],G'' [Pa]\n" + "1,1,20,2e6,3e5\n2,2,20,2e6,3e5\n", "Hz and rad/s mixed"),
+        ("f [Hz],T [degC],G' [Pa],G'' [Pa],tan_delta\n" + "1,20,2e6,3e2,0.15\n2,20,2e6,3e2,0.15\n", "loss tangent"),
+    ],
+)
+def test_what_is_implausible_is_said(write, text, said):
+    with pytest.warns(FitWarning) as caught:
+        em.fit.read_dma(write(text))
+    assert any(said in str(warning.message) and "ssumed" in str(warning.message) for warning in caught)
+
+
+def test_loss_from_the_loss_tangent_and_from_the_phase(write):
+    path = write("f [Hz],T [degC],E' [MPa],tan(delta)\n" + "\n".join(f"{f},20,2,0.05" for f in (1, 2)))
+    np.testing.assert_allclose(em.fit.read_dma(path).loss, 1e5)
+    path = write("f [Hz],T [degC],|G*| [MPa],phase angle [deg]\n" + "\n".join(f"{f},20,2,30" for f in (1, 2)))
+    np.testing.assert_allclose(em.fit.read_dma(path).loss, 1e6)
+
+
+def test_time_domain(write):
+    path = write("t,E_relax,T\ns,MPa,°C\n" + "\n".join(f"{t},{3 - 0.1 * t},20" for t in (1, 2, 4)), encoding="latin-1")
+    dma = em.fit.read_dma(path)
+    assert dma.frequency.size == 0
+    np.testing.assert_allclose(dma.time, [1, 2, 4])
+    np.testing.assert_allclose(dma.relaxation, [2.9e6, 2.8e6, 2.6e6])
+    np.testing.assert_allclose(dma.time_temperature, 293.15)
+
+
+def test_reptate_master_curve(write):
+    path = write("T=-35;C1=8.8;\n 0.1 150 4500 -10 0\n 1.0 1500 9500 -20 0\n 10 9e3 2e4 -20 0\n", "pi.tts")
+    dma = em.fit.read_dma(path)
+    assert dma.shifted
+    np.testing.assert_allclose(dma.temperature, 238.15)
+    np.testing.assert_allclose(dma.loss, [4500, 9500, 2e4])
+    with pytest.warns(FitWarning, match="no temperature column"):
+        dma = em.fit.read_dma(write("mwdfile=ps2.dmwd;\n 0.1 150 4500\n 1.0 1500 9500\n 10 9e3 2e4\n", "ps.tts"))
+    assert np.isnan(dma.temperature).all()
+    with pytest.raises(InputError, match="--temperature"):
+        em.fit.master_curve(em.fit.join(dma, dma))
+
+
+def test_files_that_are_none(tmp_path, write, monkeypatch):
+    for path, said in (
+        (tmp_path / "none.csv", "cannot be read"),
+        (tmp_path, "got a folder"),
+        (write("", "empty.csv"), "the first row is empty"),
+        (write("f [Hz],T [K],G' [Pa],G'' [Pa]\n1,2,3\nx,y,z,w\n", "no.csv"), "is a measurement"),
+        (3, "path must be a file"),
+    ):
+        with pytest.raises(InputError, match=said):
+            em.fit.read_dma(path)
+    binary = tmp_path / "binary.csv"
+    binary.write_bytes(b"\x00\x01\x02" * 100)
+    with pytest.raises(InputError, match="binary"):
+        em.fit.read_dma(binary)
+    broken = tmp_path / "broken.xls"
+    broken.write_bytes(b"\xd0\xcf\x11\xe0" + b"\1" * 600)
+    with pytest.raises(InputError, match="is not a spreadsheet"):
+        em.fit.read_dma(broken)
+    sheet = eplexor_xlsx(tmp_path, ROWS)[0]
+    monkeypatch.setitem(__import__("sys").modules, "python_calamine", None)
+    with pytest.raises(InputError, match=r"elastomdr\[excel\]"):
+        em.fit.read_dma(sheet)
+
+
+def test_arrays_and_joining(tmp_path):
+    f, t, s, l = ROWS.T
+    dma = em.fit.dma(2 * np.pi * f, s, l, t + 273.15, kind="shear")
+    parts = [em.fit.dma(2 * np.pi * p[:, 0], p[:, 2], p[:, 3], p[0, 1] + 273.15, kind="shear") for p in isotherms(ROWS)]
+    np.testing.assert_array_equal(em.fit.join(*parts).storage, dma.storage)
+    np.testing.assert_allclose(em.fit.read_dma(plain_csv(tmp_path, ROWS)[0]).storage, dma.storage)
+    with pytest.raises(InputError, match="one kind"):
+        em.fit.join(dma, em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="tensile"))
+    with pytest.raises(InputError, match=r"loss must be positive and finite, got -1 \(entry 1\)"):
+        em.fit.dma([1, 2], [1e6, 1e6], [1e5, -1], 293.15, kind="shear")
+    with pytest.raises(InputError, match="kind must be"):
+        em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="bulk")
+
+
+def test_clean_files_read_without_a_word(tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        em.fit.read_dma(plain_csv(tmp_path, ROWS))
