@@ -254,6 +254,20 @@ def test_layer_and_two_bodies(place):
     np.testing.assert_allclose(both.moduli, em.half_space(rubber, rubber).moduli)
 
 
+def test_two_bodies_that_shift_differently_meet_at_one_temperature(place, capsys):
+    other = Path("rubber.toml").read_text().replace("8.86", "17.4").replace("1e6", "3e6")
+    (place / "other.toml").write_text(other)
+    scene = read_scene(write(place, ("temperature", 'other = "other.toml"\ntemperature')))
+    first, second = (em.load_material(name).at(293.15) for name in ("rubber.toml", "other.toml"))
+    np.testing.assert_allclose(scene.material.times, em.half_space(first, second).times)
+    assert "at 293.15 K" in scene.material.name
+    assert "temperature" not in scene.arguments
+    name = write(place, ('temperature = "20 degC"', 'other = "other.toml"\ntemperature = ["20 degC", "30 degC"]'))
+    assert "must be a single value, got 2" in refused(capsys, "friction", name)
+    name = write(place, ('temperature = "20 degC"', 'other = "other.toml"'))
+    assert "temperature is missing" in refused(capsys, "friction", name)
+
+
 def test_files_are_looked_for_beside_the_scene(place, monkeypatch):
     name = write(place)
     (place / "elsewhere").mkdir()

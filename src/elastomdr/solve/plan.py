@@ -66,8 +66,8 @@ def make_plan(
     plan = Plan(
         quantity=quantity, scene=scene, model=model, control=control, points=points, rtol=rtol, averaged=averaged,
         marched=marched, rules=ladder(lines.shape, inner, strips=lines.count > 1)[:1],
-        condensation=Condensation(law.moduli.shape[0]), branch_times=None, directions=count, shared=False, solutions=points * count, temperatures=temperatures,
-        traced=True, skip=skip, elastic=elastic,
+        condensation=Condensation(law.moduli.shape[0]), branch_times=None, directions=count, shared=False,
+        solutions=points * count, temperatures=temperatures, traced=True, skip=skip, elastic=elastic,
     )  # fmt: skip
     if averaged and control == "depth":
         plan = dataclasses.replace(plan, solutions=plan.solutions + points)  # the depth gives the load first
