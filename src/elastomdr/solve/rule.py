@@ -86,11 +86,11 @@ def _along_line(shape: AbstractShape, rtol: float, smallest: float) -> tuple[Rul
         return tuple(
             Rule(10, split=True, fractions=tuple(np.linspace(0, 1, n + 1).tolist()), safety=70.0) for n in pieces
         )
-    sizes = (6, 8, 10, 12, 16, 24, 32)
+    sizes = (8, 10, 12, 14, 16, 20, 24, 32)
     needed = sizes[4]
     if smallest > 1:
         rho = smallest + math.sqrt(smallest**2 - 1)
-        needed = math.log(10 / rtol) / math.log(rho) + 4
+        needed = math.log(10 / rtol) / math.log(rho) + 3
     first = next((n for n in sizes if n >= needed), sizes[-1])
     finer = (2 * first, sizes[-1]) if 2 * first < sizes[-1] else (sizes[-1],)
     return tuple(Rule(n) for n in dict.fromkeys((first, *finer)))
