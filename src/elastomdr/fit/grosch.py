@@ -1,6 +1,6 @@
 """Master curves of measured friction: mu(v, T) over v a_T (K. A. Grosch, Proc. R. Soc. Lond. A 274 (1963) 21-39)."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -169,11 +169,11 @@ def _infer(points: Points, kelvin: np.ndarray) -> tuple[Posterior, _Spline, int]
     count = spline.count
     n = count + kelvin.size - 1
 
-    def model(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def model(p: np.ndarray) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
         log10_a, by_slope = from_slopes(p[count:], kelvin, anchor)
         basis, slope = spline.basis(points.log_rate + LN10 * log10_a[points.isotherm])
-        jacobian = np.concatenate([basis, LN10 * (slope @ p[:count])[:, None] * by_slope[points.isotherm]], axis=1)
-        return basis @ p[:count], jacobian
+        sideways = LN10 * (slope @ p[:count])[:, None]
+        return basis @ p[:count], lambda: np.concatenate([basis, sideways * by_slope[points.isotherm]], axis=1)
 
     every = np.eye(n)
     start = np.zeros(n)

@@ -45,11 +45,12 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     plain = join(_with_offsets(data, guess).points, data.temperature, guess, False)
     found = plain.horizontal(plain.posterior.mean)[0]
     points, several = _with_offsets(data, found).points, data.temperature.size > 1
-    shifts = join(points, data.temperature, found, True) if vertical and several else plain
+    both = vertical and several
+    shifts = join(points, data.temperature, found, True, near=plain) if both else plain
     temper = _alike(shifts)
     if temper > _INDEPENDENT:
-        shifts = join(points, data.temperature, found, vertical and several, temper)
-        plain = join(points, data.temperature, found, False, temper) if vertical and several else shifts
+        shifts = join(points, data.temperature, found, both, temper, near=shifts)
+        plain = join(points, data.temperature, found, False, temper, near=plain) if both else shifts
     misfit = _misfit(shifts)
     gain = (shifts.posterior.evidence - plain.posterior.evidence) / max(1.0, misfit) ** 2
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
