@@ -113,6 +113,8 @@ def _numbers(
                 wrong = f"{column.title} is {cell[:20]!r}, no number"
             elif role not in ("temperature", "phase") and value <= 0:
                 wrong = f"{column.title} is {value:g} {spelled(given[role])}, not positive"
+            elif role == "temperature" and convert([value], role, given[role])[0] <= 0:
+                wrong = f"{column.title} is {value:g} {spelled(given[role])}, not above absolute zero"
             if wrong:
                 break
             found[role] = value

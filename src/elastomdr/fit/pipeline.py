@@ -168,7 +168,8 @@ def material(
         cold = float(master.temperature[np.abs(master.log10_b).argmax()] - 273.15)
         texts.append(
             f"Vertical shifts reach {100 * lift:.2g} % (at {cold:.3g} degC), and a material file has none: "
-            "away from the reference temperature its moduli are off by as much."
+            "away from the reference temperature its moduli are off by as much. vertical=False (--no-vertical) fits a "
+            "material that has none from the start."
         )
     description = description or f"Fitted to {dma.summary()}"
     return MaterialFit(fit.material, master, fit, chosen, used, tuple(texts), citation, description)
