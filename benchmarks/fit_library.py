@@ -80,8 +80,8 @@ def epdm(data: Path) -> em.fit.MaterialFit:
     said = (
         "Fitted without vertical shifts, which a material cannot have. With them, shift factors move by up to "
         f"{off[2] / 100:.2g} decades, the master curve is met to {100 * lifted.prony.storage_residual:.2g} and "
-        f"{100 * lifted.prony.loss_residual:.2g} % rms (storage, loss), but the moduli as measured only to {off[0]:.2g} "
-        f"and {off[1]:.2g} %."
+        f"{100 * lifted.prony.loss_residual:.2g} % rms (storage, loss), but the moduli as measured only to "
+        f"{off[0]:.2g} and {off[1]:.2g} %."
     )
     told = [text for text in lifted.warnings if text.startswith("Horizontal and vertical")]
     return replace(fit, warnings=(*fit.warnings, said, *told))

@@ -62,7 +62,7 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
 def about(joint: Joint, reference: float) -> AtReference:
     """Shifts about a reference temperature [K], through the laws where it is not that of an isotherm."""
     shifts = joint.shifts
-    p, n, temperature = shifts.posterior.mean, shifts.count, shifts.temperature
+    p, n, temperature = shifts.posterior.mean, shifts.size, shifts.temperature
     covariance = shifts.posterior.covariance
     x, by_x = shifts.horizontal(p)
     y = shifts.vertical() @ p
@@ -114,8 +114,8 @@ def told_apart(joint: Joint) -> np.ndarray:
 
     It is not where its uncertainty is a fair part of it and would mostly be gone if the vertical shifts were known.
     """
-    shifts, clear = joint.shifts, np.ones(joint.shifts.count, dtype=bool)
-    if shifts.count == 1:
+    shifts, clear = joint.shifts, np.ones(joint.shifts.size, dtype=bool)
+    if shifts.size == 1:
         return clear
     x, by_x = shifts.horizontal(shifts.posterior.mean)
     step_x, step_y = np.diff(by_x, axis=0), np.diff(shifts.vertical(), axis=0)

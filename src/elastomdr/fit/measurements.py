@@ -83,7 +83,7 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
         storage, loss = arrays["storage"], arrays["storage"] * arrays["tangent"]
     else:
         storage, loss = (arrays["absolute"] * part(arrays["phase"]) for part in (np.cos, np.sin))
-    return Dma(temperature, arrays[rate], storage, loss, **common)
+    return Dma(temperature, arrays[needed[0]], storage, loss, **common)
 
 
 def modulus_given(options: Options) -> bool:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 from threadpoolctl import threadpool_limits
 
 _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
@@ -87,10 +87,11 @@ def infer(
     grams = [prior.rows.T @ prior.rows for prior in priors]
     pulls = [prior.rows.T @ np.broadcast_to(prior.target, prior.rows.shape[0]) for prior in priors]
     counts = np.array([(group == g).sum() for g in range(noise.size)])
-    converged, cost = False, np.inf
+    residuals, factor, converged = data, np.eye(p.size), False
+    covariance = factor
     for _ in range(_ROUNDS):
-        precision = sum(gram / width**2 for gram, width in zip(grams, widths, strict=True))
-        pull = sum(vector / width**2 for vector, width in zip(pulls, widths, strict=True))
+        precision = _weighted(grams, widths)
+        pull = _weighted(pulls, widths)
         scale = np.sqrt(weights / temper) / noise[group]
         p, residuals, jacobian, settled = _climb(model, data, scale, precision, pull, p)
         scaled = jacobian * scale[:, None]
@@ -123,7 +124,7 @@ def infer(
             break
     if wary is not None:
         scaled = wary(p) * (np.sqrt(weights / temper) / noise[group])[:, None]
-        precision = sum(gram / width**2 for gram, width in zip(grams, widths, strict=True))
+        precision = _weighted(grams, widths)
         covariance = _inverse(_cholesky(scaled.T @ scaled + precision))
     log_evidence = (
         -0.5 * (weights * (residuals / noise[group]) ** 2).sum() / temper
@@ -134,6 +135,13 @@ def infer(
         seen = prior.rows @ p - prior.target
         log_evidence -= 0.5 * (seen @ seen) / width**2 + len(seen) * np.log(width)
     return Posterior(p, covariance, noise, weights, residuals, tuple(widths), float(log_evidence), converged)
+
+
+def _weighted(parts: list[np.ndarray], widths: list[float]) -> np.ndarray:
+    total = parts[0] / widths[0] ** 2
+    for part, width in zip(parts[1:], widths[1:], strict=True):
+        total = total + part / width**2
+    return total
 
 
 def _climb(

@@ -41,7 +41,7 @@ class Shifts(NamedTuple):
     points: Points
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         return self.temperature.size
 
     @property
@@ -56,7 +56,7 @@ class Shifts(NamedTuple):
     def slopes(self) -> slice:
         """ln of -d(log10 a_T)/dT between neighbours."""
         start = self.log_times.size + 1
-        return slice(start, start + self.count - 1)
+        return slice(start, start + self.size - 1)
 
     def predict(self, p: np.ndarray, channel: np.ndarray, log_rate: np.ndarray) -> Prediction:
         """What the spectrum predicts at the anchor's temperature."""
@@ -66,22 +66,22 @@ class Shifts(NamedTuple):
     def horizontal(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """log10 a_i, and its derivatives with respect to all unknowns."""
         log10_a, by_slope = from_slopes(p[self.slopes], self.temperature, self.anchor)
-        jacobian = np.zeros((self.count, p.size))
+        jacobian = np.zeros((self.size, p.size))
         jacobian[:, self.slopes] = by_slope
         return log10_a, jacobian
 
     @property
     def places(self) -> slice:
         """By how much each ln tau_k is off its place on the grid."""
-        start = self.slopes.stop + 1 + self.count
+        start = self.slopes.stop + 1 + self.size
         return slice(start, start + self.log_times.size)
 
     def vertical(self) -> np.ndarray:
         """Matrix that takes the unknowns to ln b_i."""
         start = self.slopes.stop
-        matrix = np.zeros((self.count, self.places.stop))
+        matrix = np.zeros((self.size, self.places.stop))
         matrix[:, start] = np.log(self.temperature[self.anchor] / self.temperature)
-        matrix[:, start + 1 : self.places.start] = np.eye(self.count)
+        matrix[:, start + 1 : self.places.start] = np.eye(self.size)
         return matrix
 
 

@@ -80,7 +80,7 @@ def predict(
     with np.errstate(over="ignore"):
         x = np.outer(np.exp(-log_rate), np.exp(-log_times))  # 1/(omega tau), or t/tau
     x = np.clip(x, 1 / _FAR, _FAR)
-    kernels, bends = np.empty((2, *x.shape))
+    kernels, bends = np.empty(x.shape), np.empty(x.shape)
     for which in np.unique(channel):
         at = np.flatnonzero(channel == which)
         at = slice(at[0], at[-1] + 1) if at[-1] - at[0] + 1 == at.size else at  # a slice is not copied
