@@ -75,15 +75,18 @@ def test_every_shift_law_can_be_chosen(law, tmp_path):
         np.testing.assert_allclose(loaded.shift.log10_a(CELSIUS[1:-1] + 273.15), truth, atol=0.05)
 
 
-def test_shift_factors_that_are_no_wlf_become_a_table():
+def test_shift_factors_that_are_no_wlf_become_a_table(tmp_path):
     jump = np.where(CELSIUS > 25, -1.5, 0.0) + np.asarray(RUBBER.shift.log10_a(CELSIUS + 273.15))
     omega = 2 * np.pi * HERTZ
     moduli = [np.asarray(RUBBER.at(293.15).complex_modulus(omega * 10**x)) for x in jump]
-    parts = [em.fit.dma(omega, m.real, m.imag, c + 273.15, kind="shear") for m, c in zip(moduli, CELSIUS, strict=True)]
+    kelvin = CELSIUS + 273.1512775  # as instruments log it
+    parts = [em.fit.dma(omega, m.real, m.imag, t, kind="shear") for m, t in zip(moduli, kelvin, strict=True)]
     fit = em.fit.material(em.fit.join(*parts), 293.15)
     assert fit.law == "table"
     np.testing.assert_allclose(fit.material.shift.log10_a(293.15), 0.0, atol=1e-12)
     np.testing.assert_allclose(fit.master.log10_a, jump, atol=0.15)
+    em.save_material(fit.material, tmp_path / "m.toml", info=fit.info())
+    assert not any("range" in text for text in check_material(tmp_path / "m.toml"))  # it and the table agree
 
 
 def test_vertical_shifts_that_a_material_cannot_have_are_said():

@@ -37,6 +37,10 @@ def test_epdm_is_met_and_judged():
     assert fit.master.ambiguous[fit.master.temperature > 310].all()
     assert any("Horizontal and vertical" in text and "45.98" in text for text in fit.warnings)
     assert any("Not thermorheologically simple" in text for text in fit.warnings)
+    file = em.fit.material(read("epdm-70/tf_015p.csv"), 298.15, vertical=False)
+    assert file.as_used["storage modulus"] < 0.03  # of the material as it is used, without vertical shifts
+    assert file.as_used["loss modulus"] < 0.08
+    assert file.prony.terms <= 12
 
 
 def test_adhesive_and_its_bad_row():

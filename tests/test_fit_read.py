@@ -85,12 +85,22 @@ def test_columns_by_title_or_number(write):
 
 
 def test_bad_rows_are_counted_and_named(write):
-    rows = ["1,20,2e6,1e5", "2,20,,1e5", "3,20,2e6,-5", "4,20,x,1e5", "5,20,2e6,1e5", "nan,20,2e6,1e5", "6,20,2e6,0"]
+    rows = [
+        "1,20,2e6,1e5",
+        "2,20,,1e5",
+        "3,20,2e6,-5",
+        "4,20,x,1e5",
+        "5,20,2e6,1e5",
+        "nan,20,2e6,1e5",
+        "6,20,2e6,0",
+        "7,-300,2e6,1e5",
+    ]
     path = write("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "\n".join(rows))
-    with pytest.warns(FitWarning, match=r"5 rows left out: line 3: .*line 4: G'' \[Pa\] is -5 Pa, not positive"):
+    with pytest.warns(FitWarning, match=r"6 rows left out: line 3: .*line 4: G'' \[Pa\] is -5 Pa, not positive"):
         dma = em.fit.read_dma(path)
     assert dma.size == 2
-    assert [text.split(":")[0] for text in dma.bad_rows] == ["line 3", "line 4", "line 5", "line 7", "line 8"]
+    assert [text.split(":")[0] for text in dma.bad_rows] == ["line 3", "line 4", "line 5", "line 7", "line 8", "line 9"]
+    assert "not above absolute zero" in dma.bad_rows[-1]
 
 
 @pytest.mark.parametrize(
@@ -143,7 +153,7 @@ def test_files_that_are_none(tmp_path, write, monkeypatch):
     for path, said in (
         (tmp_path / "none.csv", "cannot be read"),
         (tmp_path, "got a folder"),
-        (write("", "empty.csv"), "the first row is empty"),
+        (write("\n \n", "empty.csv"), "the file is empty"),
         (write("f [Hz],T [K],G' [Pa],G'' [Pa]\n1,2,3\nx,y,z,w\n", "no.csv"), "is a measurement"),
         (3, "path must be a file"),
     ):

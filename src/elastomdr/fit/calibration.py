@@ -109,7 +109,7 @@ def calibrate(
         positive("error", given)
     compute = _computer(material, shape, quantity, names, change, dict(scene, velocity=velocity))
     with jax.enable_x64(True):
-        value, jacobian = jax.jit(compute), jax.jit(jax.jacfwd(compute))
+        value, jacobian = _compiled(compute)
         begin = np.array([start[name] for name in names])
         first = np.asarray(value(begin))
         if first.shape != data.shape:
@@ -184,7 +184,7 @@ def _changed(material: Prony, shape: Any, values: dict[str, Any], change: Any) -
     moduli, times = moduli * 10.0 ** values.get("modulus", 0.0), times * 10.0 ** values.get("time", 0.0)
     material = eqx.tree_at(lambda m: (m.equilibrium, m.moduli, m.times), material, (equilibrium, moduli, times))
     if {"c1", "c2"} & values.keys():
-        law = material.shift
+        law: Any = material.shift
         factors = (10.0 ** values.get("c1", 0.0), 10.0 ** values.get("c2", 0.0))
         law = eqx.tree_at(lambda s: (s.c1, s.c2), law, (law.c1 * factors[0], law.c2 * factors[1]))
         material = eqx.tree_at(lambda m: m.shift, material, law)
@@ -199,11 +199,27 @@ def _computer(material: Prony, shape: Any, quantity: str, names: list[str], chan
 
     def compute(p: Any) -> Any:
         values = dict(zip(names, p, strict=True))
-        curve = call(*_changed(material, shape, values, change), **scene)
+        curve: Any = call(*_changed(material, shape, values, change), **scene)
         result = curve.mu if quantity == "friction" else curve.coefficient
         return result * 10.0 ** values.get("gain", 0.0) + values.get("offset", 0.0)
 
     return compute
+
+
+def _compiled(compute: Any) -> tuple[Any, Any]:
+    """A function's value and its Jacobian, compiled as one: compiling takes far longer than computing both."""
+    both = jax.jit(jax.jacfwd(lambda p: 2 * (compute(p),), has_aux=True))
+    last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+
+    def at(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        key = p.tobytes()
+        if key not in last:
+            jacobian, value = both(p)
+            last.clear()
+            last[key] = np.asarray(value), np.asarray(jacobian)
+        return last[key]
+
+    return lambda p: at(p)[0], lambda p: at(p)[1]
 
 
 def _search(value: Any, jacobian: Any, begin: Any, spread: Any, data: Any, used: Any, sigma: Any) -> Any:
@@ -217,7 +233,7 @@ def _search(value: Any, jacobian: Any, begin: Any, spread: Any, data: Any, used:
         matrix = -np.asarray(jacobian(p))[used] / sigma[used][:, None]
         return np.concatenate([np.where(np.isfinite(matrix), matrix, 0.0), -np.diag(1 / spread)])
 
-    return least_squares(residuals, begin, jac=derivative, method="trf", xtol=1e-8, ftol=1e-8, max_nfev=60)
+    return least_squares(residuals, begin, jac=derivative, xtol=1e-8, ftol=1e-8, max_nfev=60)  # pyright: ignore[reportArgumentType]
 
 
 def _judge(names: list[str], std: Any, spread: Any, covariance: Any, used: Any, success: bool) -> Iterator[str]:

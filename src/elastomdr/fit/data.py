@@ -157,7 +157,7 @@ def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
     return array
 
 
-def describe_list(values: Sequence[float], unit: str, most: int = 12) -> str:
+def describe_list(values: Sequence[float] | np.ndarray, unit: str, most: int = 12) -> str:
     """Numbers in one line: "-10, 0 and 10 degC"."""
     texts = [f"{value:.4g}" for value in values]
     if len(texts) > most:

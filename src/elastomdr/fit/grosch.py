@@ -1,6 +1,6 @@
 """Master curves of measured friction: mu(v, T) over v a_T (K. A. Grosch, Proc. R. Soc. Lond. A 274 (1963) 21-39)."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -30,14 +30,14 @@ class _Spline(NamedTuple):
     knots: np.ndarray
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         return self.knots.size - 4
 
     def basis(self, log_velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values and slopes of the cubic basis functions, (points, count)."""
         low, high = self.knots[3], self.knots[-4]
         x = np.clip(log_velocity, low, high)
-        spline = BSpline(self.knots, np.eye(self.count), 3)
+        spline = BSpline(self.knots, np.eye(self.size), 3)
         return spline(x), spline.derivative()(x)
 
 
@@ -80,7 +80,7 @@ class FrictionMaster:
         positive("velocity", velocity)
         flat = np.atleast_1d(velocity).ravel()
         basis, _ = self._spline.basis(np.log(flat) + LN10 * self._anchor)
-        count = self._spline.count
+        count = self._spline.size
         value = basis @ self._posterior.mean[:count]
         std = np.sqrt(np.einsum("ij,jk,ik->i", basis, self._posterior.covariance[:count, :count], basis))
         inside = (flat >= self.velocity.min() * (1 - 1e-9)) & (flat <= self.velocity.max() * (1 + 1e-9))
@@ -166,14 +166,14 @@ def _infer(points: Points, kelvin: np.ndarray) -> tuple[Posterior, _Spline, int]
     inner = np.linspace(low, high, int((high - low) / LN10 * _KNOTS) + 2)
     step = inner[1] - inner[0]
     spline = _Spline(np.concatenate([low - step * np.arange(3, 0, -1), inner, high + step * np.arange(1, 4)]))
-    count = spline.count
+    count = spline.size
     n = count + kelvin.size - 1
 
-    def model(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def model(p: np.ndarray) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
         log10_a, by_slope = from_slopes(p[count:], kelvin, anchor)
         basis, slope = spline.basis(points.log_rate + LN10 * log10_a[points.isotherm])
-        jacobian = np.concatenate([basis, LN10 * (slope @ p[:count])[:, None] * by_slope[points.isotherm]], axis=1)
-        return basis @ p[:count], jacobian
+        sideways = LN10 * (slope @ p[:count])[:, None]
+        return basis @ p[:count], lambda: np.concatenate([basis, sideways * by_slope[points.isotherm]], axis=1)
 
     every = np.eye(n)
     start = np.zeros(n)
@@ -203,7 +203,7 @@ def _infer(points: Points, kelvin: np.ndarray) -> tuple[Posterior, _Spline, int]
 def _assemble(
     points: Points, kelvin: np.ndarray, posterior: Posterior, spline: _Spline, anchor: int, reference: float
 ) -> FrictionMaster:
-    count = spline.count
+    count = spline.size
     x, by_slope = from_slopes(posterior.mean[count:], kelvin, anchor)
     spread = by_slope @ posterior.covariance[count:, count:] @ by_slope.T
     place = np.interp(reference, kelvin, np.arange(kelvin.size))

@@ -45,11 +45,12 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     plain = join(_with_offsets(data, guess).points, data.temperature, guess, False)
     found = plain.horizontal(plain.posterior.mean)[0]
     points, several = _with_offsets(data, found).points, data.temperature.size > 1
-    shifts = join(points, data.temperature, found, True) if vertical and several else plain
+    both = vertical and several
+    shifts = join(points, data.temperature, found, True, near=plain) if both else plain
     temper = _alike(shifts)
     if temper > _INDEPENDENT:
-        shifts = join(points, data.temperature, found, vertical and several, temper)
-        plain = join(points, data.temperature, found, False, temper) if vertical and several else shifts
+        shifts = join(points, data.temperature, found, both, temper, near=shifts)
+        plain = join(points, data.temperature, found, False, temper, near=plain) if both else shifts
     misfit = _misfit(shifts)
     gain = (shifts.posterior.evidence - plain.posterior.evidence) / max(1.0, misfit) ** 2
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
@@ -61,7 +62,7 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
 def about(joint: Joint, reference: float) -> AtReference:
     """Shifts about a reference temperature [K], through the laws where it is not that of an isotherm."""
     shifts = joint.shifts
-    p, n, temperature = shifts.posterior.mean, shifts.count, shifts.temperature
+    p, n, temperature = shifts.posterior.mean, shifts.size, shifts.temperature
     covariance = shifts.posterior.covariance
     x, by_x = shifts.horizontal(p)
     y = shifts.vertical() @ p
@@ -113,8 +114,8 @@ def told_apart(joint: Joint) -> np.ndarray:
 
     It is not where its uncertainty is a fair part of it and would mostly be gone if the vertical shifts were known.
     """
-    shifts, clear = joint.shifts, np.ones(joint.shifts.count, dtype=bool)
-    if shifts.count == 1:
+    shifts, clear = joint.shifts, np.ones(joint.shifts.size, dtype=bool)
+    if shifts.size == 1:
         return clear
     x, by_x = shifts.horizontal(shifts.posterior.mean)
     step_x, step_y = np.diff(by_x, axis=0), np.diff(shifts.vertical(), axis=0)

@@ -83,7 +83,7 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
         storage, loss = arrays["storage"], arrays["storage"] * arrays["tangent"]
     else:
         storage, loss = (arrays["absolute"] * part(arrays["phase"]) for part in (np.cos, np.sin))
-    return Dma(temperature, arrays[rate], storage, loss, **common)
+    return Dma(temperature, arrays[needed[0]], storage, loss, **common)
 
 
 def modulus_given(options: Options) -> bool:
@@ -113,6 +113,8 @@ def _numbers(
                 wrong = f"{column.title} is {cell[:20]!r}, no number"
             elif role not in ("temperature", "phase") and value <= 0:
                 wrong = f"{column.title} is {value:g} {spelled(given[role])}, not positive"
+            elif role == "temperature" and convert([value], role, given[role])[0] <= 0:
+                wrong = f"{column.title} is {value:g} {spelled(given[role])}, not above absolute zero"
             if wrong:
                 break
             found[role] = value

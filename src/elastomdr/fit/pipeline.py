@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from .._runtime import significant
 from ..errors import InputError
 from ..material.library import save_material
 from ..material.prony import Prony
@@ -24,6 +23,7 @@ from .tables import master_csv, prony_csv, shifts_csv
 
 LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
 _LAW_MISSES = 0.1  # rms residual of the WLF law above which a table of shift factors replaces it [decades]
+_DECIMALS = 2  # of temperatures in the material's range and table, which have to agree [K]
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
 
 
@@ -63,10 +63,10 @@ class MaterialFit:
         """What a material file holds beside the numbers: description, range, sources with the quality of the fit."""
         master, fit = self.master, self.prony
         fitted = {"citation": f"{self.citation}, fitted by elastomdr {__version__} (em.fit)", "grade": "fitted here"}
-        span = [float(significant(t, 6)) for t in (master.temperature.min(), master.temperature.max())]
+        span = [round(float(t), _DECIMALS) for t in (master.temperature.min(), master.temperature.max())]
         if span[0] == span[1]:
             span = [span[0] - 0.5, span[1] + 0.5]
-        moduli = fitted | {"note": self._note()}
+        moduli: dict[str, Any] = fitted | {"note": self._note()}
         moduli["storage_residual"] = _round(fit.storage_residual if fit.storage.size else fit.relaxation_residual, 2)
         moduli["loss_residual"] = _round(fit.loss_residual if fit.loss.size else fit.relaxation_residual, 2)
         sources = {
@@ -168,7 +168,8 @@ def material(
         cold = float(master.temperature[np.abs(master.log10_b).argmax()] - 273.15)
         texts.append(
             f"Vertical shifts reach {100 * lift:.2g} % (at {cold:.3g} degC), and a material file has none: "
-            "away from the reference temperature its moduli are off by as much."
+            "away from the reference temperature its moduli are off by as much. vertical=False (--no-vertical) fits a "
+            "material that has none from the start."
         )
     description = description or f"Fitted to {dma.summary()}"
     return MaterialFit(fit.material, master, fit, chosen, used, tuple(texts), citation, description)
@@ -198,7 +199,7 @@ def _table(master: MasterCurve) -> ShiftTable:
     if master.temperature.size < 2:
         raise InputError("law must be 'none' for data of one temperature, got 'table'.")
     away = np.abs(master.temperature - master.reference) > 0.5
-    temperature = np.append(master.temperature[away], master.reference)
+    temperature = np.append(master.temperature[away], master.reference).round(_DECIMALS)
     log10_a = np.append(master.log10_a[away], 0.0)
     order = np.argsort(temperature)
     return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))
@@ -208,11 +209,12 @@ def _as_used(material: Prony, dma: Dma, master: MasterCurve) -> dict[str, float]
     """Relative rms residuals of a material at the measured temperatures, without any vertical shift."""
     if material.shift is None or not dma.frequency.size:
         return {}
+    law: Any = material.shift
     try:
-        log10_a = np.asarray(material.shift.log10_a(dma.temperature))
+        log10_a = np.asarray(law.log10_a(dma.temperature))
     except InputError:  # a table ends at the mean of its last isotherm
-        low, high = (float(material.shift.temperature[i]) for i in (0, -1))
-        log10_a = np.asarray(material.shift.log10_a(np.clip(dma.temperature, low, high)))
+        low, high = (float(law.temperature[i]) for i in (0, -1))
+        log10_a = np.asarray(law.log10_a(np.clip(dma.temperature, low, high)))
     x = dma.frequency[:, None] * (10**log10_a)[:, None] * np.asarray(material.times)
     moduli = np.asarray(material.moduli)
     storage = float(material.equilibrium) + (moduli * x / (x + 1 / x)).sum(axis=1)

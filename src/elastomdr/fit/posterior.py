@@ -10,12 +10,13 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 from threadpoolctl import threadpool_limits
 
 _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
 _RATIO = 5.0  # largest ratio of two groups' noise: a misfit of one must not leave it to the others alone
 _ROUNDS = 40
+_STIFF = 1.0  # added to curvatures where they scale the damping: unknowns are logarithms, a step of 1 is large
 _STEPS = 12  # of Gauss-Newton before the widths are looked at again
 
 
@@ -57,7 +58,7 @@ class Posterior(NamedTuple):
     converged: bool
 
 
-Model = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # p -> (model values, Jacobian)
+Model = Callable[[np.ndarray], tuple[np.ndarray, Callable[[], np.ndarray]]]  # p -> (values, their Jacobian's function)
 Wary = Callable[[np.ndarray], np.ndarray]  # p -> the Jacobian that the covariance is computed with
 
 
@@ -86,16 +87,17 @@ def infer(
     grams = [prior.rows.T @ prior.rows for prior in priors]
     pulls = [prior.rows.T @ np.broadcast_to(prior.target, prior.rows.shape[0]) for prior in priors]
     counts = np.array([(group == g).sum() for g in range(noise.size)])
-    converged, cost = False, np.inf
+    residuals, factor, converged = data, np.eye(p.size), False
+    covariance = factor
     for _ in range(_ROUNDS):
-        precision = sum(gram / width**2 for gram, width in zip(grams, widths, strict=True))
-        pull = sum(vector / width**2 for vector, width in zip(pulls, widths, strict=True))
+        precision = _weighted(grams, widths)
+        pull = _weighted(pulls, widths)
         scale = np.sqrt(weights / temper) / noise[group]
         p, residuals, jacobian, settled = _climb(model, data, scale, precision, pull, p)
         scaled = jacobian * scale[:, None]
         hessian = scaled.T @ scaled + precision
         factor = _cholesky(hessian)
-        covariance = cho_solve(factor, np.eye(p.size))
+        covariance = _inverse(factor)
         leverage = np.einsum("ij,ij->i", scaled @ covariance, scaled)
         before = np.log(np.concatenate([noise, widths]))
         for g in range(noise.size):
@@ -110,7 +112,7 @@ def infer(
             if prior.limits is None:
                 continue
             seen = prior.rows @ p - prior.target
-            known = len(seen) - np.einsum("ij,ji->", grams[j], covariance) / widths[j] ** 2
+            known = len(seen) - (grams[j] * covariance).sum() / widths[j] ** 2
             estimate = prior.loosen * np.sqrt((seen @ seen + 1e-12) / max(known, 0.1))
             widths[j] = float(np.clip(estimate, *prior.limits))
         if robust:
@@ -122,12 +124,12 @@ def infer(
             break
     if wary is not None:
         scaled = wary(p) * (np.sqrt(weights / temper) / noise[group])[:, None]
-        precision = sum(gram / width**2 for gram, width in zip(grams, widths, strict=True))
-        covariance = cho_solve(_cholesky(scaled.T @ scaled + precision), np.eye(p.size))
+        precision = _weighted(grams, widths)
+        covariance = _inverse(_cholesky(scaled.T @ scaled + precision))
     log_evidence = (
         -0.5 * (weights * (residuals / noise[group]) ** 2).sum() / temper
         - np.log(noise[group]).sum() / temper
-        - np.log(np.diag(factor[0])).sum()
+        - np.log(np.diag(factor)).sum()
     )
     for prior, width in zip(priors, widths, strict=True):
         seen = prior.rows @ p - prior.target
@@ -135,45 +137,60 @@ def infer(
     return Posterior(p, covariance, noise, weights, residuals, tuple(widths), float(log_evidence), converged)
 
 
+def _weighted(parts: list[np.ndarray], widths: list[float]) -> np.ndarray:
+    total = parts[0] / widths[0] ** 2
+    for part, width in zip(parts[1:], widths[1:], strict=True):
+        total = total + part / width**2
+    return total
+
+
 def _climb(
     model: Model, data: np.ndarray, scale: np.ndarray, precision: np.ndarray, pull: np.ndarray, p: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
     """Damped Gauss-Newton to the most probable unknowns; returns them with residuals and Jacobian there."""
     damping = 1e-3
-    value, jacobian = model(p)
 
-    def penalty(p: np.ndarray, value: np.ndarray) -> float:
-        r = (data - value) * scale
+    def penalty(p: np.ndarray, residuals: np.ndarray) -> float:
+        r = residuals * scale
         return float(r @ r + p @ precision @ p - 2 * pull @ p)
 
-    now = penalty(p, value)
+    value, jacobian = model(p)
+    residuals, slopes = data - value, jacobian()
+    now = penalty(p, residuals)
     for _ in range(_STEPS):
-        scaled = jacobian * scale[:, None]
-        gradient = scaled.T @ ((data - value) * scale) - precision @ p + pull
+        scaled = slopes * scale[:, None]
+        gradient = scaled.T @ (residuals * scale) - precision @ p + pull
         hessian = scaled.T @ scaled + precision
+        diagonal, calm = np.diag(hessian) + _STIFF, True
         while True:
-            damped = hessian + damping * np.diag(np.diag(hessian))
-            step = cho_solve(_cholesky(damped), gradient)
-            largest = np.abs(step).max()
-            trial = p + step * min(1.0, 3.0 / max(largest, 1e-12))
-            new_value, new_jacobian = model(trial)
-            new = penalty(trial, new_value)
+            step = dpotrs(_cholesky(hessian + np.diag(damping * diagonal)), gradient, lower=1)[0]
+            trial = p + step * min(1.0, 3.0 / max(np.abs(step).max(), 1e-12))
+            value, jacobian = model(trial)
+            new = penalty(trial, data - value)
             if np.isfinite(new) and new <= now + 1e-12 * abs(now):
                 break
-            damping *= 8
+            damping, calm = 8 * damping, False
             if damping > 1e8:
-                return p, data - value, jacobian, True
+                return p, residuals, slopes, True
         gain = now - new
-        p, value, jacobian, now, damping = trial, new_value, new_jacobian, new, max(damping / 8, 1e-9)
+        p, residuals, slopes, now = trial, data - value, jacobian(), new
+        if calm:
+            damping = max(damping / 8, 1e-9)
         if gain < 3e-3:
-            return p, data - value, jacobian, True
-    return p, data - value, jacobian, False
+            return p, residuals, slopes, True
+    return p, residuals, slopes, False
 
 
-def _cholesky(matrix: np.ndarray) -> tuple[np.ndarray, bool]:
-    jitter, scale = 0.0, np.abs(np.diag(matrix)).max()
-    while True:
-        try:
-            return cho_factor(matrix + jitter * scale * np.eye(len(matrix)))
-        except np.linalg.LinAlgError:
-            jitter = max(10 * jitter, 1e-14)
+def _cholesky(matrix: np.ndarray) -> np.ndarray:
+    """The lower factor, by LAPACK itself: SciPy's checks take longer than a matrix of a hundred rows."""
+    factor, failed = dpotrf(matrix, lower=1)
+    jitter = 1e-14 * np.abs(np.diag(matrix)).max()
+    while failed:
+        factor, failed = dpotrf(matrix + jitter * np.eye(len(matrix)), lower=1)
+        jitter *= 10
+    return factor
+
+
+def _inverse(factor: np.ndarray) -> np.ndarray:
+    lower = np.tril(dpotri(factor, lower=1)[0])
+    return lower + np.tril(lower, -1).T

@@ -186,6 +186,8 @@ def _titles(lines: list[str], start: int) -> tuple[list[str], list[str]]:
 
 
 def _no_columns(rows: list[Row]) -> str:
+    if not any(any(row.cells) for row in rows):
+        return "the file is empty."
     shown = next((row.cells for row in rows if sum(bool(cell) for cell in row.cells) >= 2), [])
     return (
         "no header names frequency, storage and loss modulus (or time and relaxation modulus); "

@@ -265,7 +265,7 @@ def _smooth(points: Points) -> Joint:
     rho = min(0.9, max(0.0, correlation(points, shifts.posterior.residuals)))
     alike = (1 + rho) / (1 - rho)
     if alike > 1.3:
-        shifts = join(points, np.array([293.15]), np.zeros(1), False, alike)
+        shifts = join(points, np.array([293.15]), np.zeros(1), False, alike, near=shifts)
     return Joint(shifts, np.zeros(1), alike, 1.0)
 
 

@@ -10,6 +10,7 @@ temperature rises: the unknowns are logarithms of the slopes -d(log10 a_T)/dT be
 change slowly, how slowly the data decide. All isotherms are fitted at once: their order does not matter.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -40,7 +41,7 @@ class Shifts(NamedTuple):
     points: Points
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         return self.temperature.size
 
     @property
@@ -55,7 +56,7 @@ class Shifts(NamedTuple):
     def slopes(self) -> slice:
         """ln of -d(log10 a_T)/dT between neighbours."""
         start = self.log_times.size + 1
-        return slice(start, start + self.count - 1)
+        return slice(start, start + self.size - 1)
 
     def predict(self, p: np.ndarray, channel: np.ndarray, log_rate: np.ndarray) -> Prediction:
         """What the spectrum predicts at the anchor's temperature."""
@@ -65,31 +66,34 @@ class Shifts(NamedTuple):
     def horizontal(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """log10 a_i, and its derivatives with respect to all unknowns."""
         log10_a, by_slope = from_slopes(p[self.slopes], self.temperature, self.anchor)
-        jacobian = np.zeros((self.count, p.size))
+        jacobian = np.zeros((self.size, p.size))
         jacobian[:, self.slopes] = by_slope
         return log10_a, jacobian
 
     @property
     def places(self) -> slice:
         """By how much each ln tau_k is off its place on the grid."""
-        start = self.slopes.stop + 1 + self.count
+        start = self.slopes.stop + 1 + self.size
         return slice(start, start + self.log_times.size)
 
     def vertical(self) -> np.ndarray:
         """Matrix that takes the unknowns to ln b_i."""
         start = self.slopes.stop
-        matrix = np.zeros((self.count, self.places.stop))
+        matrix = np.zeros((self.size, self.places.stop))
         matrix[:, start] = np.log(self.temperature[self.anchor] / self.temperature)
-        matrix[:, start + 1 : self.places.start] = np.eye(self.count)
+        matrix[:, start + 1 : self.places.start] = np.eye(self.size)
         return matrix
 
 
 def from_slopes(log_slopes: np.ndarray, temperature: np.ndarray, anchor: int) -> tuple[np.ndarray, np.ndarray]:
     """log10 a_i about an isotherm, and its derivatives, from ln of -d(log10 a_T)/dT between neighbours."""
+    by_slope = np.zeros((temperature.size, temperature.size - 1))
     steps = np.exp(log_slopes) * np.diff(temperature)
-    m, i = np.arange(temperature.size - 1), np.arange(temperature.size)[:, None]
-    sign = ((m >= i) & (m < anchor)).astype(float) - ((m < i) & (m >= anchor))
-    return sign @ steps, sign * steps
+    for i in range(anchor):
+        by_slope[i, i:anchor] = steps[i:anchor]
+    for i in range(anchor + 1, temperature.size):
+        by_slope[i, anchor:i] = -steps[anchor:i]
+    return by_slope.sum(axis=1), by_slope
 
 
 def slope_priors(slopes: np.ndarray, temperature: np.ndarray) -> list[Prior]:
@@ -105,9 +109,18 @@ def first_slopes(guess: np.ndarray, temperature: np.ndarray) -> np.ndarray:
 
 
 def join(
-    points: Points, temperature: np.ndarray, first_guess: np.ndarray, vertical: bool, temper: float = 1.0
+    points: Points,
+    temperature: np.ndarray,
+    first_guess: np.ndarray,
+    vertical: bool,
+    temper: float = 1.0,
+    near: Shifts | None = None,
 ) -> Shifts:
-    """The most probable shifts and spectrum of isotherms at ascending temperatures [K]; `temper` as for `infer`."""
+    """The most probable shifts and spectrum of isotherms at ascending temperatures [K]; `temper` as for `infer`.
+
+    `near` is a fit of nearly the same points: the search begins at its answer, noise and roughness, but not at the
+    widths that it gave to the shifts, which would hold them where it had them.
+    """
     anchor = _anchor(points, first_guess)
     guess = first_guess - first_guess[anchor]
     reduced = points.log_rate + LN10 * (guess[points.isotherm] + points.offset)
@@ -121,32 +134,42 @@ def join(
     )
     start[shifts.equilibrium] = lowest - 1.0
     start[shifts.slopes] = first_slopes(guess, temperature)
+    noise, roughness = np.full(3, 0.03), 0.6 / PER_DECADE
+    if near is not None:
+        _begin(start, shifts, near)
+        noise, roughness = near.posterior.noise, near.posterior.widths[0]
+    lifted = lift[points.isotherm]
 
-    def model(p: np.ndarray, wary: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    def model(p: np.ndarray, wary: bool = False) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
         log10_a, by_slope = shifts.horizontal(p)
         rate = points.log_rate + LN10 * (log10_a[points.isotherm] + points.offset)
         answer = shifts.predict(p, points.channel, rate)
-        jacobian = LN10 * answer.by_rate[:, None] * by_slope[points.isotherm]
-        jacobian[:, shifts.spectrum] = answer.by_neighbours if wary else answer.by_spectrum
-        jacobian[:, shifts.equilibrium] = answer.by_equilibrium
-        jacobian -= lift[points.isotherm]
-        jacobian[:, shifts.places] = answer.by_place
-        return answer.log_value - (lift @ p)[points.isotherm], jacobian
+
+        def jacobian() -> np.ndarray:
+            found = LN10 * answer.by_rate[:, None] * by_slope[points.isotherm]
+            found[:, shifts.spectrum] = answer.by_neighbours if wary else answer.by_spectrum
+            found[:, shifts.equilibrium] = answer.by_equilibrium
+            found -= lifted
+            found[:, shifts.places] = answer.by_place
+            return found
+
+        return answer.log_value - lifted @ p, jacobian
 
     posterior = infer(
         model,
         points.log_value,
         points.channel,
         start,
-        _priors(shifts, start, vertical),
-        np.full(3, 0.03),
+        _priors(shifts, start, vertical, roughness),
+        noise,
         temper=temper,
-        wary=lambda p: model(p, wary=True)[1],
+        wary=lambda p: model(p, wary=True)[1](),
     )
     return shifts._replace(posterior=posterior)
 
 
-def _priors(shifts: Shifts, start: np.ndarray, vertical: bool) -> list[Prior]:
+def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float) -> list[Prior]:
+    """The first of them is that of the spectrum's smoothness, `roughness` its width to begin with."""
     n, k = start.size, shifts.log_times.size
     every = np.eye(n)
     second = np.zeros((k - 2, n))
@@ -154,7 +177,7 @@ def _priors(shifts: Shifts, start: np.ndarray, vertical: bool) -> list[Prior]:
     slopes, entropy = every[shifts.slopes], shifts.slopes.stop
     free = every[entropy + 1 : shifts.places.start]
     return [
-        Prior(second, 0.6 / PER_DECADE, _CURVATURE, 0.0, _LOOSEN),
+        Prior(second, roughness, _CURVATURE, 0.0, _LOOSEN),
         Prior(every[shifts.spectrum], 12.0, None, start[shifts.spectrum].mean()),
         Prior(every[[shifts.equilibrium]], 3.0, None, start[shifts.equilibrium]),
         *slope_priors(slopes, shifts.temperature),
@@ -162,6 +185,17 @@ def _priors(shifts: Shifts, start: np.ndarray, vertical: bool) -> list[Prior]:
         Prior(every[shifts.places], _PLACE * LN10 / PER_DECADE),
         Prior(free, 0.01 if vertical else _FIXED, _FREE if vertical else None),
     ]
+
+
+def _begin(start: np.ndarray, shifts: Shifts, near: Shifts) -> None:
+    """Fills in what another fit found; its spectrum is moved where times or anchor are others."""
+    p = near.posterior.mean
+    if near.anchor == shifts.anchor and np.array_equal(near.log_times, shifts.log_times):
+        start[:] = p
+        return
+    moved = near.log_times + LN10 * near.horizontal(p)[0][shifts.anchor]
+    start[shifts.spectrum] = np.interp(shifts.log_times, moved, p[near.spectrum])
+    start[shifts.slopes], start[shifts.equilibrium] = p[near.slopes], p[near.equilibrium]
 
 
 def _anchor(points: Points, guess: np.ndarray) -> int:
@@ -198,13 +232,15 @@ def _pair(points: Points, cold: int, warm: int, apart: float) -> float:
     u = rate + LN10 * grid[:, None] * is_cold  # (grid, points)
     low, high = u.min(axis=1, keepdims=True), u.max(axis=1, keepdims=True)
     u = 2 * (u - low) / np.maximum(high - low, 1e-9) - 1
-    columns = [is_cold * np.ones_like(u)]  # a vertical offset, held small below
-    for which in np.unique(channel):
-        columns += [np.where(channel == which, u**power, 0.0) for power in range(6)]
-    design = np.stack(columns, axis=-1)
-    ridge = np.array([1e2] + [1e-8, 1e-8, 1e-8, 1e-6, 1e-4, 1e-2] * len(np.unique(channel)))
-    normal = np.einsum("gpi,gpj->gij", design, design) + np.diag(ridge)
-    right = np.einsum("gpi,p->gi", design, value)
+    kinds = np.unique(channel)
+    design = np.zeros((*u.shape, 1 + 6 * kinds.size))
+    design[..., 0] = is_cold  # a vertical offset, held small below
+    for k, which in enumerate(kinds):
+        at = channel == which
+        design[:, at, 1 + 6 * k : 7 + 6 * k] = np.vander(u[:, at].ravel(), 6, increasing=True).reshape(len(u), -1, 6)
+    ridge = np.array([1e2] + [1e-8, 1e-8, 1e-8, 1e-6, 1e-4, 1e-2] * kinds.size)
+    normal = design.swapaxes(1, 2) @ design + np.diag(ridge)
+    right = value @ design
     solution = np.linalg.solve(normal, right[..., None])[..., 0]
     error = ((design @ solution[..., None])[..., 0] - value) ** 2
     misfit = error.sum(axis=1) + (ridge * solution**2).sum(axis=1)

@@ -15,6 +15,7 @@ PER_DECADE = 4
 _MARGIN = 2.0  # decades of relaxation times beyond the data, on either side
 _REACH = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9.0  # weights of a neighbourhood, nearly a decade wide
 _LARGEST = 700.0  # of an exponent: exp(700) is still a float64
+_FAR = 1e150  # largest 1/(omega tau), and inverse of the smallest: their squares are still float64
 
 
 class Points(NamedTuple):
@@ -28,18 +29,38 @@ class Points(NamedTuple):
 
 
 class Prediction(NamedTuple):
-    """ln of the predicted values, and derivatives with respect to ln H_k, ln G_eq, ln(omega) and ln tau_k.
-
-    `by_neighbours` is by ln H_k too, but as if H_k were the mean of its neighbourhood: a branch that the most probable
-    spectrum leaves empty, beside a full one, may well be there, which the derivative by its logarithm does not see.
-    """
+    """ln of the predicted values; derivatives, computed when asked for, by ln H_k, ln G_eq, ln(omega) and ln tau_k."""
 
     log_value: np.ndarray  # (points,)
-    by_spectrum: np.ndarray  # (points, times)
+    shares: np.ndarray  # (points, times): the contribution of a unit branch, over the value
+    bends: np.ndarray  # (points, times): its derivative with respect to ln(omega), over the value
+    heights: np.ndarray  # (times,): H_k
     by_equilibrium: np.ndarray  # (points,)
-    by_rate: np.ndarray  # (points,)
-    by_neighbours: np.ndarray  # (points, times)
-    by_place: np.ndarray  # (points, times), with respect to ln tau_k
+
+    @property
+    def by_spectrum(self) -> np.ndarray:
+        """(points, times), by ln H_k."""
+        return self.shares * self.heights
+
+    @property
+    def by_neighbours(self) -> np.ndarray:
+        """(points, times), by ln H_k too, but as if H_k were the mean of its neighbourhood.
+
+        A branch that the most probable spectrum leaves empty, beside a full one, may well be there, which the
+        derivative by its logarithm does not see.
+        """
+        wide = np.pad(self.heights, _REACH.size // 2, mode="edge")
+        return self.shares * np.convolve(wide, _REACH, mode="valid")
+
+    @property
+    def by_place(self) -> np.ndarray:
+        """(points, times), by ln tau_k."""
+        return self.bends * self.heights
+
+    @property
+    def by_rate(self) -> np.ndarray:
+        """(points,), by ln(omega)."""
+        return self.bends @ self.heights
 
 
 def nodes(log_rate: np.ndarray) -> np.ndarray:
@@ -56,28 +77,28 @@ def predict(
 ) -> Prediction:
     """What a spectrum predicts for points of any channel, at ln(omega) or ln(1/t) of shape (points,)."""
     heights = np.exp(np.clip(log_spectrum, -_LARGEST, _LARGEST))
-    kernels, places = np.empty((2, log_rate.size, log_times.size))
-    level = np.where(channel == LOSS, 0.0, equilibrium)
+    with np.errstate(over="ignore"):
+        x = np.outer(np.exp(-log_rate), np.exp(-log_times))  # 1/(omega tau), or t/tau
+    x = np.clip(x, 1 / _FAR, _FAR)
+    kernels, bends = np.empty(x.shape), np.empty(x.shape)
     for which in np.unique(channel):
-        at = channel == which
-        kernels[at], places[at] = _kernel(which, log_rate[at, None] + log_times)
+        at = np.flatnonzero(channel == which)
+        at = slice(at[0], at[-1] + 1) if at[-1] - at[0] + 1 == at.size else at  # a slice is not copied
+        kernels[at], bends[at] = _kernel(which, x[at])
+    level = np.where(channel == LOSS, 0.0, equilibrium)
     value = np.maximum(kernels @ heights + level, 1e-300)
     kernels /= value[:, None]
-    places *= heights / value[:, None]
-    spread = np.convolve(np.pad(heights, _REACH.size // 2, mode="edge"), _REACH, mode="valid")
-    slope = places.sum(axis=1)
-    return Prediction(np.log(value), kernels * heights, level / value, slope, kernels * spread, places)
+    bends /= value[:, None]
+    return Prediction(np.log(value), kernels, bends, heights, level / value)
 
 
-def _kernel(channel: int, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The contribution of a unit branch at u = ln(omega tau) and its derivative in u."""
-    u = np.clip(u, -_LARGEST / 2, _LARGEST / 2)
+def _kernel(channel: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The contribution of a unit branch at x = 1/(omega tau) or t/tau, and its derivative with respect to -ln x."""
     if channel == RELAXATION:
-        x = np.exp(-u)
         value = np.exp(-x)
         return value, x * value
-    storage = 1 / (1 + np.exp(-2 * u))
+    storage = 1 / (1 + x * x)
+    loss = x * storage
     if channel == STORAGE:
-        return storage, 2 * storage * (1 - storage)
-    loss = 0.5 / np.cosh(u)
-    return loss, loss * (1 - 2 * storage)
+        return storage, 2 * loss * loss
+    return loss, loss - 2 * loss * storage

@@ -1,6 +1,6 @@
 """The tables of a fit: shifted data, shift factors, series."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def master_csv(master: "MasterCurve") -> str:
     """Shifted data, one row per point, as comma-separated text with the shifts in header lines."""
     symbol = "G" if master.kind == "shear" else "E"
-    columns: dict[str, Sequence[Any]]
+    columns: Mapping[str, Any]
     if master.frequency.size:
         order = np.argsort(master.frequency, kind="stable")
         columns = {
@@ -60,7 +60,7 @@ def prony_csv(fit: "PronyFit") -> str:
     return _csv("Prony series", [(k, v) for k, v in fit.findings() if k != "term"], columns)
 
 
-def _csv(what: str, findings: Iterable[tuple[str, str]], columns: dict[str, Sequence[Any]]) -> str:
+def _csv(what: str, findings: Iterable[tuple[str, str]], columns: Mapping[str, Any]) -> str:
     lines = [f"# elastomdr {__version__}: {what}", "# units: SI, in brackets in the column titles"]
     lines += [f"# {' '.join(f'{name.strip()}: {text}'.split())}" for name, text in findings]
     rows = zip(*(list(column) for column in columns.values()), strict=True)

@@ -1,5 +1,6 @@
 """The few terms of a Prony series: how many, where, and whether there is an equilibrium modulus."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -120,11 +121,15 @@ def _refine(
     while True:
         n = (start.size - solid) // 2
 
-        def model(p: np.ndarray, n: int = n) -> tuple[np.ndarray, np.ndarray]:
+        def model(p: np.ndarray, n: int = n) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
             level = np.exp(p[-1]) if solid else 0.0
             answer = predict(points.channel, points.log_rate, p[n : 2 * n], p[:n], level)
-            parts = [answer.by_spectrum, answer.by_place] + ([answer.by_equilibrium[:, None]] if solid else [])
-            return answer.log_value, np.concatenate(parts, axis=1)
+
+            def jacobian() -> np.ndarray:
+                parts = [answer.by_spectrum, answer.by_place] + ([answer.by_equilibrium[:, None]] if solid else [])
+                return np.concatenate(parts, axis=1)
+
+            return answer.log_value, jacobian
 
         every = np.eye(start.size)
         priors = [
@@ -143,8 +148,7 @@ def _refine(
             weights=weights,
         )
         p = posterior.mean
-        _, jacobian = model(p)
-        share = np.abs(jacobian[:, :n] / noise[points.channel][:, None]).max(axis=0)
+        share = np.abs(model(p)[1]()[:, :n] / noise[points.channel][:, None]).max(axis=0)
         if (share > _IDLE).all() or n == 1:
             break
         kept = share > _IDLE

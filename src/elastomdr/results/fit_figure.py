@@ -76,7 +76,7 @@ def draw_shifts(master: "MasterCurve", ax: Any = None) -> Any:
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(6.6, 5.4))
-        figure.subplots_adjust(left=0.12, right=0.97, bottom=0.1, top=0.9, hspace=0.08)
+        figure.subplots_adjust(left=0.15, right=0.97, bottom=0.1, top=0.9, hspace=0.08)
         ax, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     celsius = master.temperature - 273.15
     ax.errorbar(celsius, master.log10_a, 1.96 * master.log10_a_std, fmt="none", ecolor=_FAINT, capsize=3, zorder=2)
@@ -98,6 +98,7 @@ def draw_shifts(master: "MasterCurve", ax: Any = None) -> Any:
                        capsize=3, markersize=4)  # fmt: skip
         lower.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
         lower.set_ylabel("log10 b_T [-]")
+        ax.figure.align_ylabels()
     (ax if lower is None else lower).set_xlabel("Temperature [°C]")
     for each in (ax, lower):
         _plain(each)
@@ -112,14 +113,12 @@ def draw_cole_cole(fit: "PronyFit", ax: Any = None) -> Any:
     storage, loss = (fit.storage, fit.loss) if master is None else (master.storage, master.loss)
     colours = _BLUE if master is None else _colours(master, master.isotherm)
     ax.scatter(storage, loss, c=colours, s=14, zorder=3)
-    ax.loglog(
-        *fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400)), color=_INK, linewidth=1.2, label="Prony series"
-    )
+    ax.loglog(*fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400)), color=_INK, linewidth=1.2)
     letter = "G" if fit.kind == "shear" else "E"
     ax.set(xscale="log", yscale="log", xlabel=f"Storage modulus {letter}' [Pa]", ylabel=f"Loss modulus {letter}'' [Pa]")
     _plain(ax)
     _legend(ax, master)
-    _title(ax, "Cole-Cole", "vertical shifts applied" if master is not None else "")
+    _title(ax, "Cole-Cole", "line: Prony series" + ("; vertical shifts applied" if master is not None else ""))
     return ax
 
 
@@ -154,11 +153,13 @@ def draw_friction_master(master: "FrictionMaster", ax: Any = None) -> Any:
         )
     v = np.geomspace(master.velocity.min(), master.velocity.max(), 300)
     value, low, high = master.curve(v)
-    ax.semilogx(v, value, color=_INK, linewidth=1.2, label="smooth curve, 95 % band")
+    (line,) = ax.semilogx(v, value, color=_INK, linewidth=1.2)
     ax.fill_between(v, low, high, color=_FAINT, alpha=0.25, linewidth=0)
     ax.set(xlabel="Reduced velocity v a_T [m/s]", ylabel="Friction coefficient [-]")
     _plain(ax)
-    ax.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    beside = ax.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    ax.legend([line], ["smooth curve, 95 % band"], frameon=False, fontsize=8, loc="best")
+    ax.add_artist(beside)
     _title(ax, f"Measured friction shifted to {master.reference - 273.15:.4g} °C", "")
     return ax
 
@@ -172,6 +173,7 @@ def _data(ax: Any, master: "MasterCurve") -> None:
         ax.plot([], [], "s", color=_FAINT, markersize=4, markerfacecolor="none", label="loss modulus")
     else:
         ax.scatter(master.time, master.relaxation, c=_colours(master, master.time_isotherm), s=14, zorder=3)
+        ax.plot([], [], "o", color=_FAINT, markersize=4, label="relaxation modulus")
     _legend(ax, master)
 
 
@@ -206,7 +208,7 @@ def _legend(ax: Any, master: "MasterCurve | None") -> None:
     shown = np.unique(np.linspace(0, count - 1, min(count, 10)).round().astype(int))
     colours = _scale(count)
     handles = [ax.plot([], [], "o", color=colours[i], markersize=4)[0] for i in shown]
-    labels = [f"{round(master.temperature[i] - 273.15, 1):g} °C" for i in shown]
+    labels = [f"{round(float(master.temperature[i]) - 273.15, 1):g} °C" for i in shown]
     ax.legend(handles, labels, frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
