@@ -27,6 +27,21 @@ CASES = {
     "shift table": (lambda: em.ShiftTable([300.0, 290.0], [0.0, 1.0]), "temperature must be ascending"),
     "outside the table": (lambda: em.ShiftTable([290.0, 300.0], [1.0, 0.0]).a(310.0), "within the shift table"),
     "WLF pole": (lambda: em.WLF(8.86, 101.6, 293.15).a(190.0), "above the WLF pole at 191.55 K.*got 190"),
+    "close above the WLF pole": (
+        lambda: em.friction(
+            em.StandardSolid(1e6, 1e6, 1e-3, shift=em.WLF(8.86, 101.6, 293.15)),
+            em.Sphere(5e-3),
+            velocity=1.0,
+            load=1.0,
+            temperature=194.0,
+        ),
+        "temperature must keep the velocity times a_T between.*got 194 K",
+    ),
+    "no velocity": (
+        lambda: em.friction(em.StandardSolid(1e6, 1e6, 1e-3), em.Sphere(5e-3), velocity=[], load=1.0),
+        "must not be empty",
+    ),
+    "time before the step": (lambda: em.StandardSolid(1e6, 1e6, 1e-3).relaxation([-1.0]), "t must be zero or positive"),
     "VFT pole": (lambda: em.VFT(2000.0, 141.5, 243.15).a(141.0), "above the VFT pole"),
     "radius": (lambda: em.Sphere(-1.0), "radius must be positive"),
     "radius array": (lambda: em.Sphere([1.0, 2.0]), "radius must be a single number"),

@@ -1,9 +1,13 @@
 """Limits, invariances, gradients, the error estimate and the plan of steady sliding and rolling."""
 
+from itertools import pairwise
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 import elastomdr as em
 
@@ -338,3 +342,43 @@ def test_strips_of_a_layer_are_counted_in_the_error():
     np.testing.assert_allclose(got.contact.leading, radius, rtol=1e-6)
     assert abs(got.mu - viscosity * 1e-3 * loss / load) <= got.error + 1e-9 * got.mu
     assert got.error <= 1e-6 * got.mu
+
+
+def test_a_branch_of_no_modulus_changes_nothing():
+    scene = {"shape": em.Paraboloid(5e-3), "velocity": 1.0, "load": 1.0, "average": None}
+    with_empty = em.friction(em.Foundation(1e6, [0.0, 1e6], [1e-9, 1e-3]), **scene)
+    np.testing.assert_allclose(with_empty.mu, em.friction(em.Foundation(1e6, [1e6], [1e-3]), **scene).mu, rtol=1e-13)
+    assert em.friction(em.Foundation(1e6, [0.0], [1e-3]), **scene).mu == 0
+
+
+@pytest.mark.parametrize(("exponent", "velocity"), [(1.5, 10.0), (1.25, 100.0)])
+def test_a_power_law_counts_what_its_tip_costs(exponent, velocity):
+    # One branch at a depth, by adaptive quadrature in x: q(x) = E_inf [g(a) - g(x)] + E_1 int_x^a exp(-(y-x)/s) g'(y) dy.
+    body, decay = em.PowerLaw(exponent, 0.3 * 1e-3 ** (1 - exponent)), velocity * 1e-3
+    steep = float(body.profile_1d(1.0))  # g = steep |x|^n
+    edge = (1e-4 / steep) ** (1 / exponent)
+
+    def slope(x):
+        return steep * exponent * abs(x) ** (exponent - 1) * np.sign(x)
+
+    def integral(function, low, high):
+        options = {"epsabs": 0.0, "epsrel": 1e-12, "limit": 200}
+        ends = [low, 0.0, high] if low < 0 < high else [low, high]
+        return sum(quad(function, x, y, **options)[0] for x, y in pairwise(ends))
+
+    def density(x):
+        memory = integral(lambda y: np.exp(-(y - x) / decay) * slope(y), x, edge) if x < edge else 0.0
+        return 1e6 * steep * (edge**exponent - abs(x) ** exponent) + 4e6 * memory
+
+    exit = brentq(lambda b: density(-b), 0.1 * edge, edge * (1 - 1e-9), xtol=1e-15 * edge, rtol=1e-14)
+    truth = integral(lambda x: density(x) * slope(x), -exit, edge) / integral(density, -exit, edge)
+    got = em.friction(em.Foundation(1e6, [4e6], [1e-3]), body, velocity=velocity, depth=1e-4, average=None, rtol=1e-3)
+    assert abs(got.mu - truth) <= got.error + 1e-11 * truth
+    assert got.error <= 1e-3 * got.mu
+
+
+def test_a_loss_lost_in_rounding_is_not_returned():
+    solid = em.StandardSolid(1e6, 1e6, 1e-3)
+    with pytest.warns(em.ConvergenceWarning, match="1 of 2 points"):
+        curve = em.friction(solid, em.Paraboloid(5e-3), velocity=[1e10, 1e40], load=1.0, average=None)
+    assert curve.converged.tolist() == [True, False]

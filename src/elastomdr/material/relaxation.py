@@ -40,6 +40,7 @@ class AbstractRelaxation(eqx.Module):
         0.
         """
         law, t = self.law(), jnp.asarray(as_float64("t", t))
+        not_negative("t", t)
         return law.equilibrium + _sum_branches(law.moduli, jnp.exp(-t[..., None] / law.times))
 
     @in_float64
@@ -49,6 +50,7 @@ class AbstractRelaxation(eqx.Module):
         Exact: the Kelvin chain with the same law, from the zeros of the relaxation function (`to_kelvin`).
         """
         chain, t = to_kelvin(self.law()), jnp.asarray(as_float64("t", t))
+        not_negative("t", t)
         retarded = _sum_branches(chain.compliances, -jnp.expm1(-t[..., None] / chain.times))
         return chain.instantaneous + retarded + t * chain.fluidity
 

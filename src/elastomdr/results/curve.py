@@ -67,8 +67,10 @@ class AbstractCurve(AbstractResult):
             yield "...", f"and {len(all_curves) - _SHOWN} more curves"
         failed = int(np.sum(~fields["converged"]))
         points = f"{fields['converged'].size}, {'all converged' if not failed else f'{failed} did not converge'}"
-        largest = np.fmax.reduce(fields["error"], axis=None, initial=0.0)
-        yield "points", f"{points}; largest estimated error of {self.symbol}: {significant(float(largest), 2)}"
+        if np.isfinite(fields["error"]).any():
+            largest = float(np.fmax.reduce(fields["error"], axis=None))
+            points += f"; largest estimated error of {self.symbol}: {significant(largest, 2)}"
+        yield "points", points
 
     def _extremes(self, velocity: np.ndarray, value: np.ndarray) -> str:
         order = np.argsort(velocity, kind="stable")

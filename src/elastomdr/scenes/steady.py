@@ -21,6 +21,7 @@ from ..solve.sweep import run
 
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
 BARE = "bare MDR line (textbook; overstates half-space sliding friction by up to a factor of 2)"
+_FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _UNITS = {"radius": " m", "length": " m"}
 LAYER = "thin layer of independent elements (exact for the layer; no direction average needed)"
 
@@ -69,6 +70,8 @@ def set_up(
         raise InputError(f"load or depth must be given, and only one of them, got {given}.")
     if average not in ("direction", None):
         raise InputError(f"average must be 'direction' or None (the bare line), got {average!r}.")
+    if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
+        rtol = rtol.item()
     if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-1:
         raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
     control: Control = "load" if depth is None else "depth"
@@ -99,6 +102,10 @@ def set_up(
 
     if not traced:
         _check_size(lines, control, value)
+        if 0 in result_shape:
+            raise InputError(f"velocity, {control} and temperature must not be empty, got shape {result_shape}.")
+        if kelvin is not None:
+            _check_shift(kelvin, velocity, factor)
     reduced = flat(velocity * factor)
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
     model = LAYER if layer else AVERAGED if average == "direction" else BARE
@@ -178,7 +185,7 @@ def _contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
         raise InputError(
             "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite "
             "rate at any velocity, so that the friction depends on how the edge is rounded. Give the rounding: "
-            "em.PowerLaw with a large exponent, or em.Profile with the punch's own edge radius."
+            "em.PowerLaw with a large exponent."
         )
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
         raise InputError(
@@ -207,6 +214,18 @@ def _check_size(lines: AbstractLines, control: Control, value: Any) -> None:
             value,
             f"below {deepest:.4g} m, where the contact reaches the end of the profile",
             lambda d: d < deepest,
+        )
+
+
+def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
+    with np.errstate(over="ignore", invalid="ignore"):
+        kelvin, reduced = np.broadcast_arrays(kelvin, velocity * np.asarray(factor))
+        bad = ~((reduced > 1 / _FASTEST) & (reduced < _FASTEST))
+    if bad.any():
+        raise InputError(
+            f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} and {_FASTEST:g} m/s, got "
+            f"{float(kelvin[bad].flat[0]):g} K with v a_T = {float(reduced[bad].flat[0]):.3g} m/s: too far from where "
+            "the shift law was measured."
         )
 
 

@@ -37,8 +37,8 @@ class Condensation:
 def choose(law: Relaxation, shortest: float, longest: float, rtol: float) -> Condensation:
     """Condenses what a scene with passages between `shortest` and `longest` [s] does not need at `rtol`."""
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
-    if moduli.size == 0:
-        return Condensation(0)
+    if not (moduli > 0).any():
+        return Condensation(moduli.size)
     passages = np.geomspace(shortest, longest, 65) if longest > shortest else np.array([shortest])
     z = passages[:, None] / times
     loss = np.sum(moduli * z / (1 + z**2), axis=1) + float(law.viscosity) / passages
@@ -60,7 +60,7 @@ def choose(law: Relaxation, shortest: float, longest: float, rtol: float) -> Con
 def condensed(law: Relaxation, how: Condensation) -> Relaxation:
     """The relaxation function with its slow and its fast branches lumped; padded so that few sizes are compiled."""
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
-    springs, dashpots, kept = (list(x) for x in (how.springs, how.dashpots, how.kept))
+    springs, dashpots, kept = ([k for k in x if moduli[k] > 0] for x in (how.springs, how.dashpots, how.kept))
     fewer = [(moduli[kept], times[kept])]
     if springs:
         total, rate = moduli[springs].sum(), (moduli[springs] / times[springs]).sum()

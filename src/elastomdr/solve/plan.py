@@ -59,7 +59,7 @@ def make_plan(
 ) -> Plan:
     """Plans a scene from its numbers; while JAX traces, from what is known without them."""
     marched = isinstance(lines.shape, Profile) and not lines.shape.convex
-    elastic = law.moduli.shape[0] == 0 and velocity is not None and float(law.viscosity) == 0
+    elastic = velocity is not None and not np.any(law.moduli) and float(law.viscosity) == 0
     averaged = averaged and not elastic
     inner = TRACED * rtol if value is None else rtol
     count = directions(inner).cosines.size if averaged else 1

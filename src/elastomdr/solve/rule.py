@@ -61,6 +61,8 @@ def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0, strips: boo
     rules = _along_line(shape, rtol, smallest)
     if power % 2:
         rules = tuple(Rule(nodes, split=True, fractions=graded(levels)) for nodes, levels in ((8, 3), (12, 3), (16, 4)))
+    if isinstance(shape, Profile):
+        rules = tuple(rule for rule in rules if len(rule.fractions) <= 7) or _along_line(shape, 1e-6, smallest)[:1]
     counts = (16, 32, 64) if rtol >= 1e-7 else (32, 64, 128)
     if power < 2:  # the tip leaves a kink across the strips
         rules, counts = rules[1:], (48, 96)

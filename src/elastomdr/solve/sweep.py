@@ -17,7 +17,8 @@ from .plan import TRACED, Plan
 from .rule import Rule
 
 _ROUNDING = 1e-13  # relative, for what no estimate sees
-_BATCH = 4096  # points solved at once: bounds the memory
+_BATCH = 4096  # points solved at once, and
+_NUMBERS = 5_000_000  # of the largest array, 40 MB: both bound the memory
 
 
 class Sweep(NamedTuple):
@@ -78,13 +79,16 @@ def _shared(plan, law, lines, load, velocity, rtol):
         part = slice(ends[i] - grid.velocity.size, ends[i])
         line, chosen = every.mu[part], curve == i
         average = grid.weights @ line
+        sampling = np.abs(grid.weights) @ every.error[part]
+        reached = ~(np.abs(grid.weights) @ ~every.converged[part] > 0)
+        trusted = reached & (sampling <= rtol * average)  # points that failed say nothing of the others' interpolation
         mu[chosen] = average
         error[chosen] = (
             quadrature_error(average, grid.check @ line, tail)
-            + interpolation_error(average, grid.lower @ line)
-            + np.abs(grid.weights) @ every.error[part]
+            + interpolation_error(average, np.where(trusted, grid.lower @ line, np.nan))
+            + sampling
         )
-        good[chosen] = ~(np.abs(grid.weights) @ ~every.converged[part] > 0)
+        good[chosen] = reached
     return mu, error, good & own.converged, every, own
 
 
@@ -112,8 +116,11 @@ def _solve(
 
         return _as_numpy(march_passages(law, lines, control, value, velocity, max(wanted, 1e-9)))
     parts = []
-    for start in range(0, velocity.size, _BATCH):
-        here = slice(start, start + _BATCH)
+    finest = max(plan.rules, key=lambda rule: rule.samples * rule.strips)
+    each = finest.samples**2 // finest.nodes * (finest.strips if lines.count > 1 else 1)
+    batch = int(np.clip(_NUMBERS // each, 16, _BATCH))
+    for start in range(0, velocity.size, batch):
+        here = slice(start, start + batch)
         part = _padded(law, lines, plan.rules[0], control, value[here], velocity[here])
         for finer in plan.rules[1:]:
             if not np.any(part.converged & (part.error > wanted * part.mu)):
