@@ -353,7 +353,7 @@ def test_a_branch_of_no_modulus_changes_nothing():
 
 @pytest.mark.parametrize(("exponent", "velocity"), [(1.5, 10.0), (1.25, 100.0)])
 def test_a_power_law_counts_what_its_tip_costs(exponent, velocity):
-    # One branch at a depth, by adaptive quadrature in x: q(x) = E_inf [g(a) - g(x)] + E_1 int_x^a exp(-(y-x)/s) g'(y) dy.
+    # One branch at a depth, by adaptive quadrature of q(x) = E_inf [g(a) - g(x)] + E_1 int_x^a exp(-(y-x)/s) g'(y) dy.
     body, decay = em.PowerLaw(exponent, 0.3 * 1e-3 ** (1 - exponent)), velocity * 1e-3
     steep = float(body.profile_1d(1.0))  # g = steep |x|^n
     edge = (1e-4 / steep) ** (1 / exponent)

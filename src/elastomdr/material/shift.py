@@ -40,7 +40,8 @@ class AbstractShift(eqx.Module):
     @in_float64
     def a(self, temperature: Any) -> Array:
         """Shift factor a_T at temperatures [K], any shape."""
-        return 10.0 ** self.log10_a(temperature)
+        with np.errstate(over="ignore"):  # close above the pole: infinite, for the caller to judge
+            return 10.0 ** self.log10_a(temperature)
 
     @in_float64
     def activation_energy(self, temperature: Any) -> Array:
