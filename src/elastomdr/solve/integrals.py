@@ -153,11 +153,13 @@ def _tail(p: Passage, before: Array, c: Array, z: Array) -> Array:
     """
     before, c, z = jax.lax.stop_gradient((before, c, z))
     last = jnp.zeros_like(c).at[-2:].set(c[-2:])
+    seen = p.rule.safety * jnp.abs(jnp.sum(before * contract(last, z), axis=(-3, -2)))
+    if not p.rule.split or p.lines.count > 1:
+        return seen  # smooth bodies: their coefficients fall too fast for it to matter
     half = c.shape[0] // 2
     end, middle = jnp.max(jnp.abs(c[-2:]), axis=0), jnp.max(jnp.abs(c[half - 2 : half]), axis=0)
     unseen = end * jnp.minimum(end / jnp.where(middle > 0, middle, 1.0), 1.0)
     stiffness = p.law.equilibrium + jnp.sum(before, axis=-2, keepdims=True)
-    seen = p.rule.safety * jnp.abs(jnp.sum(before * contract(last, z), axis=(-3, -2)))
     return seen + _UNSEEN * jnp.sum(stiffness * unseen, axis=(-3, -2))
 
 
