@@ -84,6 +84,10 @@ class Profile(AbstractShape):
                 )
             self.convex = bool((np.diff(slope) > -1e-6 * slope.max()).all())
 
+    def __repr__(self) -> str:
+        apex = "sharp" if self.sharp else "smooth"
+        return f"Profile({self.r.size} points to r={float(self.r[-1]):.6g} m, {apex} apex)"
+
     def _join(self, curve: str) -> None:
         if curve == "spline":
             first, jumps = _spline_matrices(np.asarray(self.r), self.sharp)
