@@ -6,7 +6,7 @@ import pytest
 
 import elastomdr as em
 
-FOUNDATION = em.Foundation(1e6, 1e8 / 10 ** np.linspace(0, 2, 16), 10.0 ** np.arange(-8, 8))
+FOUNDATION = em.Foundation(1e6, [4e6], [1e-3])
 PARAMETERS = {
     "equilibrium": 5e5,
     "moduli": np.array([1e7, 3e6]),
@@ -20,7 +20,6 @@ PARAMETERS = {name: np.asarray(value) for name, value in PARAMETERS.items()}  # 
 SCALED = {
     "paraboloid": lambda x: em.Paraboloid(5e-3 * x),
     "sphere": lambda x: em.Sphere(5e-3 * x),
-    "cone": lambda x: em.Cone(0.1 * x),
 }
 
 
@@ -38,7 +37,7 @@ def _mu(p, shape, average, rtol=1e-8):
     ).mu
 
 
-@pytest.mark.parametrize(("shape", "average"), [("paraboloid", "direction"), ("sphere", None), ("cone", None)])
+@pytest.mark.parametrize(("shape", "average"), [("paraboloid", "direction"), ("sphere", None)])
 def test_gradients_in_both_modes_against_differences(shape, average):
     def value(parameters):
         return _mu(parameters, shape, average)
