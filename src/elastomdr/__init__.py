@@ -23,7 +23,7 @@ _HOMES = {
     "scenes.plan": ("plan",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
 }
-_PACKAGES = ("fit",)
+_PACKAGES = ("fit", "reference")
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = ["__version__", *sorted([*_MODULE_OF, *_PACKAGES])]
