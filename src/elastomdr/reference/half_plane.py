@@ -33,7 +33,7 @@ class _Found(NamedTuple):
     inside: Array
 
 
-_FAILED = _Found(np.float64(np.nan), np.full(2, np.nan), np.asarray(False), np.asarray(True))
+_FAILED = _Found(np.array(np.nan), np.full(2, np.nan), np.asarray(False), np.asarray(True))
 
 
 @in_float64

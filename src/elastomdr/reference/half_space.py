@@ -38,7 +38,7 @@ class _Found(NamedTuple):
     inside: Array  # no cell at the border of the window is in contact
 
 
-_NAN = np.float64(np.nan)
+_NAN = np.array(np.nan)
 _FAILED = _Found(_NAN, _NAN, _NAN, np.full(4, np.nan), _NAN, np.asarray(False), np.asarray(True))
 
 
