@@ -89,17 +89,28 @@ class Disc(eqx.Module):
         n, c = self._power()
         if n is not None:
             return _root(depth / c, n)
+        if self.flat:
+            return jnp.where(depth > 0, self.shape.largest_contact, 0.0)
         return _invert(self, "depth", depth, _root(depth * self._tip, 2.0))
 
     def radius_of_area(self, area: Array) -> Array:
         """a with A(a) = `area`, zero for area <= 0, NaN beyond the largest contact; any shape, differentiable."""
         n, _ = self._power()
+        if self.flat:
+            return jnp.where(area > 0, self.shape.largest_contact, 0.0)
         if n is not None:
             one = jnp.ones(())
             return _root(area / self.area(one), n + (2 if self.kind == "layer" else 1))
         if self.kind == "layer":
             return _invert(self, "area", area, _root(area * self._tip * 2 / math.pi, 4.0))
         return _invert(self, "area", area, _root(0.75 * area * self._tip, 3.0))
+
+    def depth_of_area(self, area: Array) -> Array:
+        """d at which A is `area`; NaN beyond the largest contact, zero for area <= 0 unless the body is flat."""
+        if self.flat:
+            return area / self.width(jnp.asarray(self.shape.largest_contact))
+        radius = self.radius_of_area(area)
+        return jnp.where(jnp.isnan(radius), jnp.nan, self.profile(jnp.nan_to_num(radius)))
 
     @property
     def _tip(self) -> Any:
@@ -156,18 +167,20 @@ def _invert(disc: Disc, name: Literal["depth", "area"], value: Array, guess: Arr
         return disc.area(x), disc.width(x) * disc.slope(x)
 
     def advance(state: tuple) -> tuple:
-        log_x, low, high, _, count = state
+        log_x, low, high, done, count = state
         x = jnp.exp(log_x)
         height, rate = level(fixed, x)
         off = jnp.log(height) - goal
+        step = off * height / (x * rate)
+        done = done | (jnp.abs(step) < 1e-8)  # the last step, below, squares this
         low, high = jnp.where(off < 0, log_x, low), jnp.where(off < 0, high, log_x)
-        following = log_x - off * height / (x * rate)
+        following = log_x - step
         middle = 0.5 * (jnp.maximum(low, log_x - 8) + jnp.minimum(high, log_x + 8))
         following = jnp.where((following > low) & (following < high), following, middle)
-        return following, low, high, ~there | (jnp.abs(following - log_x) < 1e-8), count + 1
+        return jnp.where(done, log_x, following), low, high, done, count + 1
 
     start = jnp.minimum(jnp.log(jnp.where(there, jax.lax.stop_gradient(guess), 1.0)), top - 0.1)
-    state = (start, jnp.full_like(goal, -300.0), top, jnp.zeros(goal.shape, bool), 0)
+    state = (start, jnp.full_like(goal, -300.0), top, ~there, 0)
     log_x = jax.lax.while_loop(lambda s: ~jnp.all(s[3]) & (s[4] < _ITERATIONS), advance, state)[0]
     x = jnp.where(there, jnp.exp(log_x), jnp.exp(start))
     height, rate = level(disc, x)

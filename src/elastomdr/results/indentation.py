@@ -12,10 +12,12 @@ from ..errors import InputError
 from ..foundation.modes import recovery_modes
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
-from ..solve.surface import Surface, surface_at
+from ..solve.control import Course, refined
+from ..solve.surface import surface_at
 from .axes import in_words
 from .table import AbstractResult, Column
 
+_RTOL = 1e-6  # of a depth that is solved again in between
 _SHOWN = 4  # histories that a summary lists one by one
 
 
@@ -43,7 +45,7 @@ class Indentation(AbstractResult):
     temperature: Float[Array, ""] | None  # T [K]
     law: Relaxation  # of the elements, at the temperature
     disc: Disc
-    knots: Any  # time and depth between which the history is linear, finer than the output where it was computed so
+    course: Course | None  # what was asked for; None with adhesion
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
@@ -86,20 +88,25 @@ class Indentation(AbstractResult):
     def _surface(self, r: Any, time: Any, what: str) -> Array:
         if is_traced(self, r, time):
             raise InputError(f"{what} is for numbers: call it outside jit, grad and vmap.")
-        if self.knots is None:
-            raise InputError(f"{what} is not computed with adhesion.")
         r, time = as_float64("r", r), scalar("time", time)
         not_negative("r", r)
-        leading = self.depth.shape[:-1]
-        times, depths = (np.broadcast_to(k, (*leading, k.shape[-1])).reshape(-1, k.shape[-1]) for k in self.knots)
-        first, last = times[:, 0].max(), times[:, -1].min()
-        if not first <= time <= last:
-            raise InputError(f"time must be within the history, {first:g} to {last:g} s, got {float(time):g}.")
-        modes = recovery_modes(self.law)
+        if self.course is None:
+            raise InputError(f"{what} is not computed with adhesion.")
+        course, modes = self.course, recovery_modes(self.law)
+        leading, instants = self.depth.shape[:-1], self.depth.shape[-1]
+        rows = [None if part is None else np.reshape(part, (-1, instants)) for part in course]
         values = []
-        for t, d in zip(times, depths, strict=True):
-            surface = surface_at(self.law, modes, self.disc, t, d, float(time))
-            values.append(Surface.pressure(surface, r) if what == "pressure" else Surface.displacement(surface, r))
+        for i, depth in enumerate(self.depth.reshape(-1, instants)):
+            history = Course(*(None if part is None else part[i] for part in rows))
+            first, last = history.time[0], history.time[-1]
+            if not first <= time <= last:
+                raise InputError(f"time must be within the history, {first:g} to {last:g} s, got {float(time):g}.")
+            if not np.isfinite(depth).all():
+                values.append(np.full(r.shape, np.nan))
+                continue
+            knots = refined(self.law, modes, self.disc, history, depth, _RTOL)
+            surface = surface_at(self.law, modes, self.disc, *knots, float(time))
+            values.append(getattr(surface, what)(r))
         return np.stack(values).reshape(*leading, *r.shape)
 
     def plot(self, ax: Any = None, title: str | None = None, label: str | None = None) -> Any:

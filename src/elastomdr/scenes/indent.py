@@ -87,7 +87,7 @@ def indent(
         temperature=kelvin,
         law=law,
         disc=disc,
-        knots=found.knots,
+        course=course,
         model=HALF_SPACE if disc.kind == "half-space" else LAYER,
         plan=found.plan,
         inputs=tuple(inputs),

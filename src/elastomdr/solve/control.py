@@ -14,11 +14,17 @@ from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
 from .creep import Creep, creep, levels_for
 from .history import indent_by_depth, padded
+from .steps import Marched, march, places
 
 _BATCH = 64  # histories computed at once
 _LEVELS = (1, 3, 6)  # of the panels, coarse to fine
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
 _ROUNDING = 1e-14
+_TRACED_STEPS = 16  # per interval, in the coarser of two marches whose values cannot be looked at
+_MOST_STEPS = 16384  # of a history
+_MARCHED_AT_ONCE = 8
+_KNOTS = 400  # instants to which a solved history is refined before pressures are computed from it
+STEPS = "exact contact steps at the load, extrapolated from halved steps"
 BY_DEPTH = "elements exact in time under the given depth, Gauss' rule between the edges of all instants"
 GROWING = "closed form of Lee and Radok: the contact only grows"
 
@@ -47,7 +53,6 @@ class Found(NamedTuple):
     locked: Array
     error: Array  # relative to the largest force or depth
     converged: Array
-    knots: tuple[Array, Array]  # time and depth between which the depth is linear
     plan: str
     reason: str  # why some did not converge
 
@@ -73,24 +78,123 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
     good = numpy.isfinite(found.force) & (error <= rtol)
     fields = (found.force, found.radius, found.work, found.stored, found.locked, error, good)
     force, radius, work, stored, locked, error, good = (_unpadded(a, shape) for a in fields)
-    knots = (course.time, course.depth)
-    return Found(course.depth, force, radius, work, stored, locked, error, good, knots, BY_DEPTH, "")
+    return Found(course.depth, force, radius, work, stored, locked, error, good, BY_DEPTH, "")
 
 
 def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
+    """In closed form as long as the contact grows, in steps where it does not."""
     shape = course.time.shape
-    time, load = (a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.load))
-    traced = is_traced(law, modes, disc, time, load)
+    load = course.load
+    traced = is_traced(law, modes, disc, course.time, load)
     numpy = jnp if traced else np
-    levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
-    found: Creep = _over_histories(creep, law, modes, disc, time, load, levels=levels)
-    good = numpy.isfinite(found.depth) & found.growing
-    error = numpy.where(good, _ROUNDING, numpy.nan)
-    fields = (found.depth, found.radius, found.work, found.stored, error, good)
-    depth, radius, work, stored, error, good = (_unpadded(a, shape) for a in fields)
-    knots = (course.time, depth)
-    locked = numpy.zeros(shape)
-    return Found(depth, course.load, radius, work, stored, locked, error, good, knots, GROWING, "")
+    by_depth = numpy.zeros(shape, bool) if course.by_depth is None else course.by_depth
+    depth = numpy.zeros(shape) if course.depth is None else numpy.nan_to_num(course.depth)
+    load = numpy.nan_to_num(load)
+    time, load, depth, by_depth = (a.reshape(-1, shape[-1]) for a in (course.time, load, depth, by_depth))
+    nothing = numpy.zeros(time.shape)
+    if course.by_depth is None:
+        levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
+        padded_time, padded_load = padded(time, load)
+        found: Creep = _over_histories(creep, law, modes, disc, padded_time, padded_load, levels=levels)
+        found = jax.tree.map(lambda a: _unpadded(a, time.shape), found)
+        good = found.growing & numpy.isfinite(found.depth)
+        error = numpy.where(good, _ROUNDING, numpy.inf)
+        fields = (found.depth, load, found.radius, found.work, found.stored, 0 * nothing, error)
+        rest = ~numpy.all(found.growing, axis=1)
+        # A contact under a load that never falls only grows, whatever the material.
+        simple = not is_traced(load) and bool((np.diff(load, axis=1) >= 0).all())
+    else:
+        good, simple, rest = numpy.zeros(time.shape, bool), False, np.ones(len(time), bool)
+        fields = tuple(nothing + 0.0 for _ in range(6)) + (nothing + numpy.inf,)
+    plan, reason = GROWING, ""
+    if not simple and (traced or rest.any()):
+        plan = STEPS if course.by_depth is not None else f"{GROWING}; otherwise {STEPS}"
+        which = slice(None) if traced else np.flatnonzero(rest)
+        stepped = _stepped(law, modes, disc, *(a[which] for a in (time, depth, load, by_depth)), rtol)
+        if traced:
+            fields = tuple(jnp.where(good, a, b) for a, b in zip(fields, stepped, strict=True))
+        else:
+            fields = tuple(np.array(field) for field in fields)
+            for field, new in zip(fields, stepped, strict=True):
+                field[which] = np.where(good[which], field[which], new)
+    depth, force, radius, work, stored, locked, error = (a.reshape(shape) for a in fields)
+    good = numpy.isfinite(depth) & (error <= rtol)
+    if not traced and not np.isfinite(depth).all():
+        reason = f"Where no finite number came out, the contact would be wider than the {disc.shape.label} is."
+    return Found(depth, force, radius, work, stored, locked, error, good, plan, reason)
+
+
+def _stepped(
+    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, load: Array, by_depth: Array, rtol: float, kept: int = 1
+) -> tuple[Array, ...]:
+    """Depth, force, radius, work, stored, locked and the relative error, extrapolated from marches with ever more steps.
+
+    Two limits that agree end the series; what is left of their difference in the finer one is about a sixteenth, a
+    third of it counts as the error. Where nothing can be looked at there are two marches, and the error is that of the
+    finer one.
+    """
+    traced = is_traced(law, disc, time, depth, load)
+    numpy = jnp if traced else np
+    levels, marches, limits = max(kept, _TRACED_STEPS if traced else 4), [], []
+    while True:
+        marches.append(_marched(law, modes, disc, time, depth, load, by_depth, levels=levels, kept=kept))
+        if len(marches) > 1:
+            limits.append(jax.tree.map(_extrapolated, *marches[-2:]))
+        if len(marches) > (1 if traced else 2):
+            last, other = limits[-1], marches[-1] if traced else limits[-2]
+            error = sum(_change(getattr(last, name), getattr(other, name)) for name in ("depth", "force")) / 3
+            enough = traced or not (error > rtol).any()
+            if enough or 2 * levels * time.shape[-1] > _MOST_STEPS:
+                break
+        levels *= 2
+    fits = numpy.where(last.fits, 1.0, numpy.nan)
+    parts = (last.depth, last.force, numpy.maximum(last.radius, 0.0), last.work, last.stored, last.locked)
+    return *(part * fits for part in parts), error + _ROUNDING
+
+
+def _extrapolated(coarse: Array, fine: Array) -> Array:
+    return coarse & fine if fine.dtype == bool else fine + (fine - coarse) / 3
+
+
+def _change(new: Array, old: Array) -> Array:
+    """Difference of two histories, relative to the largest value of each."""
+    largest = abs(new).max(axis=-1, keepdims=True)
+    return abs(new - old) / (largest + (largest == 0))
+
+
+def _marched(law: Any, modes: Modes, disc: Disc, *histories: Array, levels: int, kept: int) -> Marched:
+    """`march` for every history; a few at once, since each takes memory for all of its elements."""
+    law, modes, disc = jax.tree.map(jnp.asarray, (law, modes, disc))
+    count = histories[0].shape[0]
+    numpy = jnp if is_traced(law, disc, *histories) else np
+    size = min(_MARCHED_AT_ONCE, 1 << (count - 1).bit_length())
+    out = []
+    for i in range(0, count, size):
+        which = np.minimum(np.arange(i, i + size), count - 1)
+        rows = [jnp.asarray(a)[which] for a in histories]
+        out.append(march(law, modes, disc, *rows, levels=levels, kept=kept))
+    return jax.tree.map(lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count], *out)
+
+
+def refined(
+    law: Relaxation, modes: Modes, disc: Disc, course: Course, depth: Array, rtol: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Time and depth of one history (m,), between which the depth is close to linear: as given, or solved in between."""
+    if course.load is None:
+        return np.asarray(course.time), np.asarray(depth)
+    kept = 2 ** int(np.clip(np.log2(_KNOTS / len(course.time)), 0, 5))
+    part = places(kept)[1:]
+    time = np.append(course.time[0], course.time[:-1, None] + np.diff(course.time)[:, None] * part)
+    if course.by_depth is None:
+        load = np.append(course.load[0], course.load[:-1, None] + np.diff(course.load)[:, None] * part)
+        found = creep(law, modes, disc, *padded(time, load), levels=3)
+        found = jax.tree.map(lambda a: _unpadded(np.asarray(a), time.shape), found)
+        if found.growing.all():
+            return time, found.depth
+    by_depth = np.zeros(len(depth), bool) if course.by_depth is None else course.by_depth
+    given = np.zeros(len(depth)) if course.depth is None else np.nan_to_num(course.depth)
+    row = (a[None] for a in (course.time, given, np.nan_to_num(course.load), by_depth))
+    return time, _stepped(law, modes, disc, *row, rtol, kept)[0][0]
 
 
 def _over_histories(function: Any, law: Any, modes: Any, disc: Any, *histories: Any, levels: int) -> Any:

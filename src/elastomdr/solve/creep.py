@@ -66,12 +66,8 @@ def creep(
     _, z = jax.lax.scan(relax, jnp.zeros_like(modes.rate), (jnp.exp(-y), gain))
     z = jnp.concatenate([jnp.zeros((1, modes.rate.size)), z])  # retarded part of A, per mode
     area = modes.instantaneous * load + jnp.sum(z, axis=1)
-    if disc.flat:
-        radius = jnp.where(area > 0, disc.shape.largest_contact, 0.0)
-        depth = area / disc.width(jnp.asarray(disc.shape.largest_contact))
-    else:
-        radius = disc.radius_of_area(area)
-        depth = jnp.where(jnp.isnan(radius), jnp.nan, disc.profile(jnp.nan_to_num(radius)))
+    depth = disc.depth_of_area(area)
+    radius = disc.radius_of_area(area)
 
     # Inside the intervals: place s (of 1), A and its rate.
     s, ds = _panels(levels)
@@ -91,7 +87,7 @@ def creep(
         width = disc.width(disc.radius_of_area(area_in))
         depth_rate = jnp.where(width > 0, rate / jnp.where(width > 0, width, 1.0), 0.0)
     growing = jnp.all(rate >= -_ROUNDING * jnp.abs(area_in), axis=1) & (area[1:] >= area[:-1] * (1 - _ROUNDING))
-    growing = jnp.concatenate([jnp.ones(1, bool), jnp.cumprod(growing) > 0])
+    growing = jnp.concatenate([jnp.ones(1, bool), (jnp.cumprod(growing) > 0) | disc.flat])
 
     # Energies. At the first instant the contact is elastic and glassy; a parallel dashpot lets nothing happen there.
     start = _elastic(disc, radius[0], depth[0])

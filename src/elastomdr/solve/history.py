@@ -26,7 +26,7 @@ from ..material.relaxation import Relaxation
 _COARSE = 48  # elements that bracket the edges
 _SEARCH = 8  # steps of that search
 _NODES = 6  # per panel
-_SIZES = (8, 16, 32, 64, 96, 128, 192, 256, 384, 512)  # numbers of instants that are compiled
+_SIZES = (8, 16, 32, 64, 104, 128, 160, 208, 256, 320, 416, 512)  # numbers of instants that are compiled
 _RATIO = 0.2  # of neighbouring panels within one that narrows
 
 
