@@ -7,18 +7,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, require, scalar
+from .._runtime import as_float64, in_float64, is_traced, positive, require, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..foundation.modes import recovery_modes
 from ..mapping.disc import Disc
-from ..mapping.shapes import AbstractShape, Cylinder
+from ..mapping.shapes import AbstractShape, Cylinder, PowerLaw
 from ..material.relaxation import Relaxation
 from ..results.indentation import Indentation
-from ..solve.control import Course, indent_under
+from ..solve.control import Course, indent_under, indent_with_adhesion
 from .steady import brief, describe
 
 HALF_SPACE = "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
+RULE = "MDR line with adhesion: an edge lets go by its glassy energy q^2/(2 E_0) (a rule, for contact that only recedes)"
 LAYER = "thin layer of independent elements (exact for the layer)"
 
 
@@ -40,6 +41,9 @@ def indent(
       first instant depth or load may be a step from zero, to which the material answers with its glassy modulus.
       Leading axes are histories of their own, and all arguments broadcast.
     - Both `depth` and `load`: where one is NaN the other rules, up to that instant from the one before.
+    - `adhesion`: work of adhesion [J/m^2]; loads may then pull. Elastic foundations: JKR, exact; touching at zero depth
+      or load. Viscoelastic: a rule for a contact that is relaxed at the first instant and then recedes, no work or
+      energy (see `elastomdr.solve.adhesion`). A load that is not carried any more is NaN.
     - `temperature` [K], one for all, for a material with a shift law.
     - `rtol`, 1e-2 to 1e-10: error to be met, relative to the largest force (or depth) of the history.
 
@@ -51,11 +55,14 @@ def indent(
     """
     disc, foundation = contact(material, shape)
     law, kelvin = at_temperature(foundation, temperature)
-    course = _course(law, time, depth, load)
+    course = _course(law, time, depth, load, pull=adhesion is not None)
     rtol = _tolerance(rtol)
-    if adhesion is not None:
-        raise InputError("adhesion")
-    found = indent_under(law, recovery_modes(law), disc, course, rtol)
+    gamma = None
+    if adhesion is None:
+        found = indent_under(law, recovery_modes(law), disc, course, rtol)
+    else:
+        gamma = _work_of_adhesion(law, shape, adhesion)
+        found = indent_with_adhesion(law, recovery_modes(law), disc, course, gamma)
     traced = is_traced(found.depth, found.force)
     numpy = jnp if traced else np
     if not traced and not found.converged.all():
@@ -66,6 +73,8 @@ def indent(
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
     inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
     inputs += [(name, brief(value, unit)) for name, value, unit in course.words() if value is not None]
+    if adhesion is not None:
+        inputs.append(("work of adhesion", brief(gamma, "J/m^2")))
     if kelvin is not None:
         inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
@@ -87,11 +96,20 @@ def indent(
         temperature=kelvin,
         law=law,
         disc=disc,
-        course=course,
-        model=HALF_SPACE if disc.kind == "half-space" else LAYER,
+        course=course if adhesion is None else None,
+        model=_model(law, disc, adhesion),
         plan=found.plan,
         inputs=tuple(inputs),
     )
+
+
+def _model(law: Relaxation, disc: Disc, adhesion: Any) -> str:
+    base = HALF_SPACE if disc.kind == "half-space" else LAYER
+    if adhesion is None:
+        return base
+    if law.moduli.shape[0] == 0 or (not is_traced(law) and not law.moduli.any()):
+        return base.replace("exact", "JKR adhesion, exact", 1)
+    return RULE
 
 
 def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
@@ -128,7 +146,20 @@ def at_temperature(foundation: Foundation, temperature: Any) -> tuple[Relaxation
     return Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor), kelvin
 
 
-def _course(law: Relaxation, time: Any, depth: Any, load: Any) -> Course:
+def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:
+    gamma = scalar("adhesion", adhesion)
+    positive("adhesion", gamma)
+    if not is_traced(law):
+        if law.viscosity > 0:
+            raise InputError("adhesion needs a material without a parallel dashpot: its edge could never let go at once.")
+        if law.equilibrium == 0:
+            raise InputError("adhesion needs a solid (equilibrium above 0): a liquid has no relaxed contact to start from.")
+    if isinstance(shape, PowerLaw) and shape.exponent < 1:
+        raise InputError(f"exponent must be 1 or more with adhesion, got {shape.exponent:g}.")
+    return gamma
+
+
+def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Course:
     """Checks a history and brings its parts to one shape. Raises `InputError`."""
     if depth is None and load is None:
         raise InputError("load or depth must be given, got neither.")
@@ -145,10 +176,11 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any) -> Course:
         if value is None:
             continue
         parts[name] = as_float64(name, value)
-        accepted = "finite" if name == "depth" else "zero or positive and finite (a pull needs adhesion)"
+        signed = pull or name == "depth"
+        accepted = "finite" if signed else "zero or positive and finite (a pull needs adhesion)"
 
-        def good(x: np.ndarray, name: str = name) -> Any:
-            return np.isfinite(x) & ((x >= 0) | (name == "depth"))
+        def good(x: np.ndarray, signed: bool = signed) -> Any:
+            return np.isfinite(x) & ((x >= 0) | signed)
 
         if both and not is_traced(parts[name]):
             given = parts[name][~np.isnan(parts[name])]

@@ -12,6 +12,7 @@ from .._runtime import Array, is_traced
 from ..foundation.modes import Modes
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
+from .adhesion import Sticky, elastic, receding
 from .creep import Creep, creep, levels_for
 from .history import indent_by_depth, padded
 from .steps import Marched, march, places
@@ -25,6 +26,8 @@ _MOST_STEPS = 16384  # of a history
 _MARCHED_AT_ONCE = 8
 _KNOTS = 400  # instants to which a solved history is refined before pressures are computed from it
 STEPS = "exact contact steps at the load, extrapolated from halved steps"
+JKR = "JKR in closed form, root by root"
+STICKY = "relaxed at first, then receding by the glassy energy of the edge, in closed form"
 BY_DEPTH = "elements exact in time under the given depth, Gauss' rule between the edges of all instants"
 GROWING = "closed form of Lee and Radok: the contact only grows"
 
@@ -62,6 +65,39 @@ def indent_under(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol
     if course.load is None:
         return _by_depth(law, modes, disc, course, rtol)
     return _by_load(law, modes, disc, course, rtol)
+
+
+def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Course, gamma: Array) -> Found:
+    """JKR for an elastic foundation; for a viscoelastic one the rule of `solve.adhesion`."""
+    shape = course.time.shape
+    traced = is_traced(law, disc, course, gamma)
+    numpy = jnp if traced else np
+    zero = numpy.zeros(shape)
+    by_depth = course.by_depth
+    if by_depth is None:
+        by_depth = numpy.full(shape, course.load is None)
+    depth, load = (zero if part is None else numpy.nan_to_num(part) for part in (course.depth, course.load))
+    rows = tuple(a.reshape(-1, shape[-1]) for a in (course.time, depth, load, by_depth))
+    simple = law.moduli.shape[0] == 0 or (not is_traced(law) and not law.moduli.any())
+    sticky = Sticky(disc, law.equilibrium, gamma)
+    if simple:
+        out = jax.vmap(elastic, in_axes=(None, 0, 0, 0))(sticky, *rows[1:])
+        plan = JKR
+    else:
+        out = jax.vmap(receding, in_axes=(None, None, None, None, 0, 0, 0, 0))(law, modes, disc, gamma, *rows)
+        sticky = sticky._replace(gamma=gamma * (law.equilibrium + law.moduli.sum()) / law.equilibrium)
+        plan = STICKY
+    depth, force, radius, work, stored = (numpy.asarray(a).reshape(shape) for a in out)
+    if not traced:
+        for name in ("load", "depth"):
+            a, d, f = (float(x) for x in jax.jit(Sticky.breaks, static_argnums=1)(sticky, name))
+            plan += f"; breaks under falling {name} at F = {f:.6g} N, d = {d:.6g} m, a = {a:.6g} m"
+    known = numpy.isfinite(force)
+    error = numpy.where(known, _ROUNDING, numpy.nan)
+    reason = "" if traced or known.all() else "A load pulled the body off" + (
+        "." if simple else ", or the contact would have grown, for which there is no rule."
+    )
+    return Found(depth, force, radius, work, stored, zero, error, known, plan, reason)
 
 
 def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
