@@ -21,7 +21,7 @@ _BATCH = 64  # histories computed at once
 _LEVELS = (1, 3, 6)  # of the panels, coarse to fine
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
 _ROUNDING = 1e-14
-_TRACED_STEPS = 16  # per interval, in the coarser of two marches whose values cannot be looked at
+_BLIND_STEPS = 8  # per interval, in the first of three marches whose values cannot be looked at
 _MOST_STEPS = 16384  # of a history
 _MARCHED_AT_ONCE = 8
 _KNOTS = 400  # instants to which a solved history is refined before pressures are computed from it
@@ -103,14 +103,18 @@ def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Cour
 def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
     shape = course.time.shape
     time, depth = (a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.depth))
-    traced = is_traced(law, modes, disc, time, depth)
-    numpy = jnp if traced else np
-    for levels in _LEVELS[1:2] if traced else _LEVELS:
-        found, _ = _over_histories(indent_by_depth, law, modes, disc, time, depth, levels=levels)
-        largest = numpy.max(numpy.abs(found.force), axis=-1, keepdims=True)
-        error = found.error / numpy.where(largest > 0, largest, 1.0) + _ROUNDING
-        if traced or not (error > 0.1 * rtol).any():
+    given = (law, modes, disc, time, depth)
+    numpy = jnp if is_traced(given) else np
+    frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
+    found, levels = None, _LEVELS[1]
+    for levels in () if is_traced(frozen) else _LEVELS:
+        found, _ = _over_histories(indent_by_depth, *frozen, levels=levels)
+        if not (found.error > 0.1 * rtol * abs(found.force).max(axis=-1, keepdims=True)).any():
             break
+    if found is None or is_traced(given):
+        found, _ = _over_histories(indent_by_depth, *given, levels=levels)
+    largest = abs(found.force).max(axis=-1, keepdims=True)
+    error = found.error / (largest + (largest == 0)) + _ROUNDING
     good = numpy.isfinite(found.force) & (error <= rtol)
     fields = (found.force, found.radius, found.work, found.stored, found.locked, error, good)
     force, radius, work, stored, locked, error, good = (_unpadded(a, shape) for a in fields)
@@ -121,43 +125,45 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
     """In closed form as long as the contact grows, in steps where it does not."""
     shape = course.time.shape
     load = course.load
-    traced = is_traced(law, modes, disc, course.time, load)
-    numpy = jnp if traced else np
-    by_depth = numpy.zeros(shape, bool) if course.by_depth is None else course.by_depth
-    depth = numpy.zeros(shape) if course.depth is None else numpy.nan_to_num(course.depth)
-    load = numpy.nan_to_num(load)
+    by_depth = np.zeros(shape, bool) if course.by_depth is None else course.by_depth
+    depth = np.zeros(shape) if course.depth is None else np.nan_to_num(course.depth)
+    load = load if course.by_depth is None else np.nan_to_num(load)
     time, load, depth, by_depth = (a.reshape(-1, shape[-1]) for a in (course.time, load, depth, by_depth))
-    nothing = numpy.zeros(time.shape)
+    traced = is_traced(law, modes, disc, time, load)
+    numpy = jnp if traced else np
     if course.by_depth is None:
-        levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
-        padded_time, padded_load = padded(time, load)
-        found: Creep = _over_histories(creep, law, modes, disc, padded_time, padded_load, levels=levels)
-        found = jax.tree.map(lambda a: _unpadded(a, time.shape), found)
-        good = found.growing & numpy.isfinite(found.depth)
-        error = numpy.where(good, _ROUNDING, numpy.inf)
-        fields = (found.depth, load, found.radius, found.work, found.stored, 0 * nothing, error)
-        rest = ~numpy.all(found.growing, axis=1)
-        # A contact under a load that never falls only grows, whatever the material.
-        simple = not is_traced(load) and bool((np.diff(load, axis=1) >= 0).all())
+        fields, growing = _grown(law, modes, disc, time, load)
+        known = jax.lax.stop_gradient(growing) if traced else growing
     else:
-        good, simple, rest = numpy.zeros(time.shape, bool), False, np.ones(len(time), bool)
-        fields = tuple(nothing + 0.0 for _ in range(6)) + (nothing + numpy.inf,)
-    plan, reason = GROWING, ""
-    if not simple and (traced or rest.any()):
+        fields, known = (depth,) * 7, np.zeros(time.shape, bool)
+    # A contact under a load that never falls only grows, whatever the material.
+    simple = not is_traced(load) and course.by_depth is None and bool((np.diff(load, axis=1) >= 0).all())
+    rest = np.ones(len(time), bool) if is_traced(known) else ~np.asarray(known).all(axis=1)
+    plan = GROWING
+    if rest.any() and not simple:
         plan = STEPS if course.by_depth is not None else f"{GROWING}; otherwise {STEPS}"
-        which = slice(None) if traced else np.flatnonzero(rest)
+        which = np.flatnonzero(rest)
         stepped = _stepped(law, modes, disc, *(a[which] for a in (time, depth, load, by_depth)), rtol)
-        if traced:
-            fields = tuple(jnp.where(good, a, b) for a, b in zip(fields, stepped, strict=True))
-        else:
-            fields = tuple(np.array(field) for field in fields)
-            for field, new in zip(fields, stepped, strict=True):
-                field[which] = np.where(good[which], field[which], new)
+        back = np.zeros(len(time), int)
+        back[which] = np.arange(len(which))
+        fields = tuple(numpy.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True))
     depth, force, radius, work, stored, locked, error = (a.reshape(shape) for a in fields)
     good = numpy.isfinite(depth) & (error <= rtol)
+    reason = ""
     if not traced and not np.isfinite(depth).all():
         reason = f"Where no finite number came out, the contact would be wider than the {disc.shape.label} is."
     return Found(depth, force, radius, work, stored, locked, error, good, plan, reason)
+
+
+def _grown(law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array) -> tuple[tuple[Array, ...], Array]:
+    """The closed form: depth, force, radius, work, stored, locked and error, and where the contact has only grown."""
+    numpy = jnp if is_traced(law, modes, disc, time, load) else np
+    levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
+    found: Creep = _over_histories(creep, law, modes, disc, *padded(time, load), levels=levels)
+    found = jax.tree.map(lambda a: _unpadded(a, time.shape), found)
+    nothing = numpy.zeros(time.shape)
+    error = numpy.where(numpy.isfinite(found.depth), _ROUNDING, numpy.nan)
+    return (found.depth, load, found.radius, found.work, found.stored, nothing, error), found.growing
 
 
 def _stepped(
@@ -166,26 +172,29 @@ def _stepped(
     """Depth, force, radius, work, stored, locked and the relative error, extrapolated from marches with ever more steps.
 
     Two limits that agree end the series; what is left of their difference in the finer one is about a sixteenth, a
-    third of it counts as the error. Where nothing can be looked at there are two marches, and the error is that of the
-    finer one.
+    third of it counts as the error. Under jit or vmap, where nothing can be looked at, three marches are made.
     """
-    traced = is_traced(law, disc, time, depth, load)
-    numpy = jnp if traced else np
-    levels, marches, limits = max(kept, _TRACED_STEPS if traced else 4), [], []
+    given = (law, modes, disc, time, depth, load, by_depth)
+    frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
+    blind = is_traced(frozen)
+    levels, marches, limits = max(kept, _BLIND_STEPS if blind else 4), [], []
     while True:
-        marches.append(_marched(law, modes, disc, time, depth, load, by_depth, levels=levels, kept=kept))
+        marches.append(_marched(*(given if blind else frozen), levels=levels, kept=kept))
         if len(marches) > 1:
             limits.append(jax.tree.map(_extrapolated, *marches[-2:]))
-        if len(marches) > (1 if traced else 2):
-            last, other = limits[-1], marches[-1] if traced else limits[-2]
-            error = sum(_change(getattr(last, name), getattr(other, name)) for name in ("depth", "force")) / 3
-            enough = traced or not (error > rtol).any()
-            if enough or 2 * levels * time.shape[-1] > _MOST_STEPS:
+        if len(limits) > 1:
+            error = sum(_change(getattr(limits[1], name), getattr(limits[0], name)) for name in ("depth", "force")) / 3
+            if blind or not (error > rtol).any() or 2 * levels * time.shape[-1] > _MOST_STEPS:
                 break
+            limits.pop(0)
         levels *= 2
-    fits = numpy.where(last.fits, 1.0, numpy.nan)
-    parts = (last.depth, last.force, numpy.maximum(last.radius, 0.0), last.work, last.stored, last.locked)
-    return *(part * fits for part in parts), error + _ROUNDING
+    last = limits[-1]
+    if is_traced(given) and not blind:  # once more, with derivatives
+        coarse, fine = (_marched(*given, levels=n, kept=kept) for n in (levels // 2, levels))
+        last = jax.tree.map(_extrapolated, coarse, fine)
+    fits = jnp.where(last.fits, 1.0, jnp.nan)
+    parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked)
+    return tuple(a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error + _ROUNDING))
 
 
 def _extrapolated(coarse: Array, fine: Array) -> Array:

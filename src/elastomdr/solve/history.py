@@ -23,7 +23,7 @@ from ..foundation.modes import Modes
 from ..mapping.disc import Disc, gauss
 from ..material.relaxation import Relaxation
 
-_COARSE = 48  # elements that bracket the edges
+_COARSE = 49  # elements that bracket the edges
 _SEARCH = 8  # steps of that search
 _NODES = 6  # per panel
 _SIZES = (8, 16, 32, 64, 104, 128, 160, 208, 256, 320, 416, 512)  # numbers of instants that are compiled
@@ -56,8 +56,7 @@ def indent_by_depth(
 ) -> tuple[History, Row]:
     """Force, contact radius and energies under a depth that is linear between the m instants, depth[0] being a step."""
     law, modes, disc, time, depth = jax.tree.map(jnp.asarray, (law, modes, disc, time, depth))
-    fixed = jax.lax.stop_gradient((law, modes, disc, time, depth))
-    radius, slope = _edges(*fixed)
+    radius = _edges(law, modes, disc, time, depth)
     edges = _divided(jnp.sort(jnp.append(radius, 0.0)), levels)
     x, dx = gauss(edges, *np.polynomial.legendre.leggauss(_NODES))
     weight = disc.weight(x) * dx
@@ -72,9 +71,6 @@ def indent_by_depth(
         return *sums, jnp.sum(last * jnp.minimum(last / jnp.where(half > 0, half, 1.0), 1.0) ** 2)
 
     state, q, (total, work, stored, locked, error) = _run(law, modes, disc, x, time, depth, measure)
-    # The edge moves with its equation by one Newton step: that step carries its derivatives.
-    moved = jnp.diagonal(_signed(law, modes, disc, radius, time, depth)[0]) / jnp.where(slope < 0, slope, -jnp.inf)
-    radius = radius - (moved - jax.lax.stop_gradient(moved))
     rows = (-1, _NODES)
     return History(total, radius, work, stored, locked, error), Row(
         edges, x.reshape(rows), q.reshape(rows), state.u.reshape(rows)
@@ -114,31 +110,41 @@ def _run(
     return last, force(law, last, v[-1]), jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), first, kept)
 
 
-def _signed(law: Relaxation, modes: Modes, disc: Disc, x: Array, time: Array, depth: Array) -> Array:
-    """At every instant, for elements at x: the force density in contact; if free, minus the gap to the surface times
-    a stiffness. Falls with x; the edge of the contact is where it passes zero. Shape (m, n).
+def _signed(law: Relaxation, modes: Modes, disc: Disc, x: Array, time: Array, depth: Array) -> tuple[Array, Array]:
+    """At every instant, for elements at x: the force density in contact, or minus the gap to the surface times a
+    stiffness; and whether they are free. Falls with x; the edge of the contact is where it passes zero. Shape (m, n).
     """
     g = disc.profile(x)
     scale = law.equilibrium + jnp.sum(law.moduli)
     scale = jnp.where(scale > 0, scale, law.viscosity / (time[-1] - time[0]))
-
-    def measure(state: Touching, q: Array) -> Array:
-        return jnp.where(state.contact, jnp.maximum(q, 0.0), state.u + g)
-
-    def is_free(state: Touching, q: Array) -> Array:
-        return ~state.contact
-
-    values, free = _run(law, modes, disc, x, time, depth, lambda s, q: (measure(s, q), is_free(s, q)))[2]
-    return jnp.where(free, scale * jnp.minimum(depth[:, None] - values, -0.0), values), free
+    value, free = _run(
+        law, modes, disc, x, time, depth, lambda s, q: (jnp.where(s.contact, q, s.u + g), ~s.contact)
+    )[2]
+    return jnp.where(free, scale * (depth[:, None] - value), value), free
 
 
-def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> tuple[Array, Array]:
-    """Radius of the contact at every instant, and the slope by which its residual falls there."""
-    none = jnp.full(time.shape, -jnp.inf)
+def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
+    """Radius of the contact at every instant, differentiable: a search, and a Newton step that carries derivatives."""
     if disc.flat:
         _, free = _signed(law, modes, disc, jnp.zeros(1), time, depth)
-        return jnp.where(free[:, 0], 0.0, disc.shape.largest_contact), none
+        return jnp.where(free[:, 0], 0.0, disc.shape.largest_contact)
+    fixed = jax.lax.stop_gradient((law, modes, disc, time, depth))
+    radius = _search(*fixed)
+
+    def residual(x: Array) -> Array:
+        law, modes, disc, time, depth = fixed
+        return jnp.diagonal(_signed(law, modes, disc, x, time, depth)[0])
+
+    _, slope = jax.jvp(residual, (radius,), (jnp.ones_like(radius),))
+    off = jnp.diagonal(_signed(law, modes, disc, radius, time, depth)[0])
+    moved = jnp.where((slope < 0) & (radius > 0), off / jnp.where(slope < 0, slope, 1.0), 0.0)
+    return radius - (moved - jax.lax.stop_gradient(moved))
+
+
+def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
+    """Radius of the contact at every instant, by secants from both sides of the edge."""
     reach = disc.radius_of_depth(jnp.max(depth))
+    reach = jnp.minimum(1.02 * reach, 0.5 * reach + 0.5 * disc.largest)  # so that every edge lies inside
     grid = reach * jnp.linspace(0.0, 1.0, _COARSE)
     value, free = _signed(law, modes, disc, grid, time, depth)
     count = jnp.sum(~free, axis=1)  # elements in contact, the innermost ones
@@ -174,9 +180,7 @@ def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array)
     inner, inner_far, outer, _ = jax.lax.fori_loop(0, _SEARCH, search, ends)
     x = secant(inner, inner_far)
     x = jnp.where((x >= inner[0]) & (x <= outer[0]), x, jnp.where(inner[1] > -outer[1], outer[0], inner[0]))
-    slope = (inner[1] - inner_far[1]) / jnp.where(inner[0] > inner_far[0], inner[0] - inner_far[0], jnp.inf)
-    whole = count == _COARSE
-    return jnp.where(whole, reach, jnp.where(count > 0, x, 0.0)), jnp.where(whole | (count == 0), -jnp.inf, slope)
+    return jnp.where(count > 0, x, 0.0)
 
 
 def _divided(edges: Array, levels: int) -> Array:
