@@ -247,7 +247,7 @@ def phi1(y: Array) -> Array:
 
 def phi2(y: Array) -> Array:
     """(1 - phi1(y))/y for y >= 0, by its series where the difference would lose digits."""
-    small, large = jnp.minimum(y, 1.0), jnp.maximum(y, 1.0)
+    small, large = jnp.where(y < 1, y, 1.0), jnp.where(y < 1, 1.0, y)  # not min and max: at y = 1 they halve slopes
     series = jnp.ones_like(y)
     for k in range(19, 2, -1):
         series = 1 - small / k * series

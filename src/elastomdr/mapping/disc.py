@@ -197,7 +197,7 @@ def _sphere_area(c: Array, layer: bool) -> Array:
     if layer:
         s = jnp.sqrt(1 - c**2)
         return math.pi / 3 * (c**2 / (1 + s)) ** 2 * (2 + s)
-    small, large = jnp.minimum(c, 0.4), jnp.maximum(c, 0.4)
+    small, large = jnp.where(c < 0.4, c, 0.4), jnp.where(c < 0.4, 0.4, c)
     series = jnp.zeros_like(c)
     for n in range(18, 0, -1):
         series = (series + 1 / (2 * n - 1) + 1 / (2 * n + 1)) * (small**2 if n > 1 else small**3)

@@ -107,7 +107,7 @@ class Indentation(AbstractResult):
             knots = refined(self.law, modes, self.disc, history, depth, _RTOL)
             surface = surface_at(self.law, modes, self.disc, *knots, float(time))
             values.append(getattr(surface, what)(r))
-        return np.stack(values).reshape(*leading, *r.shape)
+        return np.stack(values).reshape((*leading, *r.shape))
 
     def plot(self, ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
         """Draws depth, force and contact radius against time and the force against depth; returns matplotlib Axes.

@@ -57,6 +57,11 @@ def indent(
     law, kelvin = at_temperature(foundation, temperature)
     course = _course(law, time, depth, load, pull=adhesion is not None)
     rtol = _tolerance(rtol)
+    if course.depth is not None and not is_traced(disc, course.depth) and np.isfinite(disc.largest) and not disc.flat:
+        deepest = float(disc.profile(disc.largest))
+        within = np.nan_to_num(course.depth)
+        accepted = f"below {deepest:.4g} m, where the contact reaches the end of the profile"
+        require("depth", within, accepted, lambda d: d < deepest)
     gamma = None
     if adhesion is None:
         found = indent_under(law, recovery_modes(law), disc, course, rtol)

@@ -26,6 +26,8 @@ from ..mapping.shapes import FlatPunch
 from ..material.relaxation import Relaxation
 
 _HALVINGS = 80
+_ROUNDING = 1e-12
+_DOUBLE = 1e-14
 
 
 class Adhesive(NamedTuple):
@@ -84,14 +86,17 @@ class Sticky(NamedTuple):
 
     def radius(self, control: str, value: Array) -> Array:
         """Stable radius at a depth or load; that of the break where there is none."""
-        least = self.breaks(control).radius
+        end = self.breaks(control)
+        least, lowest = end.radius, end.depth if control == "depth" else end.force
         if isinstance(self.disc.shape, FlatPunch):
             return least + 0 * value
 
         def level(s: "Sticky", a: Array) -> Array:
             return s.depth(a) if control == "depth" else s.force(a, s.depth(a))
 
-        return jnp.maximum(_rising(level, self, value, least), least)
+        # At the break itself the root is double, and rounding would move it by the square root of what it is.
+        above = value > lowest + _DOUBLE * jnp.abs(lowest)
+        return jnp.where(above, jnp.maximum(_rising(level, self, value, least), least), least)
 
     def _steepness(self, a: Array, control: str) -> Array:
         """Of the sign of dd/da, or of dF/da along d = g(a) - delta(a)."""
@@ -119,7 +124,7 @@ def elastic(sticky: Sticky, depth: Array, load: Array, by_depth: Any) -> Adhesiv
     if sticky.disc.flat:
         d = jnp.where(control, depth, load / (sticky.modulus * sticky.disc.width(a)))
     force = jnp.where(control, sticky.force(a, d), load)
-    holds = jnp.where(control, depth >= ends["depth"].depth, load >= ends["load"].force)
+    holds = jnp.where(control, _reaches(depth, ends["depth"].depth), _reaches(load, ends["load"].force))
     touches = jnp.where(control, depth >= 0, load >= 0)
     # First touch: at zero depth, or at zero load.
     zero = jnp.zeros(())
@@ -171,7 +176,8 @@ def receding(
     bond = rest._replace(gamma=gamma * (law.equilibrium + jnp.sum(law.moduli)) / law.equilibrium)
     a0 = jnp.where(by_depth[0], rest.radius("depth", depth[0]), rest.radius("load", load[0]))
     ends = {name: (rest.breaks(name), bond.breaks(name)) for name in ("depth", "load")}
-    there = jnp.where(by_depth[0], depth[0] >= ends["depth"][0].depth, load[0] >= ends["load"][0].force)
+    holds_depth, holds_load = _reaches(depth[0], ends["depth"][0].depth), _reaches(load[0], ends["load"][0].force)
+    there = jnp.where(by_depth[0], holds_depth, holds_load)
     d0 = jnp.where(by_depth[0], depth[0], _depth_under(rest, a0, load[0]))
     h = jnp.diff(time)
 
@@ -185,7 +191,7 @@ def receding(
         # D by the motion where the depth rules, by the load at the radius found where that does.
         moved = depth + (jnp.sum(jnp.exp(-y) * f + ramp * (depth - d)) / law.equilibrium)
         stays = jnp.where(control, moved, _depth_under(bond, a, load)) >= bond.depth(a)
-        stable = jnp.where(control, moved >= end_depth.depth, load >= end_load.force)
+        stable = jnp.where(control, _reaches(moved, end_depth.depth), _reaches(load, end_load.force))
         wide = a >= jnp.where(control, end_depth.radius, end_load.radius)
         held = held & (stays | (stable & wide))
         edge = jnp.where(control, bond.radius("depth", moved), bond.radius("load", load))
@@ -208,6 +214,11 @@ def receding(
     nan = jnp.full(time.shape, jnp.nan)
     fields = (jnp.where(known, jnp.append(one, many), jnp.nan) for one, many in zip(first, (d, force, a), strict=True))
     return Adhesive(*fields, nan, nan)
+
+
+def _reaches(value: Array, end: Array) -> Array:
+    """Whether a depth or load is not below that of the break, or below it by rounding only."""
+    return value >= end - _ROUNDING * jnp.abs(end)
 
 
 def _depth_under(sticky: Sticky, a: Array, load: Array) -> Array:

@@ -108,11 +108,11 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
     frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
     found, levels = None, _LEVELS[1]
     for levels in () if is_traced(frozen) else _LEVELS:
-        found, _ = _over_histories(indent_by_depth, *frozen, levels=levels)
+        found, _ = over_histories(indent_by_depth, *frozen, levels=levels)
         if not (found.error > 0.1 * rtol * abs(found.force).max(axis=-1, keepdims=True)).any():
             break
     if found is None or is_traced(given):
-        found, _ = _over_histories(indent_by_depth, *given, levels=levels)
+        found, _ = over_histories(functools.partial(indent_by_depth, smooth=True), *given, levels=levels)
     largest = abs(found.force).max(axis=-1, keepdims=True)
     error = found.error / (largest + (largest == 0)) + _ROUNDING
     good = numpy.isfinite(found.force) & (error <= rtol)
@@ -159,7 +159,7 @@ def _grown(law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array) 
     """The closed form: depth, force, radius, work, stored, locked and error, and where the contact has only grown."""
     numpy = jnp if is_traced(law, modes, disc, time, load) else np
     levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
-    found: Creep = _over_histories(creep, law, modes, disc, *padded(time, load), levels=levels)
+    found: Creep = over_histories(creep, law, modes, disc, *padded(time, load), levels=levels)
     found = jax.tree.map(lambda a: _unpadded(a, time.shape), found)
     nothing = numpy.zeros(time.shape)
     error = numpy.where(numpy.isfinite(found.depth), _ROUNDING, numpy.nan)
@@ -242,7 +242,7 @@ def refined(
     return time, _stepped(law, modes, disc, *row, rtol, kept)[0][0]
 
 
-def _over_histories(function: Any, law: Any, modes: Any, disc: Any, *histories: Any, levels: int) -> Any:
+def over_histories(function: Any, law: Any, modes: Any, disc: Any, *histories: Any, levels: int) -> Any:
     """`function` for every history, in one compiled call; NumPy arrays unless traced."""
     count = histories[0].shape[0]
     size = min(_BATCH, 1 << (count - 1).bit_length())

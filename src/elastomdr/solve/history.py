@@ -26,7 +26,7 @@ from ..material.relaxation import Relaxation
 _COARSE = 49  # elements that bracket the edges
 _SEARCH = 8  # steps of that search
 _NODES = 6  # per panel
-_SIZES = (8, 16, 32, 64, 104, 128, 160, 208, 256, 320, 416, 512)  # numbers of instants that are compiled
+_SIZES = (16, 32, 64, 104, 128, 160, 208, 256, 320, 416, 512)  # numbers of instants that are compiled
 _RATIO = 0.2  # of neighbouring panels within one that narrows
 
 
@@ -50,13 +50,15 @@ class Row(NamedTuple):
     u: Float[Array, "panels n"]  # displacement [m]
 
 
-@functools.partial(jax.jit, static_argnames="levels")
+@functools.partial(jax.jit, static_argnames=("levels", "smooth"))
 def indent_by_depth(
-    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, *, levels: int = 0
+    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, *, levels: int = 0, smooth: bool = False
 ) -> tuple[History, Row]:
-    """Force, contact radius and energies under a depth that is linear between the m instants, depth[0] being a step."""
+    """Force, contact radius and energies under a depth that is linear between the m instants, depth[0] being a step.
+    `smooth` is for derivatives, which need the edges' own.
+    """
     law, modes, disc, time, depth = jax.tree.map(jnp.asarray, (law, modes, disc, time, depth))
-    radius = _edges(law, modes, disc, time, depth)
+    radius = _edges(law, modes, disc, time, depth, smooth)
     edges = _divided(jnp.sort(jnp.append(radius, 0.0)), levels)
     x, dx = gauss(edges, *np.polynomial.legendre.leggauss(_NODES))
     weight = disc.weight(x) * dx
@@ -123,26 +125,26 @@ def _signed(law: Relaxation, modes: Modes, disc: Disc, x: Array, time: Array, de
     return jnp.where(free, scale * (depth[:, None] - value), value), free
 
 
-def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
-    """Radius of the contact at every instant, differentiable: a search, and a Newton step that carries derivatives."""
+def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, smooth: bool) -> Array:
+    """Radius of the contact at every instant: a search, and if `smooth` a Newton step that carries derivatives."""
     if disc.flat:
         _, free = _signed(law, modes, disc, jnp.zeros(1), time, depth)
         return jnp.where(free[:, 0], 0.0, disc.shape.largest_contact)
-    fixed = jax.lax.stop_gradient((law, modes, disc, time, depth))
-    radius = _search(*fixed)
+    radius = _search(*jax.lax.stop_gradient((law, modes, disc, time, depth)))
+    if not smooth:
+        return radius
 
     def residual(x: Array) -> Array:
-        law, modes, disc, time, depth = fixed
         return jnp.diagonal(_signed(law, modes, disc, x, time, depth)[0])
 
-    _, slope = jax.jvp(residual, (radius,), (jnp.ones_like(radius),))
-    off = jnp.diagonal(_signed(law, modes, disc, radius, time, depth)[0])
+    off, slope = jax.jvp(residual, (radius,), (jnp.ones_like(radius),))
+    slope = jax.lax.stop_gradient(slope)
     moved = jnp.where((slope < 0) & (radius > 0), off / jnp.where(slope < 0, slope, 1.0), 0.0)
     return radius - (moved - jax.lax.stop_gradient(moved))
 
 
 def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
-    """Radius of the contact at every instant, by secants from both sides of the edge."""
+    """Radius of the contact at every instant, by secants from both sides of the edge, where the residual has a kink."""
     reach = disc.radius_of_depth(jnp.max(depth))
     reach = jnp.minimum(1.02 * reach, 0.5 * reach + 0.5 * disc.largest)  # so that every edge lies inside
     grid = reach * jnp.linspace(0.0, 1.0, _COARSE)
@@ -159,12 +161,10 @@ def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array
 
     def search(_: Any, ends: tuple) -> tuple:
         inner, inner_far, outer, outer_far = ends
-        inside = lambda x: (x > inner[0]) & (x < outer[0])  # noqa: E731
-        x = secant(inner, inner_far)
-        x = jnp.where(inside(x), x, secant(outer, outer_far))
-        x = jnp.where(inside(x), x, 0.5 * (inner[0] + outer[0]))
-        value, free = _signed(law, modes, disc, x, time, depth)
-        value, free = jnp.diagonal(value), jnp.diagonal(free)
+        x = 0.5 * (inner[0] + outer[0])
+        for guess in (secant(outer, outer_far), secant(inner, inner_far)):
+            x = jnp.where((guess > inner[0]) & (guess < outer[0]), guess, x)
+        value, free = (jnp.diagonal(part) for part in _signed(law, modes, disc, x, time, depth))
 
         def choose(new: Any, old: Any, where: Array) -> Any:
             return jax.tree.map(lambda n, o: jnp.where(where, n, o), new, old)

@@ -193,8 +193,7 @@ def _edge(x: Array, excess: Array, touching: Array) -> Array:
 
 def _lag(z: Array) -> Array:
     """Mean of (h - t)/h under the weight exp(-(h - t) z/h): 1/z - 1/(exp(z) - 1)."""
-    small = jnp.minimum(z, 0.1)
-    large = jnp.maximum(z, 0.1)
+    small, large = jnp.where(z < 0.1, z, 0.1), jnp.where(z < 0.1, 0.1, z)
     return jnp.where(z < 0.1, 0.5 - small / 12 + small**3 / 720 - small**5 / 30240, 1 / large - 1 / jnp.expm1(large))
 
 

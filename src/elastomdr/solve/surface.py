@@ -14,8 +14,10 @@ from .._runtime import Array
 from ..foundation.modes import Modes
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
+from .control import over_histories
 from .history import indent_by_depth, padded
 
+_LEVELS = 1  # of the panels
 _POINTS, _WEIGHTS = legendre.leggauss(12)
 
 
@@ -68,15 +70,15 @@ def surface_at(law: Relaxation, modes: Modes, disc: Disc, time: np.ndarray, dept
     at = max(at, time[0] + 1e-14 * (time[-1] - time[0]))  # what a step at the first instant leaves is looked at after it
     before = time < at
     t, d = padded(np.append(time[before], at), np.append(depth[before], np.interp(at, time, depth)))
-    history, row = indent_by_depth(law, modes, disc, t, d, levels=2)
-    edges, q, u = (np.asarray(a) for a in (row.edges, row.q, row.u))
+    history, row = over_histories(indent_by_depth, law, modes, disc, t[None], d[None], levels=_LEVELS)
+    edges, q, u = row.edges[0], row.q[0], row.u[0]
     wide = np.diff(edges) > 1e-13 * max(edges[-1], 1e-300)
     nodes, weights = legendre.leggauss(q.shape[1])
     to_series = (legendre.legvander(nodes, q.shape[1] - 1) * weights[:, None]).T * (
         np.arange(q.shape[1])[:, None] + 0.5
     )
     kept = np.concatenate([[0.0], edges[1:][wide]])
-    radius = float(history.radius[-1])
+    radius = float(history.radius[0, -1])
     jump = np.array([radius, float(q[0, 0])]) if disc.flat and radius > 0 else np.zeros(2)
     return Surface(kept, q[wide] @ to_series.T, u[wide] @ to_series.T, jump, disc.kind != "half-space")
 
