@@ -1,5 +1,7 @@
 """Indentation: exact answers, slow independent routes, invariants, derivatives, refusals."""
 
+from itertools import pairwise
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -57,7 +59,7 @@ def _one_element(law, corners):
     modulus, weights, times = float(law.equilibrium), law.moduli, law.times
     glassy = modulus + weights.sum()
     state, touching = np.zeros(1 + len(weights) + 2), False  # u, f, work, heat
-    for (t0, w0), (t1, w1) in zip(corners[:-1], corners[1:], strict=True):
+    for (t0, w0), (t1, w1) in pairwise(corners):
         v, now = (w1 - w0) / (t1 - t0), t0
 
         def rates(t, y, v=v, touching=False):
@@ -79,7 +81,13 @@ def _one_element(law, corners):
                 touching = True
                 continue
             solution = solve_ivp(
-                lambda t, y, on=touching: rates(t, y, touching=on), (now, t1), state, "DOP853", rtol=1e-12, atol=1e-15, events=event
+                lambda t, y, on=touching: rates(t, y, touching=on),
+                (now, t1),
+                state,
+                "DOP853",
+                rtol=1e-12,
+                atol=1e-15,
+                events=event,
             )
             now, state = solution.t[-1], solution.y[:, -1]
             touching = touching != (solution.status == 1)
@@ -94,7 +102,7 @@ def test_one_element_through_contact_recovery_and_renewed_contact():
     modes = recovery_modes(BRANCHES)
     state = pressed(BRANCHES, modes, jnp.array([CORNERS[0][1]]))
     seen = []
-    for (t0, w0), (t1, w1) in zip(CORNERS[:-1], CORNERS[1:], strict=True):
+    for (t0, w0), (t1, w1) in pairwise(CORNERS):
         v = (w1 - w0) / (t1 - t0)
         state = follow(BRANCHES, modes, state, jnp.array([w0]), v, t1 - t0)
         seen.append(bool(state.contact[0]))
@@ -113,7 +121,7 @@ def test_contact_step_converges_to_the_exact_element():
     modes = recovery_modes(BRANCHES)
     corners = CORNERS[:6]
     exact = pressed(BRANCHES, modes, jnp.array([corners[0][1]]))
-    for (t0, w0), (t1, w1) in zip(corners[:-1], corners[1:], strict=True):
+    for (t0, w0), (t1, w1) in pairwise(corners):
         exact = follow(BRANCHES, modes, exact, jnp.array([w0]), (w1 - w0) / (t1 - t0), t1 - t0)
     target = force(BRANCHES, exact, 0.0)[0]
     counts = np.array([3000, 12000, 48000])
@@ -242,7 +250,9 @@ def test_many_histories_are_the_single_ones():
     peaks = np.array([[0.5], [1.0], [2.0]])
     many = em.indent(SOLID, BALL, time=TIMES, depth=peaks * TWICE)
     for i, peak in enumerate(peaks[:, 0]):
-        np.testing.assert_allclose(many.force[i], em.indent(SOLID, BALL, time=TIMES, depth=peak * TWICE).force, rtol=1e-9)
+        np.testing.assert_allclose(
+            many.force[i], em.indent(SOLID, BALL, time=TIMES, depth=peak * TWICE).force, rtol=1e-9
+        )
     # A paraboloid has one length: forces at depths d go as d^(3/2).
     np.testing.assert_allclose(many.force[2], many.force[0] * 8, rtol=1e-8, atol=1e-15)
 
@@ -376,7 +386,9 @@ def _directional(function, point, rtol):
     """Forward derivative in one direction against central differences of two steps."""
     way = np.array([0.7, -0.4, 0.5, 0.3, 0.6])[: point.size] * point
     got = jax.jvp(function, (point,), (way,))[1]
-    slow = [(np.asarray(function(point + h * way)) - np.asarray(function(point - h * way))) / (2 * h) for h in (2e-4, 1e-4)]
+    slow = [
+        (np.asarray(function(point + h * way)) - np.asarray(function(point - h * way))) / (2 * h) for h in (2e-4, 1e-4)
+    ]
     expected = slow[1] + (slow[1] - slow[0]) / 3
     for row, wanted in zip(got, expected, strict=True):
         np.testing.assert_allclose(row, wanted, rtol=rtol, atol=rtol * np.abs(wanted).max())
@@ -416,7 +428,9 @@ def test_derivatives_under_a_falling_load():
 
 def test_derivatives_with_adhesion():
     def call(p):
-        result = em.indent(em.Foundation(p[0], [], []), em.Paraboloid(p[1]), time=TIMES, load=p[3] * PULSES, adhesion=p[2])
+        result = em.indent(
+            em.Foundation(p[0], [], []), em.Paraboloid(p[1]), time=TIMES, load=p[3] * PULSES, adhesion=p[2]
+        )
         return jnp.stack([result.depth, result.contact_radius])
 
     _directional(call, np.array([1e6, 0.01, 0.05, 1.0]), 1e-7)
@@ -451,7 +465,9 @@ def test_refuses_what_has_no_answer():
     with pytest.raises(em.InputError, match="adhesion needs a solid"):
         em.indent(em.Foundation(0.0, [1.0], [1.0]), BALL, time=[0.0, 1.0], depth=0.0, adhesion=0.1)
     with pytest.warns(em.ConvergenceWarning, match="pulled the body off"):
-        off = em.indent(em.Foundation(1e6, [], []), em.Paraboloid(0.01), time=[0.0, 1.0], load=[0.0, -1.0], adhesion=0.05)
+        off = em.indent(
+            em.Foundation(1e6, [], []), em.Paraboloid(0.01), time=[0.0, 1.0], load=[0.0, -1.0], adhesion=0.05
+        )
     assert np.isnan(off.depth[1])
     result = PROBLEMS[0].solve()
     with pytest.raises(em.InputError, match="time must be within the history"):

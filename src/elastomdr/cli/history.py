@@ -83,7 +83,11 @@ def _hold(keys: Keys, points: int, _: Any) -> Any:
     duration = keys.get("duration", one(DURATION))
     rise = keys.get("rise", one(DURATION)) if "rise" in keys else 0.0
     even = "spacing" in keys and keys.get("spacing", choice("log", "linear")) == "linear"
-    since = np.linspace(0, duration, points) if even else np.append(0.0, np.geomspace(1e-6 * duration, duration, points - 1))
+    since = (
+        np.linspace(0, duration, points)
+        if even
+        else np.append(0.0, np.geomspace(1e-6 * duration, duration, points - 1))
+    )
     if not rise:
         return since, np.ones(points)
     time = np.concatenate([np.linspace(0, rise, 41)[:-1], rise + since])

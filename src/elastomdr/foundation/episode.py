@@ -150,5 +150,5 @@ def _parting(law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: 
         return jnp.where(done, t, following), low, high, done, count + 1
 
     start = (0.5 * rest, jnp.zeros_like(rest), rest, ~lost, 0)
-    t, low, *_ = jax.lax.while_loop(lambda c: ~jnp.all(c[3]) & (c[4] < _MOST), advance, start)
+    t, *_ = jax.lax.while_loop(lambda c: ~jnp.all(c[3]) & (c[4] < _MOST), advance, start)
     return lost, jnp.where(t <= 4 * _ROUNDING * rest, 0.0, t)

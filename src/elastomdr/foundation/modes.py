@@ -2,7 +2,8 @@
 
 An element that carries no force recovers as a sum of exponentials, one per retardation time lambda_j of its Kelvin
 chain: u = sum_j m_j, m_j' = c_j q - m_j/lambda_j (and u has J_0 q besides), with c_j = J_j/lambda_j. A liquid has one
-more mode that does not recover, c = phi, its rate zero. Branch k with its dashpot at y_k = u - f_k/E_k follows mode j as
+more mode that does not recover, c = phi, its rate zero. Branch k, with its dashpot at y_k = u - f_k/E_k, follows the
+modes as
 
     y_k = sum_j Y_jk m_j,    Y_jk = lambda_j/(lambda_j - tau_k),
 

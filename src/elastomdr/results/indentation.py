@@ -80,8 +80,8 @@ class Indentation(AbstractResult):
     def displacement(self, r: Any, time: Any) -> Array:
         """Displacement u(r) [m] of the surface, positive into the material, at radii [m] and one time [s].
 
-        u(r) = (2/pi) int_0^r u(x)/sqrt(r^2 - x^2) dx, in contact and out of it, where a contact that has ended leaves an
-        imprint until it has recovered; on a layer u itself. Shapes as `pressure`.
+        u(r) = (2/pi) int_0^r u(x)/sqrt(r^2 - x^2) dx, in contact and out of it: a contact that has ended leaves an
+        imprint until it has recovered. On a layer u itself. Shapes as `pressure`.
         """
         return self._surface(r, time, "displacement")
 
@@ -165,5 +165,6 @@ def _in_short(row: dict[str, np.ndarray]) -> str:
     text = f"deepest {most('depth', 'depth')}; largest force {most('force', 'load')}; "
     text += f"largest radius {most('contact_radius', 'radius')}; at the end {end}"
     if np.isfinite(row["dissipated"][known]):
-        text += f"; dissipated {significant(float(row['dissipated'][known]))} J of {significant(float(row['work'][known]))} J"
+        lost, work = (significant(float(row[key][known])) for key in ("dissipated", "work"))
+        text += f"; dissipated {lost} J of {work} J"
     return text

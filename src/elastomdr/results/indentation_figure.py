@@ -86,6 +86,7 @@ def _dress(ax: Any, x: str, y: str) -> None:
 
 def _labels(rows: dict[str, np.ndarray]) -> list[str]:
     """What sets the histories apart: their largest depths or loads, whichever were given as round numbers."""
+
     def words(key: str, name: str) -> list[str]:
         return [in_words(name, float(np.nanmax(row, initial=0.0))) for row in rows[key]]
 

@@ -3,7 +3,6 @@
 import warnings
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -19,7 +18,9 @@ from ..solve.control import Course, indent_under, indent_with_adhesion
 from .steady import brief, describe
 
 HALF_SPACE = "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
-RULE = "MDR line with adhesion: an edge lets go by its glassy energy q^2/(2 E_0) (a rule, for contact that only recedes)"
+RULE = (
+    "MDR line with adhesion: an edge lets go by its glassy energy q^2/(2 E_0) (a rule, for contact that only recedes)"
+)
 LAYER = "thin layer of independent elements (exact for the layer)"
 
 
@@ -146,7 +147,7 @@ def at_temperature(foundation: Foundation, temperature: Any) -> tuple[Relaxation
     factor = foundation.shift.a(kelvin)
     if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
         raise InputError(
-            f"temperature must be near where the shift law was measured, got {float(kelvin):g} K with a_T = {factor:.3g}."
+            f"temperature must be near where the shift law was measured, got {float(kelvin):g} K, a_T = {factor:.3g}."
         )
     return Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor), kelvin
 
@@ -156,9 +157,13 @@ def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:
     positive("adhesion", gamma)
     if not is_traced(law):
         if law.viscosity > 0:
-            raise InputError("adhesion needs a material without a parallel dashpot: its edge could never let go at once.")
+            raise InputError(
+                "adhesion needs a material without a parallel dashpot: its edge could never let go at once."
+            )
         if law.equilibrium == 0:
-            raise InputError("adhesion needs a solid (equilibrium above 0): a liquid has no relaxed contact to start from.")
+            raise InputError(
+                "adhesion needs a solid (equilibrium above 0): a liquid has no relaxed contact to start from."
+            )
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
         raise InputError(f"exponent must be 1 or more with adhesion, got {shape.exponent:g}.")
     return gamma

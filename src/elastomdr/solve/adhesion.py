@@ -1,12 +1,12 @@
 """Adhesive contact (Johnson, Kendall & Roberts 1971) on the elements of the line: exact for an elastic half-space.
 
-An element at the edge lets go when the energy it gives back, E delta^2/2 per element and side, is the work of adhesion of
-the area that opens: the edge is stretched by delta(a) = sqrt(2 pi a gamma/E) on the half-space, sqrt(2 gamma/E) on a
+An element at the edge lets go when the energy it gives back, E delta^2/2 per element and side, is the work of adhesion
+of the area that opens: the edge is stretched by delta(a) = sqrt(2 pi a gamma/E) on the half-space, sqrt(2 gamma/E) on a
 layer (Hess 2011; Popov & Hess 2015, ch. 4). So d = g(a) - delta(a) and F = E [A(a) - W(a) delta(a)]. Of two radii at
 one depth, or load, the larger is stable; it ends where d, or F, is least.
 
 Viscoelastic: contact that has rested until relaxed, then moved, its edge receding only. An element at the edge gives
-back at once what its glassy modulus allows, q^2/(2 E_0). Each element carries q = E_inf (D - g), with one and the same D:
+back at once what its glassy modulus allows, q^2/(2 E_0). Each element carries q = E_inf (D - g), with one D for all:
 E_inf (D - d_0) = int E(t-s) dd. So the edge is that of an elastic contact of modulus E_inf at the depth D whose work of
 adhesion is gamma E_0/E_inf, as long as it is inside the radius of rest. This is a rule, not a theorem: no process zone
 at the edge, no renewed adhesion.
@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from .._runtime import Array
 from ..foundation.modes import Modes
@@ -115,7 +114,7 @@ class Sticky(NamedTuple):
 
 @jax.jit
 def elastic(sticky: Sticky, depth: Array, load: Array, by_depth: Any) -> Adhesive:
-    """JKR for an elastic foundation, m instants; loads where `by_depth` is False. Exact."""
+    """JKR for an elastic foundation, m instants; the load rules where `by_depth` is False. Exact."""
     sticky = jax.tree.map(jnp.asarray, sticky)
     control = by_depth
     ends = {name: sticky.breaks(name) for name in ("depth", "load")}
@@ -144,9 +143,7 @@ def elastic(sticky: Sticky, depth: Array, load: Array, by_depth: Any) -> Adhesiv
         contact, before, work = carry
         phi, holds, touches, begin, leave = now
         after = touches | (contact & holds)
-        gained = jnp.where(
-            after, phi - jnp.where(contact, before, begin), jnp.where(contact, leave - before, 0.0)
-        )
+        gained = jnp.where(after, phi - jnp.where(contact, before, begin), jnp.where(contact, leave - before, 0.0))
         return (after, phi, work + gained), (after, work + gained)
 
     start = (jnp.asarray(False), zero, zero)
@@ -184,7 +181,9 @@ def receding(
     end_depth, end_load = ends["depth"][1], ends["load"][1]
 
     def step(carry: tuple, now: tuple) -> tuple:
-        a, d, level, held, f, z = carry  # level: D; f: branches of the half-space; z: Kelvin modes under E_inf (D - d_0)
+        a, d, level, held, f, z = (
+            carry  # level: D; f: branches of the half-space; z: Kelvin modes under E_inf (D - d_0)
+        )
         h, depth, load, control = now
         x, y = h * modes.rate, h / law.times
         ramp = law.moduli * phi1(y)

@@ -94,8 +94,11 @@ def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Cour
             plan += f"; breaks under falling {name} at F = {f:.6g} N, d = {d:.6g} m, a = {a:.6g} m"
     known = numpy.isfinite(force)
     error = numpy.where(known, _ROUNDING, numpy.nan)
-    reason = "" if traced or known.all() else "A load pulled the body off" + (
-        "." if simple else ", or the contact would have grown, for which there is no rule."
+    reason = (
+        ""
+        if traced or known.all()
+        else "A load pulled the body off"
+        + ("." if simple else ", or the contact would have grown, for which there is no rule.")
     )
     return Found(depth, force, radius, work, stored, zero, error, known, plan, reason)
 
@@ -167,9 +170,17 @@ def _grown(law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array) 
 
 
 def _stepped(
-    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, load: Array, by_depth: Array, rtol: float, kept: int = 1
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
+    time: Array,
+    depth: Array,
+    load: Array,
+    by_depth: Array,
+    rtol: float,
+    kept: int = 1,
 ) -> tuple[Array, ...]:
-    """Depth, force, radius, work, stored, locked and the relative error, extrapolated from marches with ever more steps.
+    """Depth, force, radius, work, stored, locked and relative error, extrapolated from marches with ever more steps.
 
     Two limits that agree end the series; what is left of their difference in the finer one is about a sixteenth, a
     third of it counts as the error. Under jit or vmap, where nothing can be looked at, three marches are made.
@@ -224,7 +235,7 @@ def _marched(law: Any, modes: Modes, disc: Disc, *histories: Array, levels: int,
 def refined(
     law: Relaxation, modes: Modes, disc: Disc, course: Course, depth: Array, rtol: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Time and depth of one history (m,), between which the depth is close to linear: as given, or solved in between."""
+    """Time and depth of one history, between which the depth is close to linear: as given, or solved in between."""
     if course.load is None:
         return np.asarray(course.time), np.asarray(depth)
     kept = 2 ** int(np.clip(np.log2(_KNOTS / len(course.time)), 0, 5))

@@ -119,9 +119,7 @@ def _signed(law: Relaxation, modes: Modes, disc: Disc, x: Array, time: Array, de
     g = disc.profile(x)
     scale = law.equilibrium + jnp.sum(law.moduli)
     scale = jnp.where(scale > 0, scale, law.viscosity / (time[-1] - time[0]))
-    value, free = _run(
-        law, modes, disc, x, time, depth, lambda s, q: (jnp.where(s.contact, q, s.u + g), ~s.contact)
-    )[2]
+    value, free = _run(law, modes, disc, x, time, depth, lambda s, q: (jnp.where(s.contact, q, s.u + g), ~s.contact))[2]
     return jnp.where(free, scale * (depth[:, None] - value), value), free
 
 

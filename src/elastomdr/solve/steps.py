@@ -10,8 +10,7 @@ are found by marching a few times, each time on the edges of the march before. O
 extrapolated from halved steps.
 """
 
-import functools
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -93,7 +92,7 @@ def march(
 
 
 def places(levels: int) -> np.ndarray:
-    """Divisions of an interval, from 0 to 1, that narrow towards both ends; those of `levels` are among twice as many."""
+    """Divisions of [0, 1] that narrow towards both ends; those of `levels` are among those of twice as many."""
     place = np.linspace(0.0, 1.0, levels + 1) ** _GRADING
     return place / (place + place[::-1])
 
@@ -183,7 +182,7 @@ def _carrying(stiffness: Array, held: Array, level: Array, weight: Array, load: 
 
 
 def _edge(x: Array, excess: Array, touching: Array) -> Array:
-    """Where w - u_free, which is smooth across the edge of contact, passes zero; beyond the last node by continuation."""
+    """Where w - u_free, which is smooth across the edge, passes zero; beyond the last node by continuation."""
     count = jnp.sum(touching)
     i = jnp.clip(count - 1, 0, x.size - 2)
     low, high = excess[i], excess[i + 1]
@@ -199,7 +198,7 @@ def _lag(z: Array) -> Array:
 
 @jax.jit
 def _reach(modes: Modes, disc: Disc, time: Array, depth: Array, load: Array, by_depth: Array) -> Array:
-    """A radius that no contact of a history exceeds: that of the largest load at once and kept, or the largest depth."""
+    """A radius that no contact of a history exceeds: that of the largest load, kept, or of the largest depth."""
     span = (time[:, -1] - time[:, 0])[:, None]
     creep = modes.instantaneous + jnp.sum(modes.gain * span * phi1(modes.rate * span), axis=1)
     largest = [jnp.max(jnp.where(rules, value, 0.0), axis=1) for rules, value in ((~by_depth, load), (by_depth, depth))]

@@ -67,7 +67,9 @@ class Surface(NamedTuple):
 
 def surface_at(law: Relaxation, modes: Modes, disc: Disc, time: np.ndarray, depth: np.ndarray, at: float) -> Surface:
     """The line at one instant of a history, from all that happened before it."""
-    at = max(at, time[0] + 1e-14 * (time[-1] - time[0]))  # what a step at the first instant leaves is looked at after it
+    at = max(
+        at, time[0] + 1e-14 * (time[-1] - time[0])
+    )  # what a step at the first instant leaves is looked at after it
     before = time < at
     t, d = padded(np.append(time[before], at), np.append(depth[before], np.interp(at, time, depth)))
     history, row = over_histories(indent_by_depth, law, modes, disc, t[None], d[None], levels=_LEVELS)
