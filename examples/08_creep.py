@@ -1,7 +1,6 @@
 """08: a ball sinks into rubber: creep under a dead load.
 
-Teaches: `em.indent` with a load; several loads at once on an axis of their own; the pressure in three dimensions, at any
-time.
+Teaches: `em.indent` with a load; several loads at once on an axis of their own; the pressure in three dimensions.
 
 Inputs: `silicone-like` of the library, illustrative. Ball of 10 mm radius, loads and times: chosen here.
 

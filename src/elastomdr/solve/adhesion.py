@@ -211,8 +211,9 @@ def receding(
     first = (d0, jnp.where(by_depth[0], rest.force(a0, d0), load[0]), a0)
     known = jnp.append(there, there & known & ~(jnp.cumsum(grows) > 0))
     nan = jnp.full(time.shape, jnp.nan)
-    fields = (jnp.where(known, jnp.append(one, many), jnp.nan) for one, many in zip(first, (d, force, a), strict=True))
-    return Adhesive(*fields, nan, nan)
+    d, force, a = (jnp.append(one, many) for one, many in zip(first, (d, force, a), strict=True))
+    d, force, a = (jnp.where(known, part, jnp.nan) for part in (d, force, a))
+    return Adhesive(d, force, a, nan, nan)
 
 
 def _reaches(value: Array, end: Array) -> Array:

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
 
 from .._runtime import Array, is_traced
 from ..foundation.modes import Modes
@@ -35,10 +34,10 @@ GROWING = "closed form of Lee and Radok: the contact only grows"
 class Course(NamedTuple):
     """Histories of one shape (..., m): depth or load, or both with `by_depth` saying which rules at each instant."""
 
-    time: Float[Array, "*histories m"]
-    depth: Float[Array, "*histories m"] | None
-    load: Float[Array, "*histories m"] | None
-    by_depth: Bool[Array, "*histories m"] | None
+    time: Any  # (..., m)
+    depth: Any  # None, or of the shape of `time`
+    load: Any
+    by_depth: Any
 
     def words(self) -> list[tuple[str, Any, str]]:
         """Name, values and unit of what was given."""
@@ -146,7 +145,7 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
     if rest.any() and not simple:
         plan = STEPS if course.by_depth is not None else f"{GROWING}; otherwise {STEPS}"
         which = np.flatnonzero(rest)
-        stepped = _stepped(law, modes, disc, *(a[which] for a in (time, depth, load, by_depth)), rtol)
+        stepped = _stepped(law, modes, disc, (time[which], depth[which], load[which], by_depth[which]), rtol)
         back = np.zeros(len(time), int)
         back[which] = np.arange(len(which))
         fields = tuple(numpy.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True))
@@ -173,10 +172,7 @@ def _stepped(
     law: Relaxation,
     modes: Modes,
     disc: Disc,
-    time: Array,
-    depth: Array,
-    load: Array,
-    by_depth: Array,
+    histories: tuple[Array, Array, Array, Array],  # time, depth, load, by_depth
     rtol: float,
     kept: int = 1,
 ) -> tuple[Array, ...]:
@@ -185,17 +181,19 @@ def _stepped(
     Two limits that agree end the series; what is left of their difference in the finer one is about a sixteenth, a
     third of it counts as the error. Under jit or vmap, where nothing can be looked at, three marches are made.
     """
-    given = (law, modes, disc, time, depth, load, by_depth)
+    given = (law, modes, disc, *histories)
     frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
+    instants = histories[0].shape[-1]
     blind = is_traced(frozen)
+    error: Any = None
     levels, marches, limits = max(kept, _BLIND_STEPS if blind else 4), [], []
     while True:
         marches.append(_marched(*(given if blind else frozen), levels=levels, kept=kept))
         if len(marches) > 1:
             limits.append(jax.tree.map(_extrapolated, *marches[-2:]))
         if len(limits) > 1:
-            error = sum(_change(getattr(limits[1], name), getattr(limits[0], name)) for name in ("depth", "force")) / 3
-            if blind or not (error > rtol).any() or 2 * levels * time.shape[-1] > _MOST_STEPS:
+            error = _change(limits[1].depth, limits[0].depth) + _change(limits[1].force, limits[0].force)
+            if blind or not (error > 3 * rtol).any() or 2 * levels * instants > _MOST_STEPS:
                 break
             limits.pop(0)
         levels *= 2
@@ -205,7 +203,9 @@ def _stepped(
         last = jax.tree.map(_extrapolated, coarse, fine)
     fits = jnp.where(last.fits, 1.0, jnp.nan)
     parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked)
-    return tuple(a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error + _ROUNDING))
+    return tuple(
+        a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error / 3 + _ROUNDING)
+    )
 
 
 def _extrapolated(coarse: Array, fine: Array) -> Array:
@@ -249,8 +249,8 @@ def refined(
             return time, found.depth
     by_depth = np.zeros(len(depth), bool) if course.by_depth is None else course.by_depth
     given = np.zeros(len(depth)) if course.depth is None else np.nan_to_num(course.depth)
-    row = (a[None] for a in (course.time, given, np.nan_to_num(course.load), by_depth))
-    return time, _stepped(law, modes, disc, *row, rtol, kept)[0][0]
+    row = (course.time[None], given[None], np.nan_to_num(course.load)[None], by_depth[None])
+    return time, np.asarray(_stepped(law, modes, disc, row, rtol, kept)[0][0])
 
 
 def over_histories(function: Any, law: Any, modes: Any, disc: Any, *histories: Any, levels: int) -> Any:

@@ -103,7 +103,7 @@ def creep(
     return Creep(depth, radius, work, stored, growing)
 
 
-def levels_for(law: Relaxation, modes: Modes, time: np.ndarray) -> int:
+def levels_for(law: Relaxation, modes: Modes, time: Array) -> int:
     """How many times the panels narrow, so that they see the shortest time of the spectrum in every interval."""
     times = [np.asarray(law.times), 1 / np.asarray(modes.rate)[np.asarray(modes.rate) > 0]]
     shortest = min((float(t.min()) for t in times if t.size), default=math.inf)
