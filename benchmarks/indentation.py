@@ -1,4 +1,4 @@
-"""Indentation: creep of a ball against the exact solution, and beside tamaas where it is installed; order and cost.
+"""Indentation: creep of a ball, unloading, and loads that fall, against exact solutions; cost of each, and of many.
 
     python benchmarks/indentation.py
 
@@ -83,32 +83,6 @@ def many() -> list[dict]:
         first, warm = timed(call), timed(call, 2)
         rows.append((count, time.size, warm.wall, 1e3 * warm.wall / count, first.wall))
     return table(("histories", "instants", "warm [s]", "per history [ms]", "first call [s]"), rows)
-
-
-def beside_tamaas(rows: list[dict]) -> list[dict]:
-    """Backward Euler of tamaas on a 128^2 grid, the same creep, over the shortest decades a constant step can do."""
-    try:
-        import tamaas as tm
-    except ImportError:
-        print("\n  tamaas is not installed: left out")
-        return []
-    size, grid, radius = 1.0, 128, 2.0
-    modulus, times, dt, load = [2.0, 1.0], [0.1, 1.0], 0.02, 0.02
-    count = 50
-    model = tm.ModelFactory.createModel(tm.model_type.basic_2d, [size] * 2, [grid] * 2)
-    model.E, model.nu = 0.5, 0.0
-    x = (np.arange(grid) - grid / 2) * size / grid
-    surface = -(x[:, None] ** 2 + x**2) / (2 * radius)
-    solver = tm.MaxwellViscoelastic(model, surface, 1e-10, dt, shear_moduli=[m / 2 for m in modulus], characteristic_times=times)
-
-    def call():
-        solver.reset()
-        for _ in range(count):
-            solver.solve(load / size**2)
-        return model.displacement.copy()
-
-    took = timed(call)
-    return table(("peer", "ms per step"), [("tamaas, 128^2", 1e3 * took.wall / count)])
 
 
 def main() -> None:
