@@ -2,7 +2,7 @@
 
     python benchmarks/indentation.py
 
-Creep: paraboloid, three branches, step load, 200 output times; exact: a^3 = (3/4) R F J(t), d = a^2/R (Lee & Radok 1960).
+Creep: paraboloid, three branches, step load, 200 output times; exact: a^3 = (3/4) R F J(t), d = a^2/R (Lee & Radok).
 Triangle of depth: Ting's solution at one instant of the way back. Load that falls and rises again: error against the
 closed form that holds again once the contact is wider than ever before, against steps per interval. Histories: many
 triangles in one call. Times are of warm calls; the first call, which compiles, is listed apart.
@@ -67,7 +67,9 @@ def load_steps() -> list[dict]:
             return em.indent(SOLID, BALL, time=time, load=load, rtol=rtol)
 
         first, warm = timed(call), timed(call, 3)
-        rows.append((rtol, abs(warm.value.depth[-1] / exact - 1), float(warm.value.error[-1]), 1e3 * warm.wall, first.wall))
+        rows.append(
+            (rtol, abs(warm.value.depth[-1] / exact - 1), float(warm.value.error[-1]), 1e3 * warm.wall, first.wall)
+        )
     return table(("rtol", "error of depth", "estimated", "warm [ms]", "first call [s]"), rows)
 
 
@@ -100,7 +102,9 @@ def main() -> None:
     figure, ax = plt.subplots(figsize=(5.6, 4.0), layout="constrained")
     for key, name in (("error of depth", "true"), ("estimated", "estimated")):
         ax.loglog([row["warm [ms]"] for row in record["load"]], [row[key] for row in record["load"]], "o-", label=name)
-    ax.set(xlabel="Time of a warm call [ms]", ylabel="Relative error of depth [-]", title="Load that falls and rises again")
+    ax.set(
+        xlabel="Time of a warm call [ms]", ylabel="Relative error of depth [-]", title="Load that falls and rises again"
+    )
     ax.legend(frameon=False)
     ax.grid(True, which="both", color="#dddddd", linewidth=0.5)
     save("indentation", record, figure)

@@ -158,7 +158,10 @@ BAD_INDENTS = {
     "neither": (('depth = "0.1 mm"', ""), "got neither"),
     "time without a unit": (('"2 ms"', '"2"'), "with its unit"),
     "a depth that is a force": (('"0.1 mm"', '"1 N"'), "must be a length"),
-    "lists of different length": ((_TRIANGLE, 'time = ["0 s", "1 s"]\ndepth = ["0 mm", "1 mm", "0 mm"]'), "same length"),
+    "lists of different length": (
+        (_TRIANGLE, 'time = ["0 s", "1 s"]\ndepth = ["0 mm", "1 mm", "0 mm"]'),
+        "same length",
+    ),
     "descending times": ((_TRIANGLE, 'time = ["1 s", "0 s"]\ndepth = ["0 mm", "1 mm"]'), "ascending"),
     "a load that pulls": ((_TRIANGLE, 'time = ["0 s", "1 s"]\nload = ["0 N", "-1 N"]'), "needs adhesion"),
     "one point": (("points = 9", "points = 1"), "from 2 to"),

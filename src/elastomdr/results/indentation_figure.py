@@ -42,6 +42,7 @@ def draw(result: "Indentation", ax: Any = None, title: str | None = None, label:
     (first, second), (third, fourth) = figure.subplots(2, 2)
     labels = _labels(rows)
     time, log = rows["time"] - rows["time"][:, :1], _spread(rows["time"])
+    time = np.where(time > 0, time, np.nan) if log else time
     for panel, (key, name, factor) in zip((first, second, third), _PANELS, strict=True):
         factor = scale if key == "force" else factor
         _curves(panel, time, factor * rows[key], labels, False)
