@@ -21,7 +21,9 @@ _HOMES = {
     "scenes.friction": ("friction",),
     "scenes.rolling": ("rolling",),
     "scenes.plan": ("plan",),
+    "scenes.indent": ("indent",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
+    "results.indentation": ("Indentation",),
 }
 _PACKAGES = ("fit", "reference")
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}

@@ -39,10 +39,11 @@ def in_file(path: str | Path) -> Iterator[None]:
 def read_scene(path: str) -> Scene:
     """Reads a scene file. Raises `InputError`, in one line that begins with the file's name, for whatever is wrong."""
     with in_file(path):
-        return _scene(Path(path), _toml(Path(path)))
+        return _scene(Path(path), read_toml(Path(path)))
 
 
-def _toml(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
+    """The content of a TOML file. Raises `InputError` for whatever is none."""
     try:
         with path.open("rb") as file:
             content = file.read(_MOST_BYTES + 1)
@@ -68,11 +69,12 @@ def _scene(path: Path, content: dict[str, Any]) -> Scene:
         arguments["temperature"] = top.get("temperature", one_or_more(TEMPERATURE))
     arguments |= _numerics(content.get("numerics", {}))
     shape = read_indenter(content["indenter"], path.parent)
-    material = _material(top, content.get("layer"), shape, path.parent, arguments)
+    material = read_material(top, content.get("layer"), shape, path.parent, arguments)
     return Scene(path, title, material, shape, _on_axes(arguments))
 
 
-def _material(top: Keys, layer: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Any:
+def read_material(top: Keys, layer: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Any:
+    """What `material`, `other` and [layer] stand for; may take the temperature out of the arguments."""
     from .. import Cylinder, load_material
     from .. import layer as on_layer
 
