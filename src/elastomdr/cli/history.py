@@ -6,7 +6,7 @@ from typing import Any
 from ..errors import InputError
 from .indenter import read_indenter
 from .keys import Keys, choice, one, one_or_more, positive_number, text
-from .scene import Scene, read_material, read_toml
+from .scene import Scene, in_file, read_material, read_toml
 from .units import ADHESION, DEPTH, DURATION, FORCE, FREQUENCY, INSTANT, LENGTH, PUSH, TEMPERATURE
 
 _PROGRAMS = {
@@ -20,11 +20,8 @@ _MOST_POINTS = 10_000
 
 def read_history(path: str) -> Scene:
     """Reads a scene file. Raises `InputError`, in one line that begins with the file's name, for whatever is wrong."""
-    file = Path(path)
-    try:
-        return _scene(file, read_toml(file))
-    except InputError as error:
-        raise InputError(f"{file.name or path}: {error}") from error
+    with in_file(path):
+        return _scene(Path(path), read_toml(Path(path)))
 
 
 def _scene(path: Path, content: dict[str, Any]) -> Scene:
