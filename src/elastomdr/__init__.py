@@ -21,7 +21,9 @@ _HOMES = {
     "scenes.friction": ("friction",),
     "scenes.rolling": ("rolling",),
     "scenes.plan": ("plan",),
+    "scenes.impact": ("impact",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
+    "results.impact": ("Impact",),
 }
 _PACKAGES = ("fit",)
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
