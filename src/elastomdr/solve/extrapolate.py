@@ -15,7 +15,7 @@ from .impact import COARSEST, Body, Motion, grid, march
 
 _STAGES = ((1, 2, 3, 4), (1, 2, 3, 4, 5, 6, 7, 8), (1, 2, 3, 4, 6, 8, 10, 12, 16))  # grids, in units of the coarsest
 _SHARE = 0.2  # of the last correction; measured against exact solutions, the error left is below a tenth of it
-_BLOCK, _SMALL = 512, 8  # lanes computed together: their states fit the processor's cache
+_BLOCK, _SMALL = 256, 8  # lanes computed together: their states fit the processor's cache
 _STUCK = 0.3  # fall of the force at the turn, from the fourth grid to the last, for a body that never turns
 _REST = 1e-3  # and largest share that it may have of the largest force
 
@@ -82,12 +82,13 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     motions = jax.lax.map(lambda g: march(body, g, per_area=per_area), jax.tree.map(lambda *x: np.stack(x), *grids))
     best, before = _extrapolated(motions, sizes), _extrapolated(motions, sizes[:-1])
     error = _SHARE * jnp.abs(best.restitution - before.restitution)
-    spread = [jnp.abs(getattr(best, x) / getattr(before, x) - 1) for x in ("duration", "max_depth", "max_force")]
+    spread = [jnp.abs(getattr(best, x) / getattr(before, x) - 1) for x in ("duration", "max_depth")]
     enough = (error <= rtol * jnp.abs(best.restitution)) & (_SHARE * jnp.max(jnp.stack(spread), axis=0) <= rtol)
     fine, coarse = motions.turning[-1], motions.turning[3]
     liquid = (body.moduli[0] == 0) & ((fine <= 1e-12) | ((fine < _STUCK * coarse) & (fine < _REST)))
     stuck = jnp.broadcast_to(liquid, error.shape)
     best = best._replace(
+        max_force=motions.max_force[-1] + _between(best.force - motions.force[-1], motions.peak[-1]),
         restitution=jnp.where(stuck, 0.0, best.restitution), duration=jnp.where(stuck, jnp.inf, best.duration)
     )
     good = (jnp.all(motions.solved, axis=0) & enough & jnp.isfinite(best.restitution)) | stuck
@@ -100,4 +101,16 @@ def _extrapolated(motions: Motion, sizes: tuple[int, ...]) -> Motion:
     weights = [np.prod([a / (a - b) for b in squares if b != a]) for a in squares]
     return jax.tree.map(
         lambda x: x[0] if x.dtype == bool else jnp.tensordot(np.array(weights), x[: len(sizes)], axes=1), motions
+    )
+
+
+def _between(nodes: Array, s: Array) -> Array:
+    """A smooth function given at the coarsest grid's nodes, at s from 0 to 1: the cubic through four of them."""
+    first = jnp.clip(jnp.floor(s * COARSEST).astype(int) - 1, 0, COARSEST - 3)
+    x = s * COARSEST - first
+    rows = jnp.take_along_axis(nodes, first[None] + jnp.arange(4)[:, None], axis=0)
+    weights = [np.prod([1 / (i - j) for j in range(4) if j != i]) for i in range(4)]
+    return sum(
+        w * row * functools.reduce(jnp.multiply, [x - j for j in range(4) if j != i])
+        for i, (w, row) in enumerate(zip(weights, rows, strict=True))
     )

@@ -69,6 +69,7 @@ class Motion(NamedTuple):
     duration: Float[Array, " lanes"]  # [s]
     max_depth: Float[Array, " lanes"]  # [m]
     max_force: Float[Array, " lanes"]  # [N]
+    peak: Float[Array, " lanes"]  # where that is, s from 0 at touch to 1 at the turn
     turning: Float[Array, " lanes"]  # force at the turn over the largest force
     time: Float[Array, "nodes lanes"]  # [s]
     depth: Float[Array, "nodes lanes"]  # [m]
@@ -100,7 +101,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
     path = jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, nodes)
     retreat = _retreat_of_punch if punch else _retreat
     end, states, left = retreat(body, per_area, path, turn, steps, grid)
-    largest = _peak(path.force, grid.last)
+    largest, peak = _peak(path.force, grid.last)
     size = grid.kept.shape[0]
 
     def joined(before: Array, after: Array) -> Array:
@@ -111,6 +112,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
         duration=end.time,
         max_depth=turn.depth,
         max_force=largest,
+        peak=peak,
         turning=turn.force / largest,
         time=joined(path.time, states.time),
         depth=joined(path.depth, states.depth),
@@ -342,22 +344,24 @@ def ramp_weights(z: Array) -> tuple[Array, Array, Array]:
     return jnp.where(z < 1, 1 - small * (1 - small * series), left), mean - late, late
 
 
-def _peak(force: Array, last: Any) -> Array:
-    """The largest value of a smooth function given at equal steps: of the quartic through five nodes around it."""
-    first = jnp.clip(jnp.argmax(jax.lax.stop_gradient(force), axis=0) - 2, 0, last - 4)
-    rows = jnp.take_along_axis(force, first[None] + jnp.arange(5)[:, None], axis=0)
-    coefficients = jnp.einsum("ij,j...->i...", jnp.asarray(_QUARTIC), rows)  # of powers of x, from -2 to 2
+def _peak(force: Array, last: Any) -> tuple[Array, Array]:
+    """The largest value of a smooth function given at equal steps, and where: on a polynomial through nodes around it."""
+    half = _NEAR // 2
+    first = jnp.clip(jnp.argmax(jax.lax.stop_gradient(force), axis=0) - half, 0, last + 1 - _NEAR)
+    rows = jnp.take_along_axis(force, first[None] + jnp.arange(_NEAR)[:, None], axis=0)
+    coefficients = jnp.einsum("ij,j...->i...", jnp.asarray(_THROUGH), rows)  # of powers of x, the nodes at -1 ... 1
 
     def value(x: Array) -> Array:
-        return sum((c * x**k for k, c in enumerate(coefficients)), start=jnp.zeros_like(x))
+        return functools.reduce(lambda sum, c: sum * x + c, coefficients[::-1])
 
-    x = jnp.argmax(jax.lax.stop_gradient(rows), axis=0) - 2.0
-    fixed = jax.lax.stop_gradient(coefficients)
+    fixed, powers = jax.lax.stop_gradient(coefficients), np.arange(_NEAR)[:, None]
+    x = jnp.argmax(jax.lax.stop_gradient(rows), axis=0) / half - 1.0
     for _ in range(5):
-        slope = sum((k * c * x ** (k - 1) for k, c in enumerate(fixed) if k), start=jnp.zeros_like(x))
-        bend = sum((k * (k - 1) * c * x ** (k - 2) for k, c in enumerate(fixed) if k > 1), start=jnp.zeros_like(x))
-        x = jnp.clip(x - jnp.where(bend < 0, slope / jnp.where(bend < 0, bend, -1.0), 0.0), -2.0, 2.0)
-    return jnp.maximum(value(x), jnp.max(rows, axis=0))
+        slope = jnp.sum((powers * fixed)[1:] * x ** (powers[1:] - 1), axis=0)
+        bend = jnp.sum((powers * (powers - 1) * fixed)[2:] * x ** (powers[2:] - 2), axis=0)
+        x = jnp.clip(x - jnp.where(bend < 0, slope / jnp.where(bend < 0, bend, -1.0), 0.0), -1.0, 1.0)
+    return value(x), (first + half * (1 + x)) / last
 
 
-_QUARTIC = np.linalg.inv(np.vander(np.arange(-2.0, 3.0), 5, increasing=True))
+_NEAR = 9  # nodes around the largest force
+_THROUGH = np.linalg.inv(np.vander(np.linspace(-1.0, 1.0, _NEAR), increasing=True))
