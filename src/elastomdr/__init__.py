@@ -22,8 +22,10 @@ _HOMES = {
     "scenes.rolling": ("rolling",),
     "scenes.plan": ("plan",),
     "scenes.impact": ("impact",),
+    "scenes.shear": ("shear",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
     "results.impact": ("Impact",),
+    "results.shear": ("Shear",),
 }
 _PACKAGES = ("fit",)
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}

@@ -9,6 +9,7 @@ from .figure import _BLUE, _colours, _new_axes, _write_title
 
 if TYPE_CHECKING:
     from .impact import Impact
+    from .shear import Shear
 
 _MOST = 12  # lines that one figure shows
 
@@ -64,6 +65,22 @@ def _draw_restitution(known: dict[str, np.ndarray], ax: Any) -> None:
     ax.set(xlabel=along, ylabel="Coefficient of restitution [-]", ylim=(0, 1.05))
     if len(shown) > 1:
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
+
+
+def draw_shear(result: "Shear", ax: Any = None, title: str | None = None) -> Any:
+    """Tangential force against displacement."""
+    new = ax is None
+    ax = _new_axes(False) if new else ax
+    known = {column.key: value for column, value in result.fields().items()}
+    ax.plot(1e6 * known["displacement"], known["force"], color=_BLUE if new else None, linewidth=1.6)
+    ax.set(xlabel="Tangential displacement [µm]", ylabel="Tangential force [N]")
+    _finish(ax)
+    if new or title:
+        failed = int(np.sum(~known["converged"]))
+        note = f"{failed} of {known['converged'].size} instants did not converge and are left out" if failed else ""
+        material = dict(result.inputs).get("material")
+        _write_title(ax, title or f"Tangential loading, {material}", result.model, note)
+    return ax
 
 
 def _label(known: dict[str, np.ndarray], row: int) -> str:
