@@ -1,5 +1,6 @@
 """Marching through a profile: against the closed passage where that holds, and where contact returns."""
 
+import math
 from typing import ClassVar
 
 import jax
@@ -7,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import elastomdr as em
 from elastomdr.foundation.step import contact_step, rest
 from elastomdr.mapping.lines import SingleLine, Strips
 from elastomdr.mapping.profile import Profile
@@ -148,6 +150,36 @@ def test_profile_from_points_that_is_not_convex():
     load[4] = 1e6
     march = march_passages(DAMPED, lines, "load", load, velocity, 1e-5)
     np.testing.assert_array_equal(march.converged, load < 1e6)
+
+
+def test_truncated_paraboloid():
+    """f = (r^2 - b^2)_+ / 2R has g = x sqrt(x^2 - b^2)/R and F = 2 E*/(3R) (2 a^2 + b^2) sqrt(a^2 - b^2), elastic; the
+    march meets it as it meets two sampling rates of each other.
+    """
+    bottom, radius, contact = 1e-3, 2e-2, 2.5e-3
+    depth = contact / radius * math.sqrt(contact**2 - bottom**2)
+    force = 2 / (3 * radius) * (2 * contact**2 + bottom**2) * math.sqrt(contact**2 - bottom**2)
+    errors = []
+    for spacing in (5e-5, 2.5e-5, 1.25e-5):
+        r = np.arange(0, 4e-3 + 0.5 * spacing, spacing)
+        body = Profile(r, np.maximum(r**2 - bottom**2, 0) / (2 * radius))
+        assert not body.sharp
+        assert not body.convex
+        errors.append(abs(float(body.profile_1d(contact)) / depth - 1))
+    assert errors[0] < 1e-5
+    assert errors[2] < errors[0] / 8  # towards second order in the spacing, at the bend
+    with pytest.raises(em.InputError, match="grows as a disc"):
+        Profile(r, np.maximum(r**2 - bottom**2, 0) / (2 * radius), curve="spline")
+    body = Profile(
+        np.arange(0, 4.05e-3, 1e-4), np.maximum(np.arange(0, 4.05e-3, 1e-4) ** 2 - bottom**2, 0) / (2 * radius)
+    )
+    solid = em.StandardSolid(1e6, 3e6, 1e-3)
+    curve = em.friction(solid, body, velocity=np.array([1e-3, 1.0, 1e4]), depth=depth, rtol=1e-3, average=None)
+    assert curve.converged.all()
+    np.testing.assert_allclose(curve.normal_force[[0, 2]], [4e6 * force, 1.6e7 * force], rtol=5e-4)
+    with pytest.warns(em.ConvergenceWarning, match="errors are up to .* a larger rtol would accept them"):
+        fine = em.friction(solid, body, velocity=np.array([1e-3, 1.0, 1e4]), depth=depth, rtol=1e-8, average=None)
+    assert np.isnan(fine.mu[0])
 
 
 def test_gradients():

@@ -14,7 +14,7 @@ _KEYS = {
     "cone": ("slope",),
     "flat_punch": ("radius",),
     "power_law": ("exponent", "coefficient"),
-    "profile": ("r", "z", "unit", "file", "apex"),
+    "profile": ("r", "z", "unit", "file", "apex", "curve"),
     "cylinder": ("radius", "length"),
 }
 
@@ -65,8 +65,9 @@ def _profile(keys: Keys, folder: Path) -> Any:
         keys.get("file", _points_file(folder)) if "file" in keys else (keys.get("r", numbers), keys.get("z", numbers))
     )
     apex = keys.get("apex", choice("auto", "smooth", "sharp")) if "apex" in keys else "auto"
+    curve = keys.get("curve", choice("auto", "spline", "monotone")) if "curve" in keys else "auto"
     try:
-        return Profile([metres * x for x in r], [metres * x for x in z], apex=apex)
+        return Profile([metres * x for x in r], [metres * x for x in z], apex=apex, curve=curve)
     except InputError as error:
         raise InputError(f"[indenter] {error}") from error
 

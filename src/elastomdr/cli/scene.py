@@ -1,6 +1,8 @@
 """The scene file: a TOML file with unit strings becomes the arguments of `em.friction`, `em.rolling` and `em.plan`."""
 
+import contextlib
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,13 +27,19 @@ class Scene:
     arguments: dict[str, Any]  # keyword arguments: velocity, load or depth, temperature, average, rtol
 
 
+@contextlib.contextmanager
+def in_file(path: str | Path) -> Iterator[None]:
+    """Puts the file's name before whatever `InputError` its contents lead to."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{Path(path).name or path}: {error}") from error
+
+
 def read_scene(path: str) -> Scene:
     """Reads a scene file. Raises `InputError`, in one line that begins with the file's name, for whatever is wrong."""
-    file = Path(path)
-    try:
-        return _scene(file, _toml(file))
-    except InputError as error:
-        raise InputError(f"{file.name or path}: {error}") from error
+    with in_file(path):
+        return _scene(Path(path), _toml(Path(path)))
 
 
 def _toml(path: Path) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""An axisymmetric indenter given as points, and the exact MDR profile of the spline through them."""
+"""An axisymmetric indenter given as points, and the exact MDR profile of the curve through them."""
 
 from typing import Any, ClassVar
 
@@ -15,31 +15,35 @@ from .shapes import AbstractShape
 
 _TERMS = 18  # of the Chebyshev series of g between two points: its singularities are an interval away
 _DELTA = 1e-12  # of an interval
+_FALL = 1e-9  # of the largest dg/dx: what counts as rounding in a fall
 _START, _END = _DELTA**0.5, (1 + _DELTA) ** 0.5
 
 
 class Profile(AbstractShape):
-    """f(r) through given points, joined by a cubic spline (twice continuously differentiable, not-a-knot outside).
+    """f(r) through given points, joined by cubics.
 
-    The MDR profile of the spline is exact: on f'(r) = A_0 + A_1 r + A_2 r^2 + sum_i c_i (r - r_i)_+^2 Abel's integral
-    has a closed form (kept as Chebyshev series between the points, to rounding). So what remains is the spline's own
-    error, of fourth order in the spacing of the points.
+    `curve`: "spline" is twice continuously differentiable (not-a-knot outside), with an error of fourth order in the
+    spacing of the points. At a bend, as on a truncated or crowned body, it overshoots; "monotone" does not: f' is
+    continuous and nowhere negative (Fritsch & Butland 1984), of second order at a bend and third elsewhere. "auto"
+    takes the spline unless it falls somewhere.
+
+    The MDR profile of the curve is exact: Abel's integral has a closed form on f'(r) = A_0 + A_1 r + A_2 r^2 +
+    sum_i [b_i (r - r_i)_+ + c_i (r - r_i)_+^2] (kept as Chebyshev series between the points, to rounding).
 
     `r` [m] starts at 0 and ascends, four points at least; `z` [m] is the height, counted from z[0]. `apex` says whether
     the body is "smooth" on its axis (f'(0) = 0) or "sharp"; "auto" looks at the points. Raises `InputError` where the
-    points do not describe an indenter: z must not fall, and the contact must be able to grow as a disc (dg/dx > 0).
+    points do not describe an indenter: z must not fall, and the contact must be able to grow as a disc (dg/dx >= 0).
     """
 
     r: Float[Array, " n"]  # [m]
     z: Float[Array, " n"]  # [m]
-    apex: Float[Array, "3"]  # A_0, A_1, A_2 of f' in the first interval
-    jumps: Float[Array, " n-2"]  # c_i at the inner points
+    pieces: Float[Array, "3 n-1"]  # f = z_i + p_1 t + p_2 t^2 + p_3 t^3, t = r - r_i
     line: Float[Array, "2 degree n-1"]  # g and dg/dx as Chebyshev series between the points
     sharp: bool = eqx.field(static=True)  # f'(0) > 0
     convex: bool = eqx.field(static=True)  # g is convex: an element that has left the contact never touches again
     label: ClassVar[str] = "profile from points"
 
-    def __init__(self, r: Any, z: Any, *, apex: str = "auto"):
+    def __init__(self, r: Any, z: Any, *, apex: str = "auto", curve: str = "auto"):
         r, z = as_float64("r", r), as_float64("z", z)
         if r.ndim != 1 or r.shape != z.shape or r.shape[0] < 4:
             raise InputError(
@@ -55,31 +59,51 @@ class Profile(AbstractShape):
             raise InputError(f"r must start at 0, the lowest point of the indenter, got r[0]={r[0]:g}.")
         if apex not in ("auto", "smooth", "sharp"):
             raise InputError(f"apex must be 'auto', 'smooth' or 'sharp', got {apex!r}.")
+        if curve not in ("auto", "spline", "monotone"):
+            raise InputError(f"curve must be 'auto', 'spline' or 'monotone', got {curve!r}.")
+        if not is_traced(z) and (np.diff(z) < 0).any():
+            raise InputError(f"z must not fall with r, got a fall at r={r[1:][np.diff(z) < 0][0]:g}.")
         self.r, self.z, self.convex = r, z, True
         self.sharp = apex == "sharp"
         if apex == "auto" and not is_traced(z):
             start = CubicSpline(r, z, bc_type="not-a-knot").derivative()([0.0, r[1]])
-            self.sharp = bool(abs(start[0]) > 0.2 * abs(start[1]))
-        first, jumps = _spline_matrices(r, self.sharp)
-        self.apex, self.jumps = first @ z, jumps @ z
-        self.line = _line(r, self.apex, self.jumps)
+            flat = z[1] - z[0] <= _FALL * (z[-1] - z[0])
+            self.sharp = bool(start[0] > 0.2 * abs(start[1])) and not flat
+        self._join("monotone" if curve == "monotone" else "spline")
         if not is_traced(z):
-            if (np.diff(z) < 0).any():
-                raise InputError(f"z must not fall with r, got a fall at r={r[1:][np.diff(z) < 0][0]:g}.")
-            x = np.linspace(0.0, float(r[-1]), 8 * r.size + 1)[1:]
-            slope = np.asarray(self.slope_1d(x))
-            if not (slope > -1e-9 * np.abs(slope).max()).all() or slope.max() <= 0:
+            slope = self._slopes()
+            if curve == "auto" and slope.min() < -_FALL * np.abs(slope).max():
+                self._join("monotone")
+                slope = self._slopes()
+            if not (slope >= -_FALL * np.abs(slope).max()).all() or slope.max() <= 0:
                 raise InputError(
                     "z must describe a body whose contact grows as a disc (its MDR profile must rise with x), but "
-                    f"dg/dx = {slope.min():.3g} near x = {x[int(np.argmin(slope))]:.3g} m. Smooth the points, or leave "
-                    "out the part beyond which the contact would jump."
+                    f"dg/dx = {slope.min():.3g} near x = {8 * r[-1] * (slope.argmin() + 1) / (64 * r.size + 8):.3g} m. "
+                    "Smooth the points, or leave out the part beyond which the contact would jump."
                 )
             self.convex = bool((np.diff(slope) > -1e-6 * slope.max()).all())
 
+    def __repr__(self) -> str:
+        apex = "sharp" if self.sharp else "smooth"
+        return f"Profile({self.r.size} points to r={float(self.r[-1]):.6g} m, {apex} apex)"
+
+    def _join(self, curve: str) -> None:
+        if curve == "spline":
+            self.pieces = _spline_matrices(np.asarray(self.r), self.sharp) @ self.z
+        else:
+            self.pieces = _monotone(self.r, self.z, self.sharp)
+        self.line = _line(self.r, self.pieces)
+
+    def _slopes(self) -> np.ndarray:
+        """dg/dx at eight places between any two points."""
+        return np.asarray(self.slope_1d(np.linspace(0.0, float(self.r[-1]), 8 * self.r.size + 1)[1:]))
+
     def _height(self, r: Array) -> Array:
-        first, knots, jumps = map(jnp.asarray, (self.apex, self.r[1:-1], self.jumps))
-        inner = jnp.sum(jumps * jnp.maximum(r[..., None] - knots, 0.0) ** 3, axis=-1) / 3
-        return self._guard(r, first[0] * r + first[1] * r**2 / 2 + first[2] * r**3 / 3 + inner)
+        knots, heights, pieces = map(jnp.asarray, (self.r, self.z, self.pieces))
+        i = _interval(knots, r)
+        t = r - knots[i]
+        height = heights[i] + t * (pieces[0][i] + t * (pieces[1][i] + t * pieces[2][i])) - heights[0]
+        return self._guard(r, height)
 
     def _profile(self, x: Array) -> Array:
         x = jnp.abs(x)
@@ -99,12 +123,15 @@ class Profile(AbstractShape):
 
 @in_float64
 @jax.jit
-def _line(r: Array, apex: Array, jumps: Array) -> Float[Array, "2 degree intervals"]:
+def _line(r: Array, pieces: Array) -> Float[Array, "2 degree intervals"]:
     """Chebyshev coefficients of g and of dg/dx between the points.
 
-    Each point leaves a term (x - r_i)^(3/2) in dg/dx, so that it is analytic in s = sqrt((x - r_i)/h_i + delta) on the
-    interval behind the point; delta keeps ds/dx finite at the point itself.
+    Each point leaves a term (x - r_i)^(1/2) or (x - r_i)^(3/2) in dg/dx, so that it is analytic in
+    s = sqrt((x - r_i)/h_i + delta) on the interval behind the point; delta keeps ds/dx finite at the point itself.
     """
+    linear, square, cubic = pieces
+    apex = jnp.stack([linear[0], 2 * square[0], 3 * cubic[0]])
+    jumps = jnp.stack([2 * jnp.diff(square) - 6 * cubic[:-1] * jnp.diff(r)[:-1], 3 * jnp.diff(cubic)])
     angle = jnp.pi * (np.arange(_TERMS) + 0.5) / _TERMS
     s = _START + (_END - _START) * 0.5 * (1 - jnp.cos(angle))
     to_chebyshev = jnp.cos(np.arange(_TERMS)[:, None] * (jnp.pi - angle)) * 2 / _TERMS
@@ -120,7 +147,7 @@ def _line(r: Array, apex: Array, jumps: Array) -> Float[Array, "2 degree interva
 def _interpolated(r: Array, table: Float[Array, "degree intervals"], x: Array) -> Array:
     """A Chebyshev series of `_line` at places x >= 0, by Clenshaw's recurrence."""
     r, table = jnp.asarray(r), jnp.asarray(table)
-    interval = jnp.clip(jnp.searchsorted(r, x, side="right", method="scan") - 1, 0, table.shape[1] - 1)
+    interval = _interval(r, x)
     start, width = r[interval], (r[1:] - r[:-1])[interval]
     s = jnp.sqrt(jnp.maximum((x - start) / width, 0.0) + _DELTA)
     t = 2 * (s - _START) / (_END - _START) - 1
@@ -134,8 +161,13 @@ def _interpolated(r: Array, table: Float[Array, "degree intervals"], x: Array) -
     return t * value - after + table[0][interval]
 
 
+def _interval(r: Array, x: Array) -> Array:
+    """The interval of `r` in which each x lies; the outer ones for what lies outside."""
+    return jnp.clip(jnp.searchsorted(r, x, side="right", method="scan") - 1, 0, r.shape[0] - 2)
+
+
 def _abel(x: Array, apex: Array, knots: Array, jumps: Array) -> tuple[Array, Array]:
-    """g and dg/dx of the spline at places x >= 0, in closed form.
+    """g and dg/dx of the curve at places x >= 0, in closed form.
 
     g = x int_0^x f'/sqrt(x^2 - r^2) dr and dg/dx = int_0^x (r f')'/sqrt(x^2 - r^2) dr: the same integrals on two
     quadratics.
@@ -145,17 +177,33 @@ def _abel(x: Array, apex: Array, knots: Array, jumps: Array) -> tuple[Array, Arr
     root = jnp.sqrt((safe - knots) * (safe + knots))
     k0, k1 = jnp.arctan2(root, knots), root  # int r^p / sqrt(x^2 - r^2) dr from the knot to x, p = 0, 1, 2
     k2 = 0.5 * (safe**2 * k0 + knots * k1)
-    jumps = jnp.where(inside, jumps, 0.0)
+    b, c = jnp.where(inside, jumps[0], 0.0), jnp.where(inside, jumps[1], 0.0)
     g = x * (0.5 * jnp.pi * apex[0] + x * (apex[1] + 0.25 * jnp.pi * apex[2] * x))
     slope = 0.5 * jnp.pi * apex[0] + x * (2 * apex[1] + 0.75 * jnp.pi * apex[2] * x)
-    g = g + x * jnp.sum(jumps * (k2 - 2 * knots * k1 + knots**2 * k0), axis=1)
-    return g, slope + jnp.sum(jumps * (3 * k2 - 4 * knots * k1 + knots**2 * k0), axis=1)
+    g = g + x * jnp.sum(b * (k1 - knots * k0) + c * (k2 - 2 * knots * k1 + knots**2 * k0), axis=1)
+    return g, slope + jnp.sum(b * (2 * k1 - knots * k0) + c * (3 * k2 - 4 * knots * k1 + knots**2 * k0), axis=1)
 
 
-def _spline_matrices(r: np.ndarray, sharp: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Linear maps from heights to f' = A_0 + A_1 r + A_2 r^2 in the first interval, and to its jumps c_i at inner
-    points.
-    """
+def _spline_matrices(r: np.ndarray, sharp: bool) -> Float[np.ndarray, "3 n-1 n"]:
+    """Linear map from heights to the pieces of the spline."""
     ends: Any = ("not-a-knot" if sharp else (1, np.zeros(r.size)), "not-a-knot")
-    cubic, square, linear, _ = CubicSpline(r, np.eye(r.size), bc_type=ends).c  # (intervals, n) each
-    return np.stack([linear[0], 2 * square[0], 3 * cubic[0]]), 3 * np.diff(cubic, axis=0)
+    return CubicSpline(r, np.eye(r.size), bc_type=ends).c[2::-1]
+
+
+@in_float64
+@jax.jit
+def _monotone(r: Array, z: Array, sharp: bool) -> Float[Array, "3 n-1"]:
+    """Pieces of the cubics whose slope at a point is the weighted harmonic mean of the slopes on its two sides."""
+    h = jnp.diff(r)
+    m = jnp.diff(z) / h  # not negative
+    before, after = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
+    flat = (m[:-1] <= 0) | (m[1:] <= 0)
+    safe = jnp.where(flat[None], 1.0, jnp.stack([m[:-1], m[1:]]))
+    inner = jnp.where(flat, 0.0, (before + after) / (before / safe[0] + after / safe[1]))
+
+    def outer(h0, h1, m0, m1):  # the parabola through three points, kept from overshooting
+        return jnp.clip(((2 * h0 + h1) * m0 - h0 * m1) / (h0 + h1), 0.0, 3 * m0)
+
+    start = jnp.where(sharp, outer(h[0], h[1], m[0], m[1]), 0.0)
+    d = jnp.concatenate([start[None], inner, outer(h[-1], h[-2], m[-1], m[-2])[None]])
+    return jnp.stack([d[:-1], (3 * m - 2 * d[:-1] - d[1:]) / h, (d[:-1] + d[1:] - 2 * m) / h**2])

@@ -73,9 +73,10 @@ class AbstractRelaxation(eqx.Module):
 
     @in_float64
     def loss_tangent(self, omega: Any) -> Array:
-        """Loss modulus over storage modulus at omega [rad/s]."""
-        value = self.complex_modulus(omega)
-        return value.imag / value.real
+        """Loss modulus over storage modulus at omega [rad/s]; infinite where nothing is stored."""
+        value = jnp.asarray(self.complex_modulus(omega))
+        elastic = value.real > 0
+        return jnp.where(elastic, value.imag / jnp.where(elastic, value.real, 1.0), jnp.inf)
 
 
 class Relaxation(AbstractRelaxation):

@@ -151,6 +151,12 @@ def solve(scene: Scene) -> Steady:
         text = f"{int((~good).sum())} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."
         if result.sunk:
             text += f" {_sunk(scene)}"
+        else:
+            missed = (result.error / result.mu)[~good & (result.mu > 0)]
+            if missed.size and missed.max() < 0.1:
+                text += (
+                    f" Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol would accept them."
+                )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
     force = result.line.normal_force
     return Steady(
@@ -185,7 +191,7 @@ def _contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
         raise InputError(
             "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite "
             "rate at any velocity, so that the friction depends on how the edge is rounded. Give the rounding: "
-            "em.PowerLaw with a large exponent."
+            "em.Profile with points along the edge, or em.PowerLaw with a large exponent."
         )
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
         raise InputError(

@@ -30,6 +30,7 @@ _BLOCK = 64  # contact steps per step of the solver
 _FEWEST, _MOST = 256, 2**15  # samples per passage
 _ITERATIONS = 60  # marches after which the search for a load is given up
 _TILT = 3e-4  # change of log A by which slopes are measured
+_SMALL = 0.1  # error of mu, relative, up to which it is an estimate
 _ROUNDING = 1e-13  # relative error of mu per square root of samples
 
 
@@ -63,11 +64,12 @@ def march_passages(
     velocity: Float[Array, " points"],  # times a_T [m/s]
     rtol: float,
 ) -> Passages:
-    """Steady passages by marching; samples double until `rtol` of mu is met or 2^15 are used up: not converged.
+    """Steady passages by marching; samples double until `rtol` of mu is met or 2^15 are used up.
 
-    `trailing` is where contact is lost for the last time, to within one sample. Differentiable as `solve_passages` is.
-    Under `jit` or `vmap`, where errors cannot be looked at, `rtol` alone decides about the number of samples; errors
-    are reported all the same.
+    What a direction misses of `rtol` is in its `error`, since it may weigh little in an average; not converged is where
+    the error is no longer small against mu. `trailing` is where contact is lost for the last time, to within one
+    sample. Differentiable as `solve_passages` is. Under `jit` or `vmap`, where errors cannot be looked at, `rtol` alone
+    decides about the number of samples; errors are reported all the same.
     """
     law, lines, value, velocity = jax.tree.map(jnp.asarray, (law, lines, value, velocity))
     frozen = jax.lax.stop_gradient((law, lines, value, velocity))
@@ -79,8 +81,9 @@ def march_passages(
         marches.append(_solve(*frozen, size, samples, 1e-3 * rtol, control=control))
         size = jnp.where(marches[-1].good, marches[-1].size, size)
         if len(marches) >= 3:
-            good, error = _judged(marches[-3:], samples, rtol, frozen[2] if control == "load" else None)
-            if samples >= _MOST or (blind or not np.any(marches[-1].good & ~good)):
+            good, error = _judged(marches[-3:], samples, frozen[2] if control == "load" else None)
+            met = error <= rtol * jnp.abs(marches[-1].drag / marches[-1].normal)
+            if samples >= _MOST or blind or not np.any(marches[-1].good & ~(good & met)):
                 break
         samples *= 2
 
@@ -107,8 +110,8 @@ def _with_tangent(value: Array, moved: Array) -> Array:
     return value if value.dtype == bool else value + (moved - jax.lax.stop_gradient(moved))
 
 
-def _judged(marches: list[_March], samples: int, rtol: float, load: Array | None) -> tuple[Array, Array]:
-    """Which points have converged, and the error of mu.
+def _judged(marches: list[_March], samples: int, load: Array | None) -> tuple[Array, Array]:
+    """Which points have an error that is small against mu, and the error of mu.
 
     If two changes from N to 2N samples stand as h^2 has them, the limit is off by a third of the last change at most;
     half of it is taken. Otherwise something is not yet resolved (where contact ends between two samples, a branch much
@@ -125,7 +128,7 @@ def _judged(marches: list[_March], samples: int, rtol: float, load: Array | None
         missed = [jnp.abs(march.normal / load - 1) for march in marches]
         error = error + jnp.abs(third) * (missed[-2] + missed[-1])
     good = functools.reduce(jnp.logical_and, (march.good for march in marches))
-    return good & (error <= rtol * jnp.abs(third)), error
+    return good & (error <= _SMALL * jnp.abs(third)), error
 
 
 @functools.partial(jax.jit, static_argnames="control")
