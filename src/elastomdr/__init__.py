@@ -23,9 +23,11 @@ _HOMES = {
     "scenes.plan": ("plan",),
     "scenes.impact": ("impact",),
     "scenes.shear": ("shear",),
+    "scenes.traction": ("traction",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
     "results.impact": ("Impact",),
     "results.shear": ("Shear",),
+    "results.traction": ("Traction",),
 }
 _PACKAGES = ("fit",)
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}

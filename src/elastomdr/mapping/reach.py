@@ -13,6 +13,7 @@ The force of an elastic foundation is E A(d). Lengths in m.
 import math
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Float
 
@@ -80,12 +81,7 @@ def _on_profile(shape: Profile, depth: Array, by_height: bool) -> Array:
         low, high = jnp.where(below, middle, low), jnp.where(below, high, middle)
     x = 0.5 * (low + high)
     for _ in range(3):
-        x = jnp.clip(x - (value(x) - depth) / _slope(shape, x, by_height), low, high)
+        there, slope = jax.jvp(value, (x,), (jnp.ones_like(x),))
+        x = jnp.clip(x - (there - depth) / slope, low, high)
     return jnp.where(depth <= heights[-1], x, jnp.nan)
 
-
-def _slope(shape: Profile, x: Array, by_height: bool) -> Array:
-    if not by_height:
-        return shape._slope(x)
-    first, knots, jumps = map(jnp.asarray, (shape.apex, shape.r[1:-1], shape.jumps))
-    return first[0] + first[1] * x + first[2] * x**2 + jnp.sum(jumps * jnp.maximum(x[..., None] - knots, 0) ** 2, -1)

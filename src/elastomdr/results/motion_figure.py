@@ -5,11 +5,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._runtime import significant
+from .axes import in_words
 from .figure import _BLUE, _colours, _new_axes, _write_title
 
 if TYPE_CHECKING:
     from .impact import Impact
     from .shear import Shear
+    from .traction import Traction
 
 _MOST = 12  # lines that one figure shows
 
@@ -83,13 +85,43 @@ def draw_shear(result: "Shear", ax: Any = None, title: str | None = None) -> Any
     return ax
 
 
+def draw_traction(result: "Traction", ax: Any = None, title: str | None = None) -> Any:
+    """Traction coefficient against creep, one line per further index, full slip dashed."""
+    known = {column.key: value for column, value in result.fields().items()}
+    lines = int(np.prod(known["creep"].shape[:-1]))
+    new = ax is None
+    ax = _new_axes(lines > 1) if new else ax
+    x, y = (known[key].reshape(lines, -1) for key in ("creep", "coefficient"))
+    shown = np.unique(np.linspace(0, lines - 1, min(lines, _MOST)).round().astype(int))
+    for i, colour in zip(shown, _colours(len(shown)), strict=True):
+        order = np.argsort(x[i])
+        ax.plot(100 * x[i][order], y[i][order], color=colour, linewidth=1.8, label=_label(known, i))
+    friction = known["friction"]
+    if np.isfinite(friction).all() and np.ptp(friction) == 0:
+        full = float(friction.flat[0])
+        for level in {full, -full} if x.min() < 0 else {full}:
+            ax.axhline(level, color="#888888", linewidth=0.9, linestyle="--", zorder=1)
+    ax.set(xlabel="Creep [%]", ylabel="Traction coefficient $F_x/F_N$ [-]")
+    _finish(ax)
+    if len(shown) > 1:
+        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
+    if new or title:
+        failed = int(np.sum(~known["converged"]))
+        note = f"{failed} of {known['converged'].size} points did not converge and are left out" if failed else ""
+        material = dict(result.inputs).get("material")
+        _write_title(ax, title or f"Traction, {material}", result.model, note)
+    return ax
+
+
 def _label(known: dict[str, np.ndarray], row: int) -> str:
     """What sets a line apart from the others: its temperature or mass if they are constant along it, or its number."""
-    for key, unit in (("temperature", "K"), ("mass", "kg"), ("velocity", "m/s")):
-        if key not in known:
+    for key, unit in (("temperature", "K"), ("mass", "kg"), ("velocity", "m/s"), ("friction", "friction coefficient")):
+        if key not in known or known[key].ndim == 0:
             continue
         values = known[key].reshape(-1, known[key].shape[-1])
         if np.ptp(values) > 0 and np.ptp(values[row]) == 0:
+            if key == "temperature":
+                return in_words(key, float(values[row, 0])).replace("degC", "°C")
             return f"{significant(float(values[row, 0]))} {unit}"
     return f"no. {row}"
 

@@ -87,7 +87,7 @@ def shear(
     elastic = not is_traced(laws) and all(law.moduli.size == 0 for law in laws) and not dashpots
     usual = _ELASTIC if elastic else _VISCOELASTIC
     elements, steps = _count("elements", elements, usual[0]), _count("steps", steps, usual[1])
-    reach = _reach(shape, laws[0], per_area, name, value, time)
+    reach = _reach(shape, laws[0], per_area, name, value, time, elements)
     scene = Scene(shape, laws[0], laws[1], mu, reach)
     scene, history = _as_jax(scene), History(*map(jnp.asarray, (time, value, displacement)))
     options = {"by_load": load is not None, "per_area": per_area, "dashpots": dashpots}
@@ -144,7 +144,9 @@ def _as_jax(scene: Scene) -> Scene:
     )
 
 
-def _reach(shape: AbstractShape, law: Relaxation, per_area: bool, name: str, value: Any, time: Any) -> Any:
+def _reach(
+    shape: AbstractShape, law: Relaxation, per_area: bool, name: str, value: Any, time: Any, elements: int
+) -> Any:
     """A radius [m] that the contact does not exceed: at the greatest depth, or under the load after the whole time."""
     largest = jnp.max(jnp.asarray(value))
     by_height = per_area and not isinstance(shape, Cylinder)
@@ -154,7 +156,7 @@ def _reach(shape: AbstractShape, law: Relaxation, per_area: bool, name: str, val
         largest = _elastic_depth(shape, per_area, largest * _creep(law, time[-1] - time[0]))
     reach = contact_size(shape, jnp.where(largest > 0, largest, 1e-9), by_height)
     limit = jnp.asarray(shape.largest_contact)
-    return jnp.minimum(jnp.where(jnp.isnan(reach), limit, reach * (1 + 1e-4)), limit * (1 - 1e-12))
+    return jnp.minimum(jnp.where(jnp.isnan(reach), limit, reach * (1 + 2 / elements)), limit * (1 - 1e-12))
 
 
 def _creep(law: Relaxation, span: Any) -> Any:
