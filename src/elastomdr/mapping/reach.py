@@ -22,7 +22,7 @@ from .profile import Profile
 from .shapes import AbstractShape, Cone, Cylinder, FlatPunch, Paraboloid, PowerLaw, Sphere
 
 _STEPS = 6  # Newton's on a sphere: from 13 % to rounding
-_HALVINGS = 12  # of a bracket between two points of a profile, before Newton's steps
+_ROUNDS = 12  # of Newton inside a bracket between two points of a profile
 
 
 def contact_measure(shape: AbstractShape, depth: Float[Array, "..."], per_area: bool) -> Float[Array, "..."]:
@@ -69,19 +69,25 @@ def _on_sphere(radius: Any, depth: Array, by_height: bool) -> Array:
 
 
 def _on_profile(shape: Profile, depth: Array, by_height: bool) -> Array:
-    """Bisection between the two points around it, then Newton's steps."""
+    """Newton's method between the two points around it."""
     value = shape._height if by_height else shape._profile
     points = jnp.asarray(shape.r)
     heights = value(points)
     i = jnp.clip(jnp.searchsorted(heights, depth), 1, points.shape[0] - 1)
-    low, high = points[i - 1], points[i]
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        below = value(middle) < depth
-        low, high = jnp.where(below, middle, low), jnp.where(below, high, middle)
-    x = 0.5 * (low + high)
-    for _ in range(3):
+
+    def newton(x: Array, depth: Array) -> tuple[Array, Array]:
         there, slope = jax.jvp(value, (x,), (jnp.ones_like(x),))
-        x = jnp.clip(x - (there - depth) / slope, low, high)
+        return there, x - (there - depth) / jax.lax.stop_gradient(slope)
+
+    def close_in(_: int, state: tuple) -> tuple:
+        x, low, high = state
+        there, following = newton(x, wanted)
+        low, high = jnp.where(there < wanted, x, low), jnp.where(there < wanted, high, x)
+        return jnp.where((following >= low) & (following <= high), following, 0.5 * (low + high)), low, high
+
+    wanted = jax.lax.stop_gradient(depth)
+    low, high = jax.lax.stop_gradient((points[i - 1], points[i]))
+    x = jax.lax.fori_loop(0, _ROUNDS, close_in, (0.5 * (low + high), low, high))[0]
+    x = newton(jax.lax.stop_gradient(x), depth)[1]  # with the derivatives
     return jnp.where(depth <= heights[-1], x, jnp.nan)
 

@@ -17,6 +17,7 @@ from ..solve.extrapolate import impacts
 from ..solve.impact import Body
 from .steady import _brief, _describe
 
+_WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are filled up to, so that few are compiled
 HALF_SPACE = "MDR, exact for the half-space: approach and rebound (Ting's solution), quasi-static rubber, no adhesion"
 LAYER = "thin layer of independent elements, exact for the layer; quasi-static rubber, no adhesion"
 
@@ -40,7 +41,8 @@ def impact(
     an infinite duration and `stuck=True`. Differentiable with respect to moduli, times, shape, mass and velocity.
 
     Raises `InputError` for a mass or velocity that is not positive, a cylinder on a half-space, or a temperature
-    without a shift law. A point that misses `rtol` (restitution, duration and depth) is NaN with `converged=False`.
+    without a shift law. A point whose restitution or depth misses `rtol` is NaN with `converged=False`; a duration that
+    misses 100 `rtol` (very strong damping, restitution below 1e-4) is NaN alone.
     Source: Popov & Hess 2015, ch. 7; Ting 1966 for the retreat.
     """
     scene = _scene(material, shape, mass, velocity, temperature, rtol)
@@ -63,7 +65,7 @@ def impact(
         mass=scene.mass,
         velocity=scene.velocity,
         restitution=shaped(motion.restitution),
-        duration=shaped(motion.duration),
+        duration=shaped(xp.where(found.timed, motion.duration, xp.nan)),
         max_depth=shaped(motion.max_depth),
         max_force=shaped(motion.max_force),
         lost=shaped(0.5 * scene.mass.reshape(-1) * scene.velocity.reshape(-1) ** 2 * (1 - motion.restitution**2)),
@@ -115,7 +117,8 @@ def _scene(material: Any, shape: Any, mass: Any, velocity: Any, temperature: Any
     result = (len(foundations), *points) if many else points
     xp = jnp if is_traced(foundations, shape, *arrays) else np
     laws = [_at(foundation, kelvin, points, xp) for foundation in foundations]
-    width = max(law.moduli.shape[0] for law in laws)
+    most = max(law.moduli.shape[0] for law in laws)
+    width = next((n for n in _WIDTHS if n >= most), most)
     lanes = [_lanes(law, width, xp) for law in laws]
     rates, moduli, viscosity = (xp.concatenate(parts, axis=-1) for parts in zip(*lanes, strict=True))
 

@@ -1,12 +1,13 @@
 """Steady rolling with creep: traction, stick and slip, and the rolling loss beside it."""
 
+import warnings
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 
 from .._runtime import as_float64, in_float64, is_traced, require
-from ..errors import InputError
+from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import SingleLine
 from ..mapping.shapes import AbstractShape, Cylinder
@@ -15,6 +16,7 @@ from ..solve.brush import Rolling, carter, tractions
 from .shear import _laws
 from .steady import Contact, _brief, _describe, set_up, solve
 
+_STEPS = (1024, 8192, 65536)  # of the march, where elements stick again after they have slipped
 BRUSH = "MDR line of elements with Coulomb friction (brush); rolling loss: "
 CARTER = "Carter's elastic half-plane (exact for equal bodies, or an incompressible one on a rigid one)"
 
@@ -86,10 +88,16 @@ def traction(
         scene.law, sheared.law(), scene.lines, scene.reduced, flat(found.contact.leading),
         flat(found.contact.trailing), flat(friction), abs(flat(creep)),
     )  # fmt: skip
-    pulled = tractions(rolling, rules[0] if scene.plan.traced else rules[-1])
+    for steps in _STEPS:
+        pulled = tractions(rolling, rules[0] if scene.plan.traced else rules[-1], steps)
+        missed = ~(pulled.error <= rtol * pulled.force)
+        if is_traced(missed) or not np.any(missed & np.isfinite(pulled.force)):
+            break
     pulled = type(pulled)(*(xp.asarray(x).reshape(scene.shape) for x in pulled))
-    force = xp.sign(creep) * pulled.force
-    good = found.converged & xp.isfinite(force)
+    good = found.converged & ~xp.asarray(missed).reshape(scene.shape)
+    if not is_traced(good) and (lost := int(np.sum(found.converged & ~good))):
+        warnings.warn(f"{lost} of {good.size} tractions did not converge; they are NaN.", ConvergenceWarning, stacklevel=3)
+    force = xp.where(good, xp.sign(creep) * pulled.force, xp.nan)
     inputs = list(scene.inputs)
     inputs[-1:-1] = _said(creep, friction)
     return Traction(

@@ -30,7 +30,6 @@ from .impact import ramp_weights
 from .integrals import Passage, exit_density, normal_force
 from .rule import Rule
 
-_STEPS = 1024  # of the march along a contact
 _HALVINGS = 45
 
 
@@ -56,9 +55,9 @@ class Tractions(NamedTuple):
     again: Bool[Array, " points"]  # elements stick again after they have slipped
 
 
-@functools.partial(jax.jit, static_argnames=("rule",))
-def tractions(rolling: Rolling, rule: Rule) -> Tractions:
-    """Tractive force of each point; differentiable in both modes."""
+@functools.partial(jax.jit, static_argnames=("rule", "steps"))
+def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
+    """Tractive force of each point, with `steps` steps of the march; differentiable in both modes."""
     r = jax.tree.map(jnp.asarray, rolling)
     length = r.leading + r.trailing
     passage = Passage(r.normal, r.lines, rule, r.velocity)
@@ -72,10 +71,10 @@ def tractions(rolling: Rolling, rule: Rule) -> Tractions:
         ratio = (distance / r.leading - 1)[None]
         return _limit(r.friction, exit_density(passage, r.leading, ratio)[0]) - _ramp(r, distance)[0]
 
-    marched, stick, first, again = _march(r, length, _STEPS)
-    coarse = _march(fixed, length, _STEPS // 2)[0]
+    marched, stick, first, again = _march(r, length, steps)
+    coarse = _march(fixed, length, steps // 2)[0]
     low, high = jax.lax.stop_gradient(
-        [length * jnp.asarray(_places(_STEPS))[jnp.clip(first + i, 0, _STEPS)] for i in (-2, 1)]
+        [length * jnp.asarray(_places(steps))[jnp.clip(first + i, 0, steps)] for i in (-2, 1)]
     )
 
     def halve(_: int, bounds: tuple) -> tuple:

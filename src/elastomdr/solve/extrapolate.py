@@ -15,6 +15,7 @@ from .impact import COARSEST, Body, Motion, grid, march
 
 _STAGES = ((1, 2, 3, 4), (1, 2, 3, 4, 5, 6, 7, 8), (1, 2, 3, 4, 6, 8, 10, 12, 16))  # grids, in units of the coarsest
 _SHARE = 0.2  # of the last correction; measured against exact solutions, the error left is below a tenth of it
+_LOOSER = 100  # times rtol: what a duration may miss
 _BLOCK, _SMALL = 256, 8  # lanes computed together: their states fit the processor's cache
 _STUCK = 0.3  # fall of the force at the turn, from the fourth grid to the last, for a body that never turns
 _REST = 1e-3  # and largest share that it may have of the largest force
@@ -26,13 +27,14 @@ class Impacts(NamedTuple):
     motion: Motion
     error: Float[Array, " lanes"]  # estimated error of the restitution, absolute
     stuck: Bool[Array, " lanes"]  # the body never turns: a liquid too viscous to throw it back
-    converged: Bool[Array, " lanes"]
+    converged: Bool[Array, " lanes"]  # restitution and depth to rtol
+    timed: Bool[Array, " lanes"]  # and the duration to 100 rtol: strong damping leaves the instant of the turn open
 
 
 def impacts(body: Body, *, per_area: bool, rtol: float) -> Impacts:
     """Every lane to `rtol`. Lanes that need finer grids get them, where values are known (not under `jit` or `grad`)."""
     if is_traced(body):
-        return _stage(body, rtol, per_area=per_area, stage=0)
+        return _stage(body, rtol, per_area=per_area, stage=1)
     lanes = int(body.velocity.shape[0])
     if lanes <= _BLOCK:
         return _block(body, per_area, rtol)
@@ -60,17 +62,15 @@ def _block(body: Body, per_area: bool, rtol: float) -> Impacts:
         else:
             for whole, piece in zip(jax.tree.leaves(found), jax.tree.leaves(part), strict=True):
                 whole[..., waiting] = piece
-        waiting = np.flatnonzero(~found.converged)
+        waiting = np.flatnonzero(~(found.converged & found.timed) & np.isfinite(found.motion.max_depth))
         if not waiting.size:
             break
     return found
 
 
 def _lanes(body: Body, chosen: Array) -> Body:
-    def take(x: Any) -> Any:
-        return x if x.shape[-1] == 1 else x[..., chosen]
-
-    return Body(body.shape, *(take(x) for x in body[1:]))
+    lanes = body.velocity.shape
+    return Body(body.shape, *(np.broadcast_to(x, (*x.shape[:-1], *lanes))[..., chosen] for x in body[1:]))
 
 
 @functools.partial(jax.jit, static_argnames=("per_area", "stage"))
@@ -78,12 +78,11 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     """All grids of a stage, extrapolated to n = infinity: a polynomial in n^-2 through them."""
     sizes = _STAGES[stage]
     grids = [grid(k * COARSEST, sizes[-1] * COARSEST) for k in sizes]
-    body = body._replace(velocity=jnp.broadcast_to(body.velocity, jnp.broadcast_shapes(*(x.shape[-1:] for x in body[1:]))))
     motions = jax.lax.map(lambda g: march(body, g, per_area=per_area), jax.tree.map(lambda *x: np.stack(x), *grids))
     best, before = _extrapolated(motions, sizes), _extrapolated(motions, sizes[:-1])
     error = _SHARE * jnp.abs(best.restitution - before.restitution)
-    spread = [jnp.abs(getattr(best, x) / getattr(before, x) - 1) for x in ("duration", "max_depth")]
-    enough = (error <= rtol * jnp.abs(best.restitution)) & (_SHARE * jnp.max(jnp.stack(spread), axis=0) <= rtol)
+    duration, depth = (_SHARE * jnp.abs(a / b - 1) for a, b in zip(best[1:3], before[1:3], strict=True))
+    enough = (error <= rtol * jnp.abs(best.restitution)) & (depth <= rtol)
     fine, coarse = motions.turning[-1], motions.turning[3]
     liquid = (body.moduli[0] == 0) & ((fine <= 1e-12) | ((fine < _STUCK * coarse) & (fine < _REST)))
     stuck = jnp.broadcast_to(liquid, error.shape)
@@ -92,7 +91,8 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
         restitution=jnp.where(stuck, 0.0, best.restitution), duration=jnp.where(stuck, jnp.inf, best.duration)
     )
     good = (jnp.all(motions.solved, axis=0) & enough & jnp.isfinite(best.restitution)) | stuck
-    return Impacts(best, jax.lax.stop_gradient(jnp.where(stuck, 0.0, error)), stuck, good)
+    timed = (duration <= _LOOSER * rtol) | stuck
+    return Impacts(best, jax.lax.stop_gradient(jnp.where(stuck, 0.0, error)), stuck, good, timed)
 
 
 def _extrapolated(motions: Motion, sizes: tuple[int, ...]) -> Motion:

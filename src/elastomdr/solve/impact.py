@@ -311,7 +311,7 @@ def _search(residual: Any, guess: Array) -> tuple[Array, Array]:
         middle = 0.5 * (jnp.maximum(low, x - 2 * _CLIP) + jnp.minimum(high, x + 2 * _CLIP))
         following = jnp.where((secant >= low) & (secant <= high), secant, middle)
         change = following - x
-        done = done | (jnp.abs(change) < _CLOSE)
+        done = done | (jnp.abs(change) < _CLOSE) | jnp.isnan(value)
         following = jnp.where(jnp.isfinite(following), following, x)
         new = residual(following)
         slope = jnp.where(jnp.abs(change) > 1e-9, (new - value) / jnp.where(change == 0, 1.0, change), slope)
