@@ -72,9 +72,9 @@ class Scene(NamedTuple):
     reach: Float[Array, ""]
 
 
-@functools.partial(jax.jit, static_argnames=("elements", "steps", "by_load", "per_area", "dashpots"))
+@functools.partial(jax.jit, static_argnames=("elements", "steps", "by_load", "per_area"))
 def shear_history(
-    scene: Scene, history: History, *, elements: int, steps: int, by_load: bool, per_area: bool, dashpots: bool
+    scene: Scene, history: History, *, elements: int, steps: int, by_load: bool, per_area: bool
 ) -> Sheared:
     """The whole history with `elements` elements on a half line, `steps` contact steps between two instants."""
     x = scene.reach * (jnp.arange(elements) + 0.5) / elements
@@ -98,7 +98,7 @@ def shear_history(
         (state, seen), _ = jax.lax.scan(step, (state, (jnp.zeros(()),) * 5), jnp.arange(steps))
         return state, ((state.work, state.slip_loss, state.depth), seen)
 
-    start, first = _start(scene, grid, history, by_load, dashpots)
+    start, first = _start(scene, grid, history, by_load)
     before = tuple(x[:-1] for x in history)
     after = tuple(x[1:] for x in history)
     _, (states, seen) = jax.lax.scan(interval, start, (before, after))
@@ -118,7 +118,7 @@ class _Grid(NamedTuple):
     width: Array
 
 
-def _start(scene: Scene, grid: _Grid, history: History, by_load: bool, dashpots: bool) -> tuple[_State, tuple]:
+def _start(scene: Scene, grid: _Grid, history: History, by_load: bool) -> tuple[_State, tuple]:
     """The first instant: depth or load, then displacement, put on at once, to which the glassy moduli respond.
 
     Dashpots carry what is put on at once without moving.
@@ -129,17 +129,19 @@ def _start(scene: Scene, grid: _Grid, history: History, by_load: bool, dashpots:
         return jnp.zeros((law.moduli.shape[0], grid.x.shape[0]))
 
     state = _State(zero, rest(scene.normal), zero, zero, rest(scene.tangential), none, none, none)
-    if dashpots:
-        return state, (none, history.value[0] if by_load else none, none, none, none)
+    still = state, (none, history.value[0] if by_load else none, none, none, none)
     normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
-    state, _ = _step(scene, grid, normal, tangential, state, history.value[0], none, by_load)
-    return _step(scene, grid, normal, tangential, state, history.value[0], history.displacement[0], by_load)
+    put, _ = _step(scene, grid, normal, tangential, state, history.value[0], none, by_load)
+    moved = _step(scene, grid, normal, tangential, put, history.value[0], history.displacement[0], by_load)
+    dashpots = jnp.asarray(scene.normal.viscosity + scene.tangential.viscosity) > 0
+    return jax.tree.map(lambda a, b: jnp.where(dashpots, a, b), still, moved)
 
 
 def _sudden(law: Relaxation) -> Coefficients:
     """The contact step in the limit h = 0, of a law without a dashpot."""
     one = jnp.ones((law.moduli.shape[0], 1))
     glassy = jnp.atleast_1d(law.equilibrium + jnp.sum(law.moduli))
+    glassy = jnp.where(glassy > 0, glassy, 1.0)
     moduli = jnp.asarray(law.moduli)[:, None]
     zero, equilibrium = jnp.zeros(1), jnp.atleast_1d(jnp.asarray(law.equilibrium))
     drag = 0.5 * jnp.sum(moduli, axis=0)
