@@ -24,6 +24,13 @@ _HOMES = {
     "scenes.indent": ("indent",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
     "results.indentation": ("Indentation",),
+    "scenes.impact": ("impact",),
+    "scenes.shear": ("shear",),
+    "scenes.traction": ("traction",),
+    "results.curve": ("FrictionCurve", "RollingCurve"),
+    "results.impact": ("Impact",),
+    "results.shear": ("Shear",),
+    "results.traction": ("Traction",),
 }
 _PACKAGES = ("fit", "reference")
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}

@@ -169,9 +169,10 @@ def _legendre(rule: Rule, samples: Float[Array, "... nodes points"]) -> Float[Ar
 
 
 def _panels(rule: Rule, entry: Array, exit: Array) -> tuple[Array, Array]:
-    """Start and width in r of each panel: arrays (lines, panels, 1, points)."""
-    zero = jnp.zeros_like(entry)
-    ends = jnp.stack([zero, exit, entry, entry + exit] if rule.split else [zero, entry + exit], axis=1)
+    """Start and width in r of each panel: arrays (lines, panels, 1, points). An exit ahead of the apex is negative."""
+    zero, length = jnp.zeros_like(entry), entry + exit
+    split = [zero, jnp.maximum(exit, 0.0), jnp.minimum(entry, length), length]
+    ends = jnp.stack(split if rule.split else [zero, length], axis=1)
     widths = ends[:, 1:] - ends[:, :-1]
     fractions = jnp.asarray(rule.fractions)[:, None]
     start = ends[:, :-1, None] + widths[:, :, None] * fractions[:-1]

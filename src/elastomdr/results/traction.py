@@ -1,0 +1,80 @@
+"""Traction against creep: what `em.traction` returns."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Bool, Float
+
+from .._runtime import Array, significant
+from .curve import Contact
+from .table import AbstractResult, Column
+
+
+class Traction(AbstractResult):
+    """Steady rolling with creep; every field has one value per point, NaN with `converged=False` where it failed."""
+
+    velocity: Float[Array, "..."]  # rolling velocity v [m/s]
+    creep: Float[Array, "..."]  # xi
+    friction: Float[Array, "..."]  # Coulomb's coefficient mu
+    coefficient: Float[Array, "..."]  # F_x/F_N
+    force: Float[Array, "..."]  # tractive force F_x [N]
+    stick: Float[Array, "..."]  # part of the contact's length that sticks
+    slip_power: Float[Array, "..."]  # power of the tractive force on the creep, F_x xi v [W]
+    rolling: Float[Array, "..."]  # rolling resistance coefficient of the normal contact
+    normal_force: Float[Array, "..."]  # F_N [N]
+    depth: Float[Array, "..."]  # [m]
+    contact: Contact  # leading and trailing edge [m]
+    error: Float[Array, "..."]  # estimated error of the traction coefficient, at its contact size
+    converged: Bool[Array, "..."]
+    temperature: Float[Array, "..."] | None  # T [K]
+    model: str = eqx.field(static=True)
+    plan: Any = eqx.field(static=True)
+    inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+
+    @property
+    def table(self) -> tuple[Column, ...]:
+        return (
+            Column("velocity", "velocity", "m/s"),
+            Column("creep", "creep", "-"),
+            Column("friction", "Coulomb's friction coefficient", "-"),
+            Column("temperature", "temperature", "K", optional=True),
+            Column("coefficient", "traction coefficient", "-"),
+            Column("force", "tractive force", "N"),
+            Column("stick", "part of the contact that sticks", "-"),
+            Column("slip_power", "power of creep", "W"),
+            Column("rolling", "rolling resistance coefficient", "-"),
+            Column("normal_force", "normal force", "N"),
+            Column("depth", "depth", "m"),
+            Column("contact.leading", "leading edge", "m"),
+            Column("contact.trailing", "trailing edge", "m"),
+            Column("error", "estimated error of the traction coefficient", "-"),
+            Column("converged", "converged", ""),
+        )
+
+    def plot(self, ax: Any = None, title: str | None = None) -> Any:
+        """Draws the traction coefficient against creep, one line per further index.
+
+        Returns matplotlib Axes; with `ax=None` on a new figure, which is the `.figure` of the answer.
+        """
+        from .motion_figure import draw_traction
+
+        return draw_traction(self, ax, title)
+
+    def findings(self) -> Iterator[tuple[str, str]]:
+        """Inputs, model, the largest traction, the rolling loss, how many points failed."""
+        yield "quantity", "Traction"
+        yield from self.inputs
+        yield "model", self.model
+        good = np.asarray(self.converged)
+        for name, field in (("traction coefficient", self.coefficient), ("rolling resistance", self.rolling)):
+            known = np.asarray(field)[good]
+            if known.size:
+                low, high = significant(float(known.min())), significant(float(known.max()))
+                yield name, low if low == high else f"{low} to {high}"
+        failed = int((~good).sum())
+        text = f"{good.size}, {'all converged' if not failed else f'{failed} did not converge'}"
+        if good.any():
+            text += f"; largest estimated error of the coefficient: {significant(float(np.asarray(self.error)[good].max()), 2)}"
+        yield "points", text

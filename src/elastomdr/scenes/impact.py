@@ -1,0 +1,181 @@
+"""Impact of a rigid body on a viscoelastic half-space or layer."""
+
+import warnings
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from .._runtime import as_float64, in_float64, is_traced, positive
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import Foundation, as_foundation
+from ..mapping.shapes import AbstractShape, Cylinder
+from ..material.relaxation import Relaxation
+from ..results.impact import History, Impact
+from ..solve.extrapolate import impacts
+from ..solve.impact import Body
+from .steady import _brief, _describe
+
+_WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are filled up to, so that few are compiled
+HALF_SPACE = "MDR, exact for the half-space: approach and rebound (Ting's solution), quasi-static rubber, no adhesion"
+LAYER = "thin layer of independent elements, exact for the layer; quasi-static rubber, no adhesion"
+
+
+@in_float64
+def impact(
+    material: Any,
+    shape: Any,
+    *,
+    mass: Any,
+    velocity: Any,
+    temperature: Any = None,
+    rtol: float = 1e-6,
+) -> Impact:
+    """Normal impact of a rigid body of `mass` [kg] that touches at `velocity` [m/s], until it leaves.
+
+    m d'' = -F(history of d), F the force of the viscoelastic foundation, without gravity and adhesion. Exact for the
+    half-space and every shape whose contact grows as a disc; the rubber's own inertia (waves) is left out. `mass`,
+    `velocity` and `temperature` broadcast. `material` may also be a list of materials or foundations: the result then
+    has one more axis, in front, for them. A body that never comes back (a liquid too viscous for it) has restitution 0,
+    an infinite duration and `stuck=True`. Differentiable with respect to moduli, times, shape, mass and velocity.
+
+    Raises `InputError` for a mass or velocity that is not positive, a cylinder on a half-space, or a temperature
+    without a shift law. A point whose restitution or depth misses `rtol` is NaN with `converged=False`; a duration that
+    misses 100 `rtol` (very strong damping, restitution below 1e-4) is NaN alone.
+    Source: Popov & Hess 2015, ch. 7; Ting 1966 for the retreat.
+    """
+    scene = _scene(material, shape, mass, velocity, temperature, rtol)
+    found = impacts(scene.body, per_area=scene.per_area, rtol=float(rtol))
+    traced = is_traced(found.motion.restitution)
+    xp = jnp if traced else np
+    good = found.converged
+
+    def shaped(field: Any) -> Any:
+        return xp.where(good, field, xp.nan).reshape(scene.shape)
+
+    def series(field: Any) -> Any:
+        return xp.moveaxis(xp.where(good, field, xp.nan), 0, -1).reshape((*scene.shape, -1))
+
+    if not traced and not good.all():
+        text = f"{int((~good).sum())} of {good.size} impacts did not converge to rtol={rtol:g}; they are NaN."
+        warnings.warn(text, ConvergenceWarning, stacklevel=3)
+    motion = found.motion
+    return Impact(
+        mass=scene.mass,
+        velocity=scene.velocity,
+        restitution=shaped(motion.restitution),
+        duration=shaped(xp.where(found.timed, motion.duration, xp.nan)),
+        max_depth=shaped(motion.max_depth),
+        max_force=shaped(motion.max_force),
+        lost=shaped(0.5 * scene.mass.reshape(-1) * scene.velocity.reshape(-1) ** 2 * (1 - motion.restitution**2)),
+        history=History(series(motion.time), series(motion.depth), series(motion.speed), series(motion.force)),
+        error=xp.where(good, found.error, xp.nan).reshape(scene.shape),
+        stuck=found.stuck.reshape(scene.shape),
+        converged=good.reshape(scene.shape),
+        temperature=scene.temperature,
+        model=LAYER if scene.per_area else HALF_SPACE,
+        plan="velocities as the grid, extrapolated in the number of steps",
+        inputs=scene.inputs,
+    )
+
+
+class _Scene(NamedTuple):
+    body: Body
+    per_area: bool
+    mass: Any  # broadcast
+    velocity: Any
+    temperature: Any
+    shape: tuple[int, ...]
+    inputs: tuple[tuple[str, str], ...]
+
+
+def _scene(material: Any, shape: Any, mass: Any, velocity: Any, temperature: Any, rtol: Any) -> _Scene:
+    many = isinstance(material, Sequence) and not isinstance(material, str)
+    if many and not material:
+        raise InputError("material must be a material or a list of them, got an empty list.")
+    foundations = [as_foundation(m) for m in material] if many else [as_foundation(material)]
+    if not isinstance(shape, AbstractShape):
+        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    per_area = _standing(foundations, shape)
+    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-2:
+        raise InputError(f"rtol must be a number from 1e-10 to 1e-2, got {rtol!r}.")
+    mass, velocity = as_float64("mass", mass), as_float64("velocity", velocity)
+    positive("mass", mass)
+    positive("velocity", velocity)
+    arrays, kelvin = [mass, velocity], None
+    if temperature is not None:
+        kelvin = as_float64("temperature", temperature)
+        arrays.append(kelvin)
+    try:
+        points = np.broadcast_shapes(*(np.shape(a) for a in arrays))
+    except ValueError as error:
+        shapes = ", ".join(str(np.shape(a)) for a in arrays)
+        raise InputError(f"mass, velocity and temperature must broadcast, got shapes {shapes}.") from error
+    if 0 in points:
+        raise InputError(f"mass, velocity and temperature must not be empty, got shape {points}.")
+    result = (len(foundations), *points) if many else points
+    xp = jnp if is_traced(foundations, shape, *arrays) else np
+    laws = [_at(foundation, kelvin, points, xp) for foundation in foundations]
+    most = max(law.moduli.shape[0] for law in laws)
+    width = next((n for n in _WIDTHS if n >= most), most)
+    lanes = [_lanes(law, width, xp) for law in laws]
+    rates, moduli, viscosity = (xp.concatenate(parts, axis=-1) for parts in zip(*lanes, strict=True))
+
+    def flat(array: Any) -> Any:
+        return xp.broadcast_to(array, result).reshape(-1)
+
+    if many and rates.shape[-1] == len(foundations):  # one column per material: one per point
+        count = int(np.prod(points))
+        rates, moduli, viscosity = (xp.repeat(x, count, axis=-1) for x in (rates, moduli, viscosity))
+    names = ", ".join(dict.fromkeys(f.name or "given directly" for f in foundations))
+    inputs = [("material", names), ("shape", _describe(shape))]
+    inputs += [("mass", _brief(mass, "kg")), ("velocity", _brief(velocity, "m/s"))]
+    if kelvin is not None:
+        inputs.append(("temperature", _brief(kelvin, "K")))
+    inputs.append(("relative tolerance", f"{rtol:g}"))
+    body = Body(shape, rates, moduli, viscosity, flat(mass), flat(velocity))
+    return _Scene(
+        body, per_area, xp.broadcast_to(mass, result), xp.broadcast_to(velocity, result),
+        None if kelvin is None else xp.broadcast_to(kelvin, result), result, tuple(inputs),
+    )  # fmt: skip
+
+
+def _standing(foundations: list[Foundation], shape: AbstractShape) -> bool:
+    """Whether the scene is one on a layer. Raises `InputError` where half-space and shape do not go together."""
+    cylinder = isinstance(shape, Cylinder)
+    kinds = {cylinder if f.per_area is None else f.per_area for f in foundations}
+    if len(kinds) > 1:
+        raise InputError("material must be a list of half-spaces or a list of layers, got both.")
+    per_area = kinds.pop()
+    if cylinder and not per_area:
+        raise InputError(
+            "material must be a layer under a Cylinder, got a half-space: use em.layer(material, thickness, ...). "
+            "A cylinder on a half-space is no MDR problem."
+        )
+    return per_area
+
+
+def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...], xp: Any) -> Relaxation:
+    """The law, with one column per point where a temperature gives each its own times."""
+    law = foundation.law()
+    if kelvin is None:
+        return law
+    if foundation.shift is None:
+        raise InputError(
+            f"temperature was given, but {foundation.name or 'the material'} has no shift law; give the material one "
+            "with shift=em.WLF(...), or leave the temperature out."
+        )
+    factor = xp.broadcast_to(xp.asarray(foundation.shift.a(kelvin)), points).reshape(-1)
+    return Relaxation(law.equilibrium, law.moduli, law.times[:, None] * factor, law.viscosity * factor)
+
+
+def _lanes(law: Relaxation, width: int, xp: Any) -> tuple[Any, Any, Any]:
+    """(rates, moduli, viscosity), the equilibrium as a branch with rate zero, with `width` branches and equal columns."""
+    times = law.times if law.times.ndim == 2 else law.times[:, None]
+    columns = times.shape[-1]
+    viscosity = xp.broadcast_to(law.viscosity, (columns,))
+    filled = xp.zeros((width - law.moduli.shape[0], columns))
+    own = xp.broadcast_to(law.moduli[:, None], times.shape)
+    moduli = xp.concatenate([xp.broadcast_to(law.equilibrium, (1, columns)), own, filled])
+    return xp.concatenate([xp.zeros((1, columns)), 1 / times, filled]), moduli, viscosity

@@ -1,0 +1,198 @@
+"""Tangential loading of a contact with friction: partial slip, fretting loops, frictional damping."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from .._runtime import as_float64, in_float64, is_traced, not_negative, require, scalar
+from ..errors import InputError
+from ..foundation.law import Foundation, as_foundation, half_space
+from ..mapping.reach import contact_measure, contact_size
+from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
+from ..material.prony import Prony
+from ..material.relaxation import Relaxation, to_kelvin
+from ..results.shear import Shear
+from ..solve.rule import gauss
+from ..solve.shear import History, Scene, shear_history
+from .impact import _standing
+from .steady import _brief, _describe
+
+HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin: exact within its usual assumptions)"
+LAYER = "thin layer of independent elements with Coulomb friction"
+_EARLY = 18  # instants put between the first two: down to 1e-12 of the time between them
+_ELASTIC, _VISCOELASTIC = (100_000, 1), (2_000, 16)  # elements, and contact steps between two instants
+
+
+@in_float64
+def shear(
+    material: Any,
+    shape: Any,
+    *,
+    time: Any,
+    displacement: Any,
+    friction: Any,
+    load: Any = None,
+    depth: Any = None,
+    tangential: Any = None,
+    elements: int | None = None,
+    steps: int | None = None,
+) -> Shear:
+    """Tangential force of a body in frictional contact, for any history of normal and tangential motion.
+
+    `time` [s] ascends; `displacement` [m] is the body's, tangential; `load` [N] or `depth` [m] is one number or a
+    history; all are linear between the instants. What the first instant asks for is put on at once, the load first.
+    `friction` is Coulomb's coefficient, zero and infinity included. The tangential law G* follows from a material; for
+    a `Foundation` (of E*) give it as `tangential`. Stick or slip is decided element by element; normal and tangential
+    loading do not influence each other otherwise, which for equal bodies, or for an incompressible one on a rigid one,
+    is no assumption. `error` compares with half the steps, or half the elements where all is elastic.
+
+    Raises `InputError` for what has no meaning, such as a dashpot that is to follow a sudden depth. An instant at which
+    the contact is wider than the body or the grid is NaN, with `converged=False`. Differentiable in moduli, times,
+    shape, friction, load, depth and displacement. Source: Cattaneo 1938; Mindlin 1949; Popov & Hess 2015, ch. 5.
+    """
+    normal, tangential = _laws(material, tangential)
+    if not isinstance(shape, AbstractShape):
+        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    per_area = _standing([normal], shape)
+    if (load is None) == (depth is None):
+        given = "neither" if load is None else f"load={load} and depth={depth}"
+        raise InputError(f"load or depth must be given, and only one of them, got {given}.")
+    name = "depth" if load is None else "load"
+    time, displacement = as_float64("time", time), as_float64("displacement", displacement)
+    value, mu = as_float64(name, depth if load is None else load), scalar("friction", friction)
+    not_negative(name, value)
+    require("friction", mu, "zero or positive, infinity included", lambda x: x >= 0)
+    if time.ndim != 1 or time.shape[0] < 2:
+        raise InputError(f"time must be a list of two instants or more, got an array of shape {time.shape}.")
+    if not is_traced(time) and not (np.diff(time) > 0).all():
+        raise InputError("time must be ascending, without repeats.")
+    traced = is_traced(normal, tangential, shape, time, displacement, value, mu)
+    xp = jnp if traced else np
+    try:
+        value, displacement = (xp.broadcast_to(x, time.shape) for x in (value, displacement))
+    except ValueError as error:
+        raise InputError(
+            f"displacement and {name} must be single numbers or as long as time ({time.shape[0]}), got shapes "
+            f"{np.shape(displacement)} and {np.shape(value)}."
+        ) from error
+    laws = normal.law(), tangential.law()
+    known = not is_traced(laws)
+    dashpots = known and any(float(law.viscosity) > 0 for law in laws)
+    if dashpots and not is_traced(value, displacement) and (displacement[0] != 0 or (load is None and value[0] != 0)):
+        what = "displacement" if displacement[0] != 0 else name
+        raise InputError(
+            f"{what} must be 0 at the first instant, since a dashpot cannot follow a sudden motion, got "
+            f"{float(displacement[0] or value[0]):g}."
+        )
+    elastic = known and not dashpots and all(law.moduli.size == 0 for law in laws)
+    usual = _ELASTIC if elastic else _VISCOELASTIC
+    elements, steps = _count("elements", elements, usual[0]), _count("steps", steps, usual[1])
+    reach = _reach(shape, laws[0], per_area, name, value, time, elements)
+    scene = Scene(shape, laws[0], laws[1], mu, reach)
+    scene, history = _as_jax(scene), History(*map(jnp.asarray, (time, value, displacement)))
+    if not elastic:
+        history = _with_early_instants(history)
+    options = {"by_load": load is not None, "per_area": per_area}
+    found = shear_history(scene, history, elements=elements, steps=steps, **options)
+    fewer = {"elements": elements // 2, "steps": steps} if elastic or steps == 1 else {"elements": elements, "steps": steps // 2}
+    coarse = shear_history(scene, history, **fewer, **options)
+    error = abs(found.force - coarse.force) / (3 if elastic else 1)
+    chosen = np.append(0, np.arange(found.force.shape[0] - time.shape[0] + 1, found.force.shape[0]))
+    found, error = type(found)(*(x[chosen] for x in found)), error[chosen]
+    inside = found.contact_radius <= reach * (1 - 0.25 / elements) if not isinstance(shape, FlatPunch) else True
+    good = jnp.isfinite(found.force) & jnp.isfinite(found.normal_force) & inside
+    found = type(found)(*(jnp.where(good, x, jnp.nan) for x in found))
+    inputs = [("material", normal.name or "given directly"), ("shape", _describe(shape))]
+    inputs += [(name, _brief(value, "N" if name == "load" else "m")), ("displacement", _brief(displacement, "m"))]
+    inputs += [("time", _brief(time, "s")), ("friction coefficient", f"{float(mu):g}" if not is_traced(mu) else "traced")]
+    inputs.append(("elements and steps", f"{elements} on a half line, {steps} between two instants"))
+    return Shear(
+        time=time,
+        displacement=displacement,
+        **found._asdict(),
+        error=jnp.where(good, error, jnp.nan),
+        converged=good,
+        model=LAYER if per_area else HALF_SPACE,
+        plan="marched element by element",
+        inputs=tuple(inputs),
+    )
+
+
+def _with_early_instants(history: History) -> History:
+    """More instants after the first, ever closer to it: what is put on at once relaxes on all time scales."""
+    (t0, t1), (v0, v1), (s0, s1) = (x[:2] for x in history)
+    part = jnp.asarray(0.2 ** np.arange(_EARLY, 0, -1))
+    more = t0 + part * (t1 - t0), v0 + part * (v1 - v0), s0 + part * (s1 - s0)
+    return History(*(jnp.concatenate([x[:1], m, x[1:]]) for x, m in zip(history, more, strict=True)))
+
+
+def _laws(material: Any, tangential: Any) -> tuple[Foundation, Foundation]:
+    normal = as_foundation(material)
+    if tangential is None:
+        if not isinstance(material, Prony):
+            raise InputError(
+                "tangential must be given with a Foundation, which only knows the normal direction: "
+                "em.half_space(material, tangential=True), or an em.Foundation of G*."
+            )
+        return normal, half_space(material, tangential=True)
+    if isinstance(tangential, Prony):
+        return normal, half_space(tangential, tangential=True)
+    if not isinstance(tangential, Foundation):
+        raise InputError(f"tangential must be an em.Foundation of G*, got {tangential!r}.")
+    return normal, tangential
+
+
+def _count(name: str, given: Any, usual: int) -> int:
+    if given is None:
+        return usual
+    if isinstance(given, bool) or not isinstance(given, (int, np.integer)) or given < (2 if name == "elements" else 1):
+        raise InputError(f"{name} must be a positive whole number, got {given!r}.")
+    return int(given)
+
+
+def _as_jax(scene: Scene) -> Scene:
+    law, other = ([jnp.asarray(x) for x in (a.equilibrium, a.moduli, a.times, a.viscosity)] for a in scene[1:3])
+    return Scene(
+        scene.shape, Relaxation(*law), Relaxation(*other), jnp.asarray(scene.friction), jnp.asarray(scene.reach)
+    )
+
+
+def _reach(
+    shape: AbstractShape, law: Relaxation, per_area: bool, name: str, value: Any, time: Any, elements: int
+) -> Any:
+    """A radius [m] that the contact does not exceed: at the greatest depth, or under the load after the whole time."""
+    largest = jnp.max(jnp.asarray(value))
+    by_height = per_area and not isinstance(shape, Cylinder)
+    if isinstance(shape, FlatPunch):
+        return jnp.asarray(shape.radius)
+    if name == "load":
+        largest = _elastic_depth(shape, per_area, largest * _creep(law, time[-1] - time[0]))
+    reach = contact_size(shape, jnp.where(largest > 0, largest, 1e-9), by_height)
+    limit = jnp.asarray(shape.largest_contact)
+    return jnp.minimum(jnp.where(jnp.isnan(reach), limit, reach * (1 + 2 / elements)), limit * (1 - 1e-12))
+
+
+def _creep(law: Relaxation, span: Any) -> Any:
+    chain = to_kelvin(law)
+    retarded = jnp.sum(jnp.asarray(chain.compliances) * -jnp.expm1(-span / jnp.asarray(chain.times)))
+    return chain.instantaneous + retarded + span * chain.fluidity
+
+
+def _elastic_depth(shape: AbstractShape, per_area: bool, measure: Any) -> Any:
+    """Depth d with A(d) = `measure`, by bisection of its logarithm; to 1 part in 1e4 of what it is used for, a bound."""
+    import jax
+
+    c, w, _ = gauss(24)
+
+    def displaced(depth: Any) -> Any:
+        return depth * jnp.sum(2 * c * w * contact_measure(shape, depth * c**2, per_area))
+
+    def halve(_: int, bounds: tuple) -> tuple:
+        low, high = bounds
+        middle = 0.5 * (low + high)
+        below = displaced(jnp.exp(middle)) < measure
+        return jnp.where(below, middle, low), jnp.where(below, high, middle)
+
+    ends = (jnp.asarray(-60.0), jnp.asarray(10.0))
+    return jnp.exp(jax.lax.stop_gradient(jax.lax.fori_loop(0, 40, halve, ends)[1]))

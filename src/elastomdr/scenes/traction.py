@@ -1,0 +1,153 @@
+"""Steady rolling with creep: traction, stick and slip, and the rolling loss beside it."""
+
+import warnings
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from .._runtime import as_float64, in_float64, is_traced, require
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import as_foundation
+from ..mapping.lines import SingleLine
+from ..mapping.shapes import AbstractShape, Cylinder
+from ..results.traction import Traction
+from ..solve.brush import Rolling, carter, tractions
+from .shear import _laws
+from .steady import Contact, _brief, _describe, set_up, solve
+
+_STEPS = (1024, 8192, 65536)  # of the march, where elements stick again after they have slipped
+BRUSH = "MDR line of elements with Coulomb friction (brush); rolling loss: "
+CARTER = "Carter's elastic half-plane (exact for equal bodies, or an incompressible one on a rigid one)"
+
+
+@in_float64
+def traction(
+    material: Any,
+    shape: Any,
+    *,
+    velocity: Any,
+    creep: Any,
+    friction: Any,
+    load: Any = None,
+    depth: Any = None,
+    temperature: Any = None,
+    tangential: Any = None,
+    average: str | None = "direction",
+    rtol: float = 1e-6,
+) -> Traction:
+    """Tractive force of a body that rolls with a creep, and its rolling loss.
+
+    `creep` is the velocity of slip of the rigid body over the rolling velocity, its sign that of the traction;
+    `friction` is Coulomb's coefficient, zero and infinity included. `velocity`, `creep`, `friction`, `load` (or
+    `depth`) and `temperature` broadcast. Traction is that of the MDR line (a half-space's elements also know of each
+    other sideways: its initial slope is lower, by 10 % for an elastic sphere with nu = 0.25, Kalker 1967); the rolling
+    loss is that of `em.rolling` with the same `average`. A cylinder on an elastic half-space is Carter's problem,
+    solved in closed form. The tangential law G* follows from a material; with a `Foundation` give it as `tangential`.
+
+    Raises `InputError` for bodies that do not roll and for what `em.rolling` refuses. A point that failed is NaN with
+    `converged=False`. Source: Popov & Hess 2015, ch. 5; Carter 1926.
+    """
+    if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
+        raise InputError(f"shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a {shape.label}.")
+    creep, friction, velocity = (
+        as_float64(name, x) for name, x in (("creep", creep), ("friction", friction), ("velocity", velocity))
+    )
+    require("creep", creep, "finite", np.isfinite)
+    require("friction", friction, "zero or positive, infinity included", lambda x: x >= 0)
+    foundation = as_foundation(material)
+    half_plane = isinstance(shape, Cylinder) and foundation.per_area is False
+    shapes = [np.shape(x) for x in (velocity, creep, friction)]
+    try:
+        together = np.broadcast_shapes(*shapes)
+    except ValueError as error:
+        raise InputError(f"velocity, creep and friction must broadcast, got shapes {shapes}.") from error
+    xp = jnp if is_traced(velocity, creep, friction) else np
+    velocity = xp.broadcast_to(velocity, together)
+    if half_plane:
+        return _carter(foundation, shape, velocity, creep, friction, load, depth)
+    normal, sheared = _laws(material, tangential)
+    if normal.per_area and not isinstance(shape, Cylinder):
+        raise InputError(
+            "material must be a half-space under a body of revolution, or a layer under a Cylinder, got a layer under "
+            f"a {shape.label}."
+        )
+    scene = set_up(
+        "rolling", normal, shape, velocity=velocity, load=load, depth=depth, pressure=None, temperature=temperature,
+        average=average, rtol=rtol, skip=True,
+    )  # fmt: skip
+    assert isinstance(scene.lines, SingleLine)
+    found = solve(scene)
+    rules = scene.plan.rules
+    xp = jnp if is_traced(found.mu, creep, friction, sheared) else np
+
+    def flat(field: Any) -> Any:
+        return xp.broadcast_to(field, scene.shape).reshape(-1)
+
+    rolling = Rolling(
+        scene.law, sheared.law(), scene.lines, scene.reduced, flat(found.contact.leading),
+        flat(found.contact.trailing), flat(friction), abs(flat(creep)),
+    )  # fmt: skip
+    for steps in _STEPS:
+        pulled = tractions(rolling, rules[0] if scene.plan.traced else rules[-1], steps)
+        missed = ~(pulled.error <= rtol * pulled.force)
+        if is_traced(missed) or not np.any(missed & np.isfinite(pulled.force)):
+            break
+    pulled = type(pulled)(*(xp.asarray(x).reshape(scene.shape) for x in pulled))
+    good = found.converged & ~xp.asarray(missed).reshape(scene.shape)
+    if not is_traced(good) and (lost := int(np.sum(found.converged & ~good))):
+        warnings.warn(f"{lost} of {good.size} tractions did not converge; they are NaN.", ConvergenceWarning, stacklevel=3)
+    force = xp.where(good, xp.sign(creep) * pulled.force, xp.nan)
+    inputs = list(scene.inputs)
+    inputs[-1:-1] = _said(creep, friction)
+    return Traction(
+        velocity=found.velocity,
+        creep=xp.broadcast_to(creep, scene.shape),
+        friction=xp.broadcast_to(friction, scene.shape),
+        coefficient=force / found.normal_force,
+        force=force,
+        stick=xp.where(good, pulled.stick, xp.nan),
+        slip_power=abs(force * creep) * found.velocity,
+        rolling=found.mu,
+        normal_force=found.normal_force,
+        depth=found.depth,
+        contact=found.contact,
+        error=xp.where(good, pulled.error / found.normal_force, xp.nan),
+        converged=good,
+        temperature=scene.temperature,
+        model=BRUSH + scene.plan.model,
+        plan=scene.plan,
+        inputs=tuple(inputs),
+    )
+
+
+def _said(creep: Any, friction: Any) -> list[tuple[str, str]]:
+    return [("creep", _brief(creep, "").strip()), ("friction coefficient", _brief(friction, "").strip())]
+
+
+def _carter(foundation: Any, shape: Cylinder, velocity: Any, creep: Any, friction: Any, load: Any, depth: Any) -> Traction:
+    law = foundation.law()
+    if load is None or depth is not None:
+        raise InputError("load must be given for a cylinder on a half-space, whose depth is not defined (plane strain).")
+    if law.moduli.size or (not is_traced(law) and law.viscosity > 0):
+        raise InputError(
+            "material must be elastic for a cylinder on a half-space (Carter's problem), or a layer (em.layer): a "
+            "viscoelastic half-plane is no MDR problem."
+        )
+    load = as_float64("load", load)
+    require("load", load, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
+    if not is_traced(friction) and np.isinf(friction).any():
+        raise InputError("friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges.")
+    arrays = velocity, creep, friction, load
+    velocity, creep, friction, load = jnp.broadcast_arrays(*(jnp.asarray(x) for x in arrays))
+    ratio, stick, half = carter(law.equilibrium, shape.radius, load / shape.length, friction, abs(creep))
+    zero = jnp.zeros_like(ratio)
+    force = jnp.sign(creep) * ratio * load
+    inputs = [("material", foundation.name or "given directly"), ("shape", _describe(shape))]
+    inputs += [("load", _brief(load, "N")), ("velocity", _brief(velocity, "m/s")), *_said(creep, friction)]
+    return Traction(
+        velocity=velocity, creep=creep, friction=friction, coefficient=force / load, force=force, stick=stick,
+        slip_power=abs(force * creep) * velocity, rolling=zero, normal_force=load, depth=zero + jnp.nan,
+        contact=Contact(half, half), error=zero, converged=jnp.ones(ratio.shape, bool), temperature=None,
+        model=CARTER, plan="closed form", inputs=tuple(inputs),
+    )  # fmt: skip

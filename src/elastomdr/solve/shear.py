@@ -1,0 +1,234 @@
+"""Tangential loading with Coulomb friction, element by element, for any history of normal and tangential motion.
+
+Each element has a normal law E* and a tangential law G* (Radok's operators). In the normal direction it follows
+Signorini's conditions by the exact contact step (`foundation.step`). In the tangential direction it sticks to the body,
+whose displacement U(t) is linear over a step, as long as that needs no more than |tau| <= mu q; otherwise it slips,
+
+    tau+ = min(max(tau_stick, -mu q+), mu q+),    tau_stick = tau_rest + S dU,
+
+with tau_rest the traction that would be left without motion and S the stiffness of the step. Since the step is linear
+in the displacement, the slipping element's own displacement follows without iteration. An element that is touched
+within the step sticks from then on. In an elastic contact all of this is exact for motion along straight lines in
+(depth, displacement), whatever the length of the step (Cattaneo 1938, Mindlin 1949, Jaeger 1993 by the method of
+dimensionality reduction: Popov & Hess 2015, ch. 5); otherwise the error is of second order in the step. What remains
+is the sum over elements, of second order in their width: stick ends between two elements.
+"""
+
+import functools
+import math
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Float
+
+from .._runtime import Array
+from ..foundation.step import Coefficients, coefficients
+from ..mapping.shapes import AbstractShape, Cylinder
+from ..material.relaxation import Relaxation
+
+_NEWTON = 60  # most steps to the depth under a load: the force is convex in the depth, so they close in from above
+
+
+class History(NamedTuple):
+    """What is prescribed; linear in between."""
+
+    time: Float[Array, " times"]  # [s]
+    value: Float[Array, " times"]  # load [N] or depth [m]
+    displacement: Float[Array, " times"]  # tangential displacement of the body [m]
+
+
+class Sheared(NamedTuple):
+    """What comes out, at the same instants."""
+
+    force: Float[Array, " times"]  # tangential force [N]
+    normal_force: Float[Array, " times"]  # [N]
+    depth: Float[Array, " times"]  # [m]
+    contact_radius: Float[Array, " times"]  # [m]
+    stick_radius: Float[Array, " times"]  # elements inside did not slip in the last step [m]
+    work: Float[Array, " times"]  # done by the tangential force [J]
+    slip_loss: Float[Array, " times"]  # turned into heat by slip [J]
+    stored: Float[Array, " times"]  # tangential elastic energy [J]
+
+
+class _State(NamedTuple):
+    u: Array  # normal displacement of the elements [m]
+    f: Array  # normal force densities of the branches (k, n)
+    q: Array  # normal force density
+    s: Array  # tangential displacement [m]
+    p: Array  # tangential force densities of the branches (k, n)
+    depth: Array
+    work: Array
+    slip_loss: Array
+
+
+class Scene(NamedTuple):
+    """Shape, laws, friction coefficient, and the radius that the elements reach to [m]."""
+
+    shape: AbstractShape
+    normal: Relaxation
+    tangential: Relaxation
+    friction: Float[Array, ""]
+    reach: Float[Array, ""]
+
+
+@functools.partial(jax.jit, static_argnames=("elements", "steps", "by_load", "per_area"))
+def shear_history(
+    scene: Scene, history: History, *, elements: int, steps: int, by_load: bool, per_area: bool
+) -> Sheared:
+    """The whole history with `elements` elements on a half line, `steps` contact steps between two instants."""
+    x = scene.reach * (jnp.arange(elements) + 0.5) / elements
+    width = scene.reach / elements
+    cylinder = isinstance(scene.shape, Cylinder)
+    ring = per_area and not cylinder
+    weight = (2 * math.pi * x if ring else jnp.full(elements, 2.0)) * width
+    weight = weight * (scene.shape.length if cylinder else 1.0)
+    profile = scene.shape._height(x) if ring else scene.shape._profile(x)
+    grid = _Grid(x, weight, jnp.where(jnp.isfinite(profile), profile, 1e30), width)
+
+    def interval(state: _State, ends: tuple) -> tuple:
+        (t0, v0, s0), (t1, v1, s1) = ends
+        h, dv, ds = (t1 - t0) / steps, (v1 - v0) / steps, (s1 - s0) / steps
+        normal, tangential = coefficients(scene.normal, h), coefficients(scene.tangential, h)
+
+        def step(carry: tuple, i: Array) -> tuple:
+            state, _ = carry
+            return _step(scene, grid, normal, tangential, state, v0 + (i + 1) * dv, ds, by_load), None
+
+        (state, seen), _ = jax.lax.scan(step, (state, (jnp.zeros(()),) * 5), jnp.arange(steps))
+        return state, ((state.work, state.slip_loss, state.depth), seen)
+
+    start, first = _start(scene, grid, history, by_load)
+    before = tuple(x[:-1] for x in history)
+    after = tuple(x[1:] for x in history)
+    _, (states, seen) = jax.lax.scan(interval, start, (before, after))
+    seen = tuple(jnp.concatenate([a[None], b]) for a, b in zip(first, seen, strict=True))
+    work, loss, depth = (
+        jnp.concatenate([getattr(start, name)[None], states[i]])
+        for i, name in enumerate(("work", "slip_loss", "depth"))
+    )
+    force, normal_force, contact, stick, stored = seen
+    return Sheared(force, normal_force, depth, contact, stick, work, loss, stored)
+
+
+class _Grid(NamedTuple):
+    x: Array
+    weight: Array  # [m], or [m^2] on a layer
+    profile: Array  # g [m]
+    width: Array
+
+
+def _start(scene: Scene, grid: _Grid, history: History, by_load: bool) -> tuple[_State, tuple]:
+    """The first instant: depth or load, then displacement, put on at once, to which the glassy moduli respond.
+
+    Dashpots carry what is put on at once without moving.
+    """
+    zero, none = jnp.zeros_like(grid.x), jnp.zeros(())
+
+    def rest(law: Relaxation) -> Array:
+        return jnp.zeros((law.moduli.shape[0], grid.x.shape[0]))
+
+    state = _State(zero, rest(scene.normal), zero, zero, rest(scene.tangential), none, none, none)
+    still = state, (none, history.value[0] if by_load else none, none, none, none)
+    normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
+    put, _ = _step(scene, grid, normal, tangential, state, history.value[0], none, by_load)
+    moved = _step(scene, grid, normal, tangential, put, history.value[0], history.displacement[0], by_load)
+    dashpots = jnp.asarray(scene.normal.viscosity + scene.tangential.viscosity) > 0
+    return jax.tree.map(lambda a, b: jnp.where(dashpots, a, b), still, moved)
+
+
+def _sudden(law: Relaxation) -> Coefficients:
+    """The contact step in the limit h = 0, of a law without a dashpot."""
+    one = jnp.ones((law.moduli.shape[0], 1))
+    glassy = jnp.atleast_1d(law.equilibrium + jnp.sum(law.moduli))
+    glassy = jnp.where(glassy > 0, glassy, 1.0)
+    moduli = jnp.asarray(law.moduli)[:, None]
+    zero, equilibrium = jnp.zeros(1), jnp.atleast_1d(jnp.asarray(law.equilibrium))
+    drag = 0.5 * jnp.sum(moduli, axis=0)
+    energy = jnp.where(moduli > 0, 0.5 / jnp.where(moduli > 0, moduli, 1.0), 0.0)
+    return Coefficients(jnp.ones(1), equilibrium, zero, one, one, moduli, energy, one, glassy, glassy, drag, zero)
+
+
+def _step(
+    scene: Scene, grid: _Grid, cn: Coefficients, ct: Coefficients, state: _State, value: Array, ds: Array, by_load: bool
+) -> tuple[_State, tuple]:
+    held = cn.equilibrium * state.u + jnp.sum(cn.seen * state.f, axis=0)
+    recovery = -held / cn.stiffness
+    depth = _depth(grid, cn, state, recovery, value) if by_load else value
+    pushed = depth - grid.profile - state.u
+    contact = pushed > recovery
+    change = jnp.where(contact, pushed, recovery)
+    q = jnp.where(contact, held + cn.stiffness * pushed, 0.0)
+
+    # A surface that comes from a distance carries the element with it from when it touches.
+    gap = jnp.where(state.q > 0, 0.0, jnp.maximum(state.u + grid.profile - state.depth, 0.0))
+    fresh = contact & (gap > 0)
+    share = jnp.where(fresh, jnp.clip(pushed, 0.0) / jnp.where(fresh, pushed + gap, 1.0), 1.0)
+    carried = ds * share
+    limit = jnp.where(q > 0, scene.friction * jnp.where(q > 0, q, 1.0), 0.0)
+    rest = ct.equilibrium * state.s + jnp.sum(ct.seen * state.p, axis=0)
+    trial = rest + ct.stiffness * carried
+    slips = jnp.abs(trial) > limit
+    bound = jnp.sign(trial) * jnp.where(slips, limit, 0.0)
+    tau = jnp.where(slips, bound, trial)
+    moved = jnp.where(slips, (bound - rest) / ct.stiffness, carried)
+    slid = jnp.where(slips, jnp.abs(carried - moved), 0.0)
+    before = jnp.where(jnp.isfinite(limit) & (state.q > 0), scene.friction * state.q, limit)
+    heat = jnp.where(slips & jnp.isfinite(before), 0.5 * (before + limit) * slid, 0.0)
+
+    mean = ct.equilibrium * (state.s + 0.5 * moved) + jnp.sum(ct.mean * state.p, axis=0) + ct.drag * moved
+    p = ct.decay * state.p + ct.gain * moved
+    s = state.s + moved
+    stored = 0.5 * ct.equilibrium * s**2 + jnp.sum(ct.energy * p**2, axis=0)
+    loss = jnp.sum(grid.weight * heat)
+    after = _State(
+        u=state.u + change,
+        f=cn.decay * state.f + cn.gain * change,
+        q=q,
+        s=s,
+        p=p,
+        depth=depth,
+        work=state.work + jnp.sum(grid.weight * mean * moved) + loss,
+        slip_loss=state.slip_loss + loss,
+    )
+    radius = _edge(grid, pushed - recovery)
+    stick = jnp.minimum(_edge(grid, jnp.where(q > 0, limit - jnp.abs(trial), -1e-300)), radius)
+    seen = (jnp.sum(grid.weight * tau), jnp.sum(grid.weight * q), radius, stick, jnp.sum(grid.weight * stored))
+    return after, seen
+
+
+def _depth(grid: _Grid, cn: Coefficients, state: _State, recovery: Array, load: Array) -> Array:
+    """The depth at which the elements carry the load: Newton on a convex, piecewise linear function.
+
+    The last step carries the derivatives; the search before it runs on values cut off from them.
+    """
+    free = grid.profile + state.u + recovery  # depth at which the body touches each element
+    stiffness = grid.weight * cn.stiffness
+
+    def newton(depth: Array, free: Array, stiffness: Array, load: Array) -> Array:
+        over = depth - free
+        slope = jnp.sum(jnp.where(over > 0, stiffness, 0.0))
+        force = jnp.sum(jnp.where(over > 0, stiffness * over, 0.0))
+        return depth - (force - load) / jax.lax.stop_gradient(jnp.where(slope > 0, slope, 1.0))
+
+    fixed = jax.lax.stop_gradient((free, stiffness, load))
+    least = jnp.min(fixed[0]) + fixed[2] / jnp.sum(fixed[1])  # not deeper than the root, and touching
+
+    def advance(state: tuple) -> tuple:
+        depth, _, count = state
+        following = newton(depth, *fixed)
+        return following, jnp.abs(following - depth) > 1e-9 * jnp.abs(following - least), count + 1
+
+    start = (jnp.maximum(jax.lax.stop_gradient(state.depth), least), jnp.ones((), bool), 0)
+    depth, _, _ = jax.lax.while_loop(lambda s: s[1] & (s[2] < _NEWTON), advance, start)
+    return newton(jax.lax.stop_gradient(depth), free, stiffness, load)
+
+
+def _edge(grid: _Grid, value: Array) -> Array:
+    """Where a function of the distance from the axis that is positive inside first turns negative [m]."""
+    n = value.shape[0]
+    i = jnp.where(jnp.any(value < 0), jnp.argmax(value < 0), n)
+    inner, outer = value[jnp.clip(i - 1, 0, n - 1)], value[jnp.clip(i, 0, n - 1)]
+    part = jnp.where(inner > outer, inner / jnp.where(inner > outer, inner - outer, 1.0), 0.0)
+    between = grid.x[jnp.clip(i - 1, 0, n - 1)] + jnp.clip(jnp.where(jnp.isfinite(part), part, 1.0), 0, 1) * grid.width
+    return jnp.where(i == 0, 0.0, jnp.where(i == n, grid.x[-1] + 0.5 * grid.width, between))

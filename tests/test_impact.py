@@ -1,0 +1,298 @@
+"""`em.impact` against solutions of reduced equations, closed forms, and the element-by-element contact step."""
+
+import math
+
+import jax
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import elastomdr as em
+from elastomdr.foundation.step import contact_step, rest
+from elastomdr.material.relaxation import Relaxation
+from elastomdr.solve.impact import Body, grid, march
+
+R, M, V, E = 0.01, 0.02, 1.5, 4e6
+DM = (15 * M * V**2 / (16 * E * math.sqrt(R))) ** 0.4  # depth of an elastic impact [m]
+BALL = em.Paraboloid(R)
+
+
+def impact(foundation, **changes):
+    return em.impact(foundation, BALL, **{"mass": M, "velocity": V} | changes)
+
+
+def kelvin_voigt(beta):
+    return em.Foundation.kelvin(E, E * beta * DM / V)
+
+
+# restitution, largest depth over DM, contact time times V/DM: reduced equations, integrated by DOP853 to 1e-13
+KELVIN_VOIGT = {
+    0.01: (0.9813716099400652, 0.9925023731402302, 2.9388713496325383),
+    0.1: (0.83640465, None, None),
+    0.5: (0.47624092155534664, 0.7392735043912477, 2.7723438100911473),
+    2.0: (0.14305466, None, None),
+}
+
+
+@pytest.mark.parametrize("beta", KELVIN_VOIGT)
+def test_kelvin_voigt(beta):
+    found, (restitution, depth, duration) = impact(kelvin_voigt(beta)), KELVIN_VOIGT[beta]
+    np.testing.assert_allclose(found.restitution, restitution, rtol=1e-8 if depth else 4e-8)
+    if depth:
+        np.testing.assert_allclose([found.max_depth / DM, found.duration * V / DM], [depth, duration], rtol=1e-7)
+    assert found.error < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("part", "b", "expected"),
+    [
+        (0.75, 0.5, (0.4450752121460099, 1.220244725790278, 3.859939530721329)),
+        (1.0, 1.0, (0.27025292059921796, 1.1744982650208484, 2.9282008601033933)),
+    ],
+)
+def test_one_branch(part, b, expected):
+    """Ting's solution inside an integrator of high order; the second is a Maxwell liquid."""
+    found = impact(em.Foundation(E * (1 - part), [E * part], [b * DM / V]))
+    out = [found.restitution, found.max_depth / DM, found.duration * V / DM]
+    np.testing.assert_allclose(out, expected, rtol=1e-7)
+
+
+def test_elastic():
+    """Hertz: T = 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) dm/v0, and nothing is lost."""
+    found = impact(em.Foundation(E, [], []))
+    duration = 2 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9) * DM / V
+    np.testing.assert_allclose([found.restitution, found.duration], [1, duration], rtol=1e-9)
+    np.testing.assert_allclose(found.max_depth, DM, rtol=1e-8)
+    np.testing.assert_allclose(found.max_force, 4 / 3 * E * math.sqrt(R * DM**3), rtol=1e-7)
+    slope = (1 - impact(kelvin_voigt(1e-5)).restitution) / 1e-5
+    np.testing.assert_allclose(slope, 1.891705853511856, rtol=1e-4)  # the next term is of order beta
+
+
+def test_converges_with_the_square_of_the_steps():
+    """One grid alone, without extrapolation: an error that is a series in n^-2."""
+    with jax.enable_x64(True):
+        viscosity = np.array([E * 0.5 * DM / V])
+        body = Body(BALL, np.zeros((1, 1)), np.full((1, 1), E), viscosity, np.array([M]), np.array([V]))
+        solve = jax.jit(lambda g: march(body, g, per_area=False).restitution[0])
+        error = [abs(float(solve(grid(n, 64))) - KELVIN_VOIGT[0.5][0]) for n in (16, 32, 64)]
+    slopes = np.log2(np.array(error[:-1]) / error[1:])
+    np.testing.assert_allclose(slopes, 2, atol=0.1)
+
+
+def test_punch_is_a_linear_oscillator():
+    """m d'' + c d' + k d = 0 until c d' + k d = 0, in closed form."""
+    a, beta = 2e-3, 0.3
+    k, c = 2 * a * E, 2 * beta * math.sqrt(2 * a * E * M)
+    found = em.impact(em.Foundation.kelvin(E, c / (2 * a)), em.FlatPunch(a), mass=M, velocity=V)
+    w = math.sqrt(k / M)
+    damped = w * math.sqrt(1 - beta**2)
+    end = math.atan2(2 * beta * math.sqrt(1 - beta**2), 2 * beta**2 - 1) / damped
+    restitution = math.exp(-beta * w * end)
+    np.testing.assert_allclose([found.restitution, found.duration], [restitution, end], rtol=1e-7)
+
+
+def test_cylinder_on_a_layer():
+    """F = 2 L E A'(d) ...: against the reduced equations in the approach, by scipy."""
+    k, eta, length = 2e9, 2e5, 0.02
+
+    def approach(_, y):
+        a = math.sqrt(2 * R * max(y[0], 0.0))
+        return [y[1], -(k * 4 / 3 * a * y[0] + 2 * a * eta * y[1]) * length / M]
+
+    def turn(_, y):
+        return y[1]
+
+    turn.terminal = True
+    run = solve_ivp(approach, (0, 1), [1e-14, V], events=turn, rtol=1e-11, atol=1e-16, method="DOP853")
+    found = em.impact(em.Foundation.kelvin(k, eta), em.Cylinder(R, length), mass=M, velocity=V)
+    np.testing.assert_allclose(found.max_depth, run.y_events[0][0][0], rtol=1e-7)
+    assert 0.5 < found.restitution < 1
+
+
+RUBBER = em.Foundation(2e6, [6e6, 3e6, 1e6], [2e-5, 5e-4, 3e-2], 30.0)
+BRANCHES = em.Foundation(2e6, [6e6, 3e6, 1e6], [2e-5, 5e-4, 3e-2])
+
+
+def test_elements_agree():
+    """The depths of the impact, imposed on independent elements by the contact step: same force, same energy lost."""
+    found = impact(BRANCHES)
+    history = found.history
+    knots = history.time
+    size = 400
+    fine = np.unique(np.concatenate([np.linspace(knots[i], knots[i + 1], 41) for i in range(len(knots) - 1)]))
+    depth = _quintic(history, M, fine)
+    x = (np.arange(size) + 0.5) / size * math.sqrt(R * found.max_depth)
+    law = Relaxation(*(np.asarray(v) for v in (2e6, BRANCHES.moduli, BRANCHES.times, 0.0)))
+    with jax.enable_x64(True):
+        places = depth[:, None] - x**2 / R
+
+        def step(state, ends):
+            state = contact_step(law, state, ends[0], ends[1], ends[2])
+            return state, (state.q.sum(), state.work.sum())
+
+        run = jax.jit(lambda: jax.lax.scan(step, rest(law, size), (places[:-1], places[1:], np.diff(fine)))[1])
+        force, work = (2 * x[0] * 2 * np.asarray(y) for y in run())
+    middle = np.searchsorted(fine, knots[10])
+    np.testing.assert_allclose(force[middle - 1], history.force[10], rtol=1e-4)
+    lost = 0.5 * M * V**2 * (1 - found.restitution**2)
+    np.testing.assert_allclose(found.lost, lost, rtol=1e-12)
+    np.testing.assert_allclose(work[-1], lost, rtol=3e-4)
+    assert np.all(np.diff(history.velocity) < 0)  # F > 0 throughout: it turns once
+
+
+def _quintic(history, mass, t):
+    """Depth between the instants of a history, from depth, velocity and force at their ends."""
+    from scipy.interpolate import BPoly
+
+    values = np.stack([history.depth, history.velocity, -history.force / mass], axis=1)
+    return BPoly.from_derivatives(history.time, values)(t)
+
+
+def test_energy_of_the_history():
+    """int F d' dt over the history is the kinetic energy lost, to what interpolating 33 instants allows."""
+    from scipy.interpolate import CubicSpline
+
+    h = impact(RUBBER).history
+    work = CubicSpline(h.time, h.force * h.velocity).integrate(h.time[0], h.time[-1])
+    np.testing.assert_allclose(work, 0.5 * M * (V**2 - h.velocity[-1] ** 2), rtol=2e-3)
+
+
+def test_broadcasts_and_many_materials():
+    """A grid of masses, velocities and materials in one call is the same as one by one; branches need not be as many."""
+    materials = [em.Foundation(E, [], []), kelvin_voigt(0.5), RUBBER]
+    mass, velocity = np.array([[0.5], [1.0]]) * M, np.array([0.1, 1.0, 10.0]) * V
+    found = impact(materials, mass=mass, velocity=velocity)
+    assert found.restitution.shape == (3, 2, 3) == found.converged.shape
+    assert found.history.depth.shape == (3, 2, 3, 33)
+    one = impact(RUBBER, mass=mass[1, 0], velocity=velocity[2])
+    np.testing.assert_allclose(found.restitution[2, 1, 2], one.restitution, rtol=1e-9)
+    np.testing.assert_allclose(found.restitution[0], 1, rtol=1e-9)
+
+
+def test_temperature_is_a_change_of_times():
+    rubber = em.Prony(0.5e6, [1.5e6, 0.8e6, 0.2e6], [2e-5, 5e-4, 3e-2], shift=em.WLF(8.86, 101.6, 293.15))
+    warm = em.impact(rubber, BALL, mass=M, velocity=V, temperature=np.array([273.15, 313.15]))
+    cold = em.impact(rubber.at(273.15), BALL, mass=M, velocity=V)
+    np.testing.assert_allclose(warm.restitution[0], cold.restitution, rtol=1e-9)
+    assert abs(warm.restitution[1] - warm.restitution[0]) > 0.01
+
+
+PARAMETERS = np.array([2e6, 6e6, 3e6, 1e6, 2e-5, 5e-4, 3e-2, 30.0, R, M, V])
+
+
+def outcome(p):
+    solid = em.Foundation(p[0], p[1:4], p[4:7], p[7])
+    found = em.impact(solid, em.Paraboloid(p[8]), mass=p[9], velocity=p[10], rtol=1e-8)
+    return found.restitution + 100 * found.duration
+
+
+def test_gradient():
+    """Restitution and duration against finite differences of the untransformed call."""
+    with jax.enable_x64(True):
+        gradient = np.asarray(jax.jit(jax.grad(outcome))(PARAMETERS)) * PARAMETERS
+    steps = 1e-4 * np.diag(PARAMETERS)
+    numeric = [(outcome(PARAMETERS + s) - outcome(PARAMETERS - s)) / 2e-4 for s in steps]
+    np.testing.assert_allclose(gradient, numeric, rtol=2e-5, atol=2e-7)
+
+
+def test_vmap_over_materials_and_forward_mode():
+    moduli = np.array([1e6, 3e6, 9e6])
+
+    def restitution(e):
+        return impact(em.Foundation(2e6, np.array([1.0, 0.5, 0.2]) * e, BRANCHES.times)).restitution
+
+    with jax.enable_x64(True):
+        value, slope = jax.vmap(lambda e: jax.jvp(restitution, (e,), (e,)))(moduli)
+    np.testing.assert_allclose(value, [restitution(e) for e in moduli], rtol=1e-6)
+    numeric = [(restitution(1.001 * e) - restitution(0.999 * e)) / 2e-3 for e in moduli]
+    np.testing.assert_allclose(slope, numeric, rtol=1e-4)
+
+
+class TestExtremes:
+    def test_a_relaxation_time_far_below_the_step_is_a_dashpot(self):
+        tau = 1e-12
+        fast = impact(em.Foundation(E, [E * 0.5 * DM / V / tau], [tau]))
+        np.testing.assert_allclose(fast.restitution, KELVIN_VOIGT[0.5][0], rtol=1e-6)
+
+    def test_and_one_far_above_is_a_spring(self):
+        slow = impact(em.Foundation(0.25 * E, [0.75 * E], [1e9]))
+        np.testing.assert_allclose([slow.restitution, slow.max_depth], [1, DM], rtol=1e-8)
+
+    def test_very_slow(self):
+        """To first order in the loss a branch is a dashpot E_1 tau_1, and 1 - COR = 1.8917 beta."""
+        found = impact(em.Foundation(E, [3 * E], [1e-3]), velocity=1e-15)
+        depth = (15 * M * 1e-30 / (16 * E * math.sqrt(R))) ** 0.4
+        np.testing.assert_allclose(1 - found.restitution, 1.891705853511856 * 3e-3 * 1e-15 / depth, rtol=1e-2)
+
+    def test_very_fast(self):
+        """The glassy modulus alone."""
+        found = impact(em.Foundation(E, [3 * E], [1e-3]), velocity=1e12)
+        depth = (15 * M * 1e24 / (64 * E * math.sqrt(R))) ** 0.4
+        np.testing.assert_allclose([found.restitution, found.max_depth / depth], 1, atol=5e-3)
+
+    def test_a_liquid_that_does_not_throw_it_back(self):
+        """A dashpot alone stops the body at m v0 = eta A(d); so does a liquid that relaxes fast."""
+        eta = 100.0
+        depth = (0.75 * M * V / (eta * math.sqrt(R))) ** (2 / 3)
+        for liquid in (em.Foundation(0.0, [], [], eta), em.Foundation(0.0, [eta / 1e-7], [1e-7])):
+            found = impact(liquid)
+            assert found.stuck
+            assert found.converged
+            assert found.restitution == 0
+            assert found.duration == np.inf
+            np.testing.assert_allclose(found.max_depth, depth, rtol=1e-5)
+
+    def test_strong_damping_leaves_little(self):
+        """beta -> inf: stopped at A = m v0/eta, then pushed out at d/tau: restitution -> d/(tau v0)."""
+        beta = 1e4
+        tau = beta * DM / V
+        found = impact(kelvin_voigt(beta))
+        depth = (0.75 * M * V / (E * tau * math.sqrt(R))) ** (2 / 3)
+        assert not found.stuck
+        np.testing.assert_allclose(found.restitution, depth / (tau * V), rtol=2e-2)
+
+    def test_a_body_that_would_sink_beyond_its_profile(self):
+        r = np.linspace(0, 2e-3, 30)
+        with pytest.warns(em.ConvergenceWarning, match="1 of 2 impacts"):
+            found = em.impact(em.Foundation(E, [], []), em.Profile(r, r**2 / (2 * R)), mass=M, velocity=[0.1, 30.0])
+        assert found.converged.tolist() == [True, False]
+        assert np.isnan(found.restitution[1])
+        np.testing.assert_allclose(found.max_depth[0], DM * (0.1 / V) ** 0.8, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"mass": 0.0}, "mass must be positive"),
+        ({"velocity": -1.0}, "velocity must be positive"),
+        ({"mass": [1.0, 2.0], "velocity": [1.0, 2.0, 3.0]}, "must broadcast"),
+        ({"velocity": []}, "must not be empty"),
+        ({"temperature": 300.0}, "no shift law"),
+        ({"rtol": 1.0}, "rtol must be"),
+    ],
+)
+def test_bad_input(changes, message):
+    with pytest.raises(em.InputError, match=message):
+        impact(RUBBER, **changes)
+
+
+def test_bad_scenes():
+    with pytest.raises(em.InputError, match="layer under a Cylinder"):
+        em.impact(em.KelvinVoigt(1e6, 1.0), em.Cylinder(R, 0.1), mass=M, velocity=V)
+    with pytest.raises(em.InputError, match="empty list"):
+        em.impact([], BALL, mass=M, velocity=V)
+    with pytest.raises(em.InputError, match="both"):
+        em.impact([em.half_space(em.KelvinVoigt(1e6, 1.0)), em.Foundation(1e6, [], [], per_area=True)], BALL, mass=1, velocity=1)
+
+
+def test_tables_and_figures(tmp_path):
+    found = impact([RUBBER, kelvin_voigt(0.5)], velocity=np.array([0.5, 1.0, 2.0]))
+    found.to_csv(tmp_path / "impact.csv")
+    text = (tmp_path / "impact.csv").read_text()
+    assert "coefficient of restitution [-]" in text
+    assert "mass: 0.02 kg" in text
+    assert "all converged" in found.summary()
+    assert found.plot().get_ylabel() == "Coefficient of restitution [-]"
+    single = impact(RUBBER).plot()
+    assert single.get_xlabel() == "Time since touch [ms]"
+    assert len(single.get_lines()[0].get_xdata()) > 100

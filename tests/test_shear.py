@@ -1,0 +1,200 @@
+"""`em.shear` against Cattaneo and Mindlin, an event-by-event elastic solution, and its own order."""
+
+import jax
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+E, G, R, MU, A = 4e6, 4e6 * 2 / 3, 0.01, 0.5, 2e-3
+DEPTH, LOAD = A**2 / R, 4 / 3 * E * A**3 / R
+NORMAL, TANGENTIAL = em.Foundation(E, [], []), em.Foundation(G, [], [])
+BALL = em.Paraboloid(R)
+FULL = MU * E * DEPTH / G  # displacement at which the last element slips [m]
+LOOP = np.interp(np.linspace(0, 4, 41), np.arange(5), [0, 1, -1, 1, -1])
+TIME = np.linspace(0.0, 4.0, 41)
+
+
+def elastic(time=TIME, **changes):
+    scene = {"friction": MU, "tangential": TANGENTIAL, "load": LOAD} | changes
+    return em.shear(NORMAL, BALL, time=time, **scene)
+
+
+@pytest.mark.parametrize("control", [{"load": LOAD}, {"load": None, "depth": DEPTH}], ids=["load", "depth"])
+def test_mindlin_deresiewicz_loop(control):
+    """Amplitude 0.7 mu F_N: displacement, energy per cycle, stick radius a (1 - T)^(1/3)."""
+    amplitude = 0.00016555785760328506
+    found = elastic(displacement=amplitude * LOOP, **control)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.force[10], 0.7 * MU * LOAD, rtol=1e-9)
+    np.testing.assert_allclose(found.slip_loss[30] - found.slip_loss[10], 6.392600797424778e-05, rtol=1e-9)
+    np.testing.assert_allclose(found.stick_radius[10], A * 0.3 ** (1 / 3), rtol=1e-8)
+    np.testing.assert_allclose(found.force[20], -found.force[10], rtol=1e-9)
+    np.testing.assert_allclose(found.work, found.slip_loss + found.stored, rtol=1e-8)
+    assert found.error.max() < 1e-8 * LOAD
+
+
+def test_cattaneo():
+    """F_x = mu F_N [1 - (1 - U/U_full)^(3/2)], stick radius a sqrt(1 - U/U_full), stiffness 2 G* a at first."""
+    part = np.concatenate([[0, 1e-6], np.linspace(0, 1.2, 40)[1:]])
+    found = elastic(displacement=part * FULL)
+    left = np.maximum(1 - part, 0)
+    np.testing.assert_allclose(found.force, MU * LOAD * (1 - left**1.5), rtol=1e-9, atol=1e-9 * LOAD)
+    np.testing.assert_allclose(found.stick_radius[:30], A * np.sqrt(left[:30]), rtol=1e-6)
+    np.testing.assert_allclose(found.contact_radius, A, rtol=1e-8)
+    np.testing.assert_allclose(found.force[1], 2 * G * A * 1e-6 * FULL, rtol=1e-5)
+
+
+def test_converges_with_the_square_of_the_elements():
+    scale = np.linspace(1, 1.03, 8)  # where stick ends within an element is chance: take many
+    errors = []
+    for n in (200, 400, 800):
+        force = [
+            elastic(displacement=np.minimum(TIME, 1) * 0.65 * FULL, elements=n, load=None, depth=DEPTH * s).force[-1]
+            - MU * LOAD * s**1.5 * (1 - (1 - 0.65 / s) ** 1.5)
+            for s in scale
+        ]
+        errors.append(np.sqrt(np.mean(np.square(force))))
+    slope = np.polyfit(np.log([200, 400, 800]), np.log(errors), 1)[0]
+    assert -2.4 < slope < -1.7
+
+
+def test_oblique_loading_in_any_order():
+    """Normal and tangential motion at once, up and down: against a play operator in (depth, displacement), on the
+    profile's levels y = g(x), written out here.
+    """
+    rng = np.random.default_rng(3)
+    depth = DEPTH * np.abs(np.cumsum(rng.normal(0, 0.4, 30)) + 1)
+    shift = FULL * np.cumsum(rng.normal(0, 0.3, 30))
+    still = np.full(11, shift[-1]), np.full(11, depth[-1])
+    found = elastic(displacement=np.append(shift, still[0]), load=None, depth=np.append(depth, still[1]))
+
+    x = (np.arange(60_000) + 0.5) / 60_000 * np.sqrt(R * depth.max()) * 1.0001
+    y, sheared, expected = x**2 / R, np.zeros(60_000), []
+    d0 = u0 = 0.0
+    for d, u in zip(depth, shift, strict=True):
+        for part in (np.linspace(0, 1, 401)[1:] if expected else [1.0]):  # small steps instead of a rule within a step
+            dn, un = (d0 + part * (d - d0), u0 + part * (u - u0)) if expected else (d, u)
+            inside = np.maximum(dn - y, 0)
+            last = d0 + (part - 1 / 400) * (d - d0) if expected else 0.0
+            previous = u0 + (part - 1 / 400) * (u - u0) if expected else 0.0
+            carried = np.where(y < max(last, 1e-300) if expected else True, un - previous, 0.5 * (un - previous))
+            sheared = np.clip(sheared + carried, -MU * E / G * inside, MU * E / G * inside)
+        d0, u0 = d, u
+        expected.append(2 * (x[1] - x[0]) * G * sheared.sum())
+    np.testing.assert_allclose(found.force[:30], expected, atol=1e-4 * MU * LOAD)
+
+
+def test_normal_part_and_second_order_in_time():
+    """Viscoelastic, smooth motion: differences between 2, 4 and 8 steps fall by four; the error estimate holds."""
+    rubber = em.StandardSolid(1e6, 3e6, 0.2)
+    time = np.linspace(0, 2, 21)
+
+    def force(steps):
+        return em.shear(
+            rubber, BALL, time=time, displacement=1e-4 * np.sin(2 * np.pi * time), friction=0.8,
+            depth=4e-4 * np.sin(np.pi * time / 2) ** 2, elements=1000, steps=steps,
+        )  # fmt: skip
+
+    runs = [force(n) for n in (2, 4, 8)]
+    change = [np.abs(b.force - a.force).max() for a, b in zip(runs[:-1], runs[1:], strict=True)]
+    np.testing.assert_allclose(np.log2(np.array(change[:-1]) / change[1:]), 2, atol=0.15)
+    assert np.abs(runs[1].force - runs[2].force).max() < runs[1].error.max()
+    assert np.all(runs[2].work - runs[2].slip_loss - runs[2].stored >= -1e-12 * runs[2].work.max())  # lost in the rubber
+    indentation = runs[2].normal_force  # a growing contact: Lee and Radok
+    law = em.half_space(rubber)
+    s = np.linspace(0, 1, 4001)
+    for i in (4, 9):
+        t = time[i] * s
+        depth = np.interp(t, time, 4e-4 * np.sin(np.pi * time / 2) ** 2)
+        modulus = law.relaxation(t[-1] - 0.5 * (t[1:] + t[:-1]))
+        expected = np.sum(modulus * np.diff(4 / 3 * np.sqrt(R) * depth**1.5))
+        np.testing.assert_allclose(indentation[i], expected, rtol=1e-3)
+
+
+class TestExtremes:
+    def test_no_friction(self):
+        found = elastic(displacement=FULL * LOOP, friction=0)
+        assert np.all(found.force == 0)
+        assert np.all(found.work == 0)
+
+    def test_no_slip(self):
+        """mu = inf: 2 G* a U at a constant depth, and nothing lost."""
+        found = elastic(displacement=FULL * LOOP, friction=np.inf, load=None, depth=DEPTH)
+        np.testing.assert_allclose(found.force, 2 * G * A * FULL * LOOP, rtol=1e-6, atol=1e-12)
+        assert np.all(found.slip_loss == 0)
+
+    def test_no_load(self):
+        found = elastic(displacement=FULL * LOOP, load=0.0)
+        assert found.converged.all()
+        assert np.all(found.force == 0)
+
+    def test_unloaded_after_shear(self):
+        """What is stored when the load goes is given back, by slip; the force ends at zero."""
+        part = np.minimum(TIME / 2, 1)
+        found = elastic(displacement=0.5 * FULL * part, load=LOAD * np.minimum(2 - TIME / 2, 1))
+        assert abs(found.force[-1]) < 1e-6 * LOAD
+        np.testing.assert_allclose(found.work[-1], found.slip_loss[-1] + found.stored[-1], rtol=1e-8)
+
+    def test_a_relaxation_time_far_below_the_step(self):
+        """A branch that has relaxed at once is not there."""
+        fast = em.Foundation(E, [3 * E], [1e-9])
+        found = em.shear(fast, BALL, time=TIME, displacement=FULL * LOOP, friction=MU, load=LOAD, tangential=TANGENTIAL)
+        same = elastic(displacement=FULL * LOOP)
+        np.testing.assert_allclose(found.force[1:], same.force[1:], atol=2e-6 * LOAD)
+
+    def test_a_liquid_sinks_beyond_its_body(self):
+        r = np.linspace(0, 1e-3, 20)
+        liquid = em.Foundation(0.0, [E], [1e-2])
+        found = em.shear(
+            liquid, em.Profile(r, r**2 / (2 * R)), time=TIME, displacement=0, friction=MU, load=LOAD, tangential=TANGENTIAL
+        )
+        assert not found.converged[-1]
+        assert np.isnan(found.force[-1])
+
+
+def test_gradient():
+    """The force at the end against finite differences: moduli, times, radius, friction, load, displacement."""
+
+    def force(p):
+        normal, tangential = em.Foundation(p[0], p[1:2], p[2:3]), em.Foundation(p[3], p[4:5], p[5:6])
+        return em.shear(
+            normal, em.Paraboloid(p[6]), time=np.linspace(0, 1, 11), displacement=p[9] * np.linspace(0, 1, 11),
+            friction=p[7], load=p[8], tangential=tangential, elements=4000, steps=2,
+        ).force[-1]  # fmt: skip
+
+    at = np.array([2e6, 4e6, 0.3, 1.5e6, 3e6, 0.2, R, 0.5, 2.0, 1e-4])
+    with jax.enable_x64(True):
+        gradient = np.asarray(jax.jit(jax.grad(force))(at)) * at
+        call = jax.jit(force)
+        numeric = [(float(call(at + s)) - float(call(at - s))) / 4e-3 for s in 2e-3 * np.diag(at)]
+    np.testing.assert_allclose(gradient, numeric, rtol=2e-3, atol=1e-3 * np.abs(gradient).max())
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"load": None}, "load or depth must be given"),
+        ({"friction": -1.0}, "friction must be zero or positive"),
+        ({"time": [0.0, 0.0]}, "time must be ascending"),
+        ({"displacement": [1.0, 2.0]}, "as long as time"),
+        ({"tangential": None}, "tangential must be given"),
+        ({"elements": 1}, "elements must be a positive whole number"),
+        ({"load": -1.0}, "load must be zero or positive"),
+    ],
+)
+def test_bad_input(changes, message):
+    with pytest.raises(em.InputError, match=message):
+        elastic(**({"displacement": FULL * LOOP} | changes))
+
+
+def test_a_dashpot_is_not_moved_at_once():
+    with pytest.raises(em.InputError, match="depth must be 0 at the first instant"):
+        em.shear(em.KelvinVoigt(1e6, 1e3), BALL, time=TIME, displacement=0.0, friction=MU, depth=DEPTH)
+
+
+def test_table_and_figure():
+    found = elastic(displacement=FULL * LOOP)
+    assert "tangential force [N]" in found.csv()
+    assert "41, all converged" in found.summary()
+    assert found.plot().get_ylabel() == "Tangential force [N]"

@@ -1,0 +1,172 @@
+"""`em.traction` against the brush of an elastic paraboloid, Carter's half-plane, and limits."""
+
+import jax
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+E, G, R, MU, A = 4e6, 4e6 * 2 / 3, 0.01, 0.5, 2e-3
+LOAD = 4 / 3 * E * A**3 / R
+NORMAL, TANGENTIAL = em.Foundation(E, [], []), em.Foundation(G, [], [])
+BALL = em.Paraboloid(R)
+
+
+def elastic(**changes):
+    scene = {"velocity": 1.0, "creep": 0.05, "friction": MU, "load": LOAD, "tangential": TANGENTIAL}
+    return em.traction(NORMAL, BALL, **scene | changes)
+
+
+def test_brush():
+    """F_x/(mu F_N) = 1 - (1 - zeta)^3, zeta = xi R G*/(2 a mu E*), full slip from zeta = 1; odd in the creep."""
+    creep = np.array([0.05, 0.0, 1e-6, 0.1, 0.29, 0.31, 2.0, -0.05])
+    found = elastic(creep=creep)
+    zeta = np.minimum(np.abs(creep) * R * G / (2 * A * MU * E), 1)
+    expected = np.sign(creep) * MU * (1 - (1 - zeta) ** 3)
+    np.testing.assert_allclose(found.coefficient, expected, rtol=1e-10, atol=1e-16)
+    np.testing.assert_allclose(found.force[0], 0.8987654320987655, rtol=1e-10)
+    np.testing.assert_allclose(A - 2 * A * found.stick, A - 2 * A * (1 - zeta), rtol=1e-9, atol=1e-9 * A)
+    assert A - 2 * A * found.stick[0] == pytest.approx(-0.0013333333333333333, rel=1e-10)
+    np.testing.assert_allclose(found.slip_power, np.abs(found.force * creep), rtol=1e-12)
+    assert np.all(found.rolling == 0)
+
+
+def test_carter():
+    """Where elements know of each other: 1 - (1 - xi R/(mu a))^2."""
+    width = 0.7
+    load = np.pi * E * A**2 / (4 * R) * width
+    found = em.traction(
+        em.half_space(em.Prony(E / 4, [], [])), em.Cylinder(R, width), velocity=1.0, creep=[0.05, -0.05, 1.0],
+        friction=MU, load=load,
+    )  # fmt: skip
+    np.testing.assert_allclose(found.coefficient / MU, [0.75, -0.75, 1.0], rtol=1e-10)
+    np.testing.assert_allclose(found.contact.leading, A, rtol=1e-12)
+    np.testing.assert_allclose(found.stick, [0.5, 0.5, 0.0], atol=1e-12)
+
+
+def test_cylinder_on_a_layer():
+    """q = k (a^2 - x^2)/2R, tau = k_t xi (a - x): the same cubic, zeta = xi R k_t/(mu a k)."""
+    k, kt, length = 2e9, 0.5e9, 0.1
+    load = 2 / 3 * k * A**3 / R * length
+    found = em.traction(
+        em.Foundation(k, [], []), em.Cylinder(R, length), velocity=1.0, creep=0.1, friction=MU, load=load,
+        tangential=em.Foundation(kt, [], []),
+    )  # fmt: skip
+    zeta = 0.1 * R * kt / (MU * A * k)
+    np.testing.assert_allclose(found.coefficient, MU * (1 - (1 - zeta) ** 3), rtol=1e-10)
+
+
+RUBBER = em.StandardSolid(1e6, 9e6, 1e-3)
+
+
+def test_elastic_ends_and_rolling_beside_it():
+    """Far below and far above the relaxation time a rubber is elastic, and incompressible: G*/E* = 2/3."""
+    found = em.traction(RUBBER, BALL, velocity=np.array([1e-7, 1e7]), creep=0.1, friction=0.8, load=5.0)
+    modulus = np.array([4e6, 40e6])
+    a = (0.75 * 5.0 * R / modulus) ** (1 / 3)
+    zeta = 0.1 * R * (2 / 3) / (2 * a * 0.8)
+    np.testing.assert_allclose(found.coefficient, 0.8 * (1 - (1 - np.minimum(zeta, 1)) ** 3), rtol=1e-3)
+    beside = em.rolling(RUBBER, BALL, velocity=np.array([1e-7, 1e7]), load=5.0)
+    np.testing.assert_allclose(found.rolling, beside.coefficient, rtol=1e-9)
+
+
+def test_small_creep_is_all_stick():
+    """No slip: F_x = xi int int_0^r G*(s/v) ds dr over the contact, from the relaxation function."""
+    found = em.traction(RUBBER, BALL, velocity=1.0, creep=1e-9, friction=0.8, load=5.0)
+    law = em.half_space(RUBBER, tangential=True)
+    r = np.linspace(0, found.contact.leading + found.contact.trailing, 20001)
+    ramp = np.concatenate([[0], np.cumsum(law.relaxation(0.5 * (r[1:] + r[:-1])) * np.diff(r))])
+    np.testing.assert_allclose(found.force, 1e-9 * np.trapezoid(ramp, r), rtol=1e-6)
+    assert found.stick > 0.9999
+
+
+def test_march_agrees():
+    """The force from the march of one element, which knows neither the slip boundary nor the closed forms."""
+    from elastomdr.solve.brush import Rolling, _march
+
+    points = {"velocity": np.array([0.1, 1.0, 10.0]), "creep": 0.1, "friction": 0.8, "load": 5.0}
+    found = em.traction(RUBBER, BALL, **points)
+    with jax.enable_x64(True):
+        from elastomdr.mapping.lines import SingleLine
+
+        edges = found.contact.leading, found.contact.trailing
+        rolling = Rolling(
+            em.half_space(RUBBER).law(), em.half_space(RUBBER, tangential=True).law(), SingleLine(BALL),
+            points["velocity"], *edges, np.full(3, 0.8), np.full(3, 0.1),
+        )  # fmt: skip
+        rolling = jax.tree.map(jax.numpy.asarray, rolling)
+        run = jax.jit(lambda steps: _march(rolling, edges[0] + edges[1], steps)[0], static_argnums=0)
+        error = [np.abs(np.asarray(run(n)) / found.force - 1).max() for n in (256, 1024)]
+    assert error[1] < 2e-5
+    assert 1.5 < np.log2(error[0] / error[1]) / 2 < 2.5
+
+
+def test_sticks_again():
+    """A tangential law that relaxes far faster than the normal one: elements slip at the edge, then stick again."""
+    fast = em.Foundation(2e6, [1e8, 2e6], [1e-6, 1e-4])
+    points = {"velocity": np.array([0.01, 1.0]), "creep": np.array([0.03, 0.03]), "friction": 0.3, "load": 5.0}
+    found = em.traction(RUBBER, BALL, tangential=fast, rtol=1e-5, **points)
+    assert found.converged.all()
+    assert np.all(found.error <= 1e-5 * found.coefficient)
+    assert np.all(found.coefficient < 0.3)
+
+
+class TestExtremes:
+    def test_friction_zero_and_infinite(self):
+        found = elastic(friction=np.array([0.0, np.inf]))
+        np.testing.assert_allclose(found.force, [0, 2 * G * A**2 * 0.05], rtol=1e-10)
+        assert found.stick[1] == 1
+
+    def test_far_from_all_relaxation_times(self):
+        fast = em.Foundation(E, [E], [1e-14])
+        found = em.traction(fast, BALL, velocity=1.0, creep=0.05, friction=MU, load=LOAD, tangential=TANGENTIAL)
+        np.testing.assert_allclose(found.coefficient, elastic().coefficient, rtol=1e-6)
+
+
+def test_gradient():
+    """Against finite differences: moduli, times, radius, load, creep, friction, velocity."""
+
+    def force(p):
+        normal, tangential = em.Foundation(p[0], p[1:2], p[2:3]), em.Foundation(p[3], p[4:5], p[5:6])
+        return em.traction(
+            normal, em.Paraboloid(p[6]), velocity=p[7], creep=p[8], friction=p[9], load=p[10], tangential=tangential,
+            average=None,
+        ).force  # fmt: skip
+
+    at = np.array([4e6, 3e7, 1e-3, 3e6, 2e7, 1e-3, R, 1.0, 0.1, 0.8, 5.0])
+    with jax.enable_x64(True):
+        gradient = np.asarray(jax.jit(jax.grad(force))(at)) * at
+    numeric = [(force(at + s) - force(at - s)) / 2e-4 for s in 1e-4 * np.diag(at)]
+    np.testing.assert_allclose(gradient, numeric, rtol=1e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"friction": -0.1}, "friction must be zero or positive"),
+        ({"creep": np.nan}, "creep must be finite"),
+        ({"tangential": None}, "tangential must be given"),
+        ({"creep": [1.0, 2.0], "friction": [1.0, 2.0, 3.0]}, "must broadcast"),
+        ({"load": None}, "load or depth must be given"),
+    ],
+)
+def test_bad_input(changes, message):
+    with pytest.raises(em.InputError, match=message):
+        elastic(**changes)
+
+
+def test_bad_scenes():
+    with pytest.raises(em.InputError, match="shape must roll"):
+        em.traction(RUBBER, em.Cone(0.1), velocity=1.0, creep=0.1, friction=0.5, load=1.0)
+    with pytest.raises(em.InputError, match="must be elastic"):
+        em.traction(RUBBER, em.Cylinder(R, 1.0), velocity=1.0, creep=0.1, friction=0.5, load=1.0)
+    with pytest.raises(em.InputError, match="layer under a paraboloid"):
+        layer = em.Foundation(1e9, [], [], per_area=True)
+        em.traction(layer, BALL, velocity=1.0, creep=0.1, friction=0.5, load=1.0, tangential=layer)
+
+
+def test_table_and_figure():
+    found = elastic(creep=np.array([0.05, 0.0, 1e-6, 0.1, 0.29, 0.31, 2.0, -0.05]))
+    assert "traction coefficient [-]" in found.csv()
+    assert "8, all converged" in found.summary()
+    assert found.plot().get_xlabel() == "Creep [%]"
