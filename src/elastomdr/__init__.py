@@ -22,7 +22,6 @@ _HOMES = {
     "scenes.rolling": ("rolling",),
     "scenes.plan": ("plan",),
     "scenes.indent": ("indent",),
-    "results.curve": ("FrictionCurve", "RollingCurve"),
     "results.indentation": ("Indentation",),
     "scenes.impact": ("impact",),
     "scenes.shear": ("shear",),
