@@ -15,7 +15,7 @@ from ..material.relaxation import Relaxation
 from ..results.impact import History, Impact
 from ..solve.extrapolate import impacts
 from ..solve.impact import Body
-from .steady import _brief, _describe
+from .steady import brief, describe
 
 _WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are filled up to, so that few are compiled
 HALF_SPACE = "MDR, exact for the half-space: approach and rebound (Ting's solution), quasi-static rubber, no adhesion"
@@ -129,10 +129,10 @@ def _scene(material: Any, shape: Any, mass: Any, velocity: Any, temperature: Any
         count = int(np.prod(points))
         rates, moduli, viscosity = (xp.repeat(x, count, axis=-1) for x in (rates, moduli, viscosity))
     names = ", ".join(dict.fromkeys(f.name or "given directly" for f in foundations))
-    inputs = [("material", names), ("shape", _describe(shape))]
-    inputs += [("mass", _brief(mass, "kg")), ("velocity", _brief(velocity, "m/s"))]
+    inputs = [("material", names), ("shape", describe(shape))]
+    inputs += [("mass", brief(mass, "kg")), ("velocity", brief(velocity, "m/s"))]
     if kelvin is not None:
-        inputs.append(("temperature", _brief(kelvin, "K")))
+        inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     body = Body(shape, rates, moduli, viscosity, flat(mass), flat(velocity))
     return _Scene(

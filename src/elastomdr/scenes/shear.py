@@ -16,7 +16,7 @@ from ..results.shear import Shear
 from ..solve.rule import gauss
 from ..solve.shear import History, Scene, shear_history
 from .impact import _standing
-from .steady import _brief, _describe
+from .steady import brief, describe
 
 HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin: exact within its usual assumptions)"
 LAYER = "thin layer of independent elements with Coulomb friction"
@@ -95,7 +95,11 @@ def shear(
         history = _with_early_instants(history)
     options = {"by_load": load is not None, "per_area": per_area}
     found = shear_history(scene, history, elements=elements, steps=steps, **options)
-    fewer = {"elements": elements // 2, "steps": steps} if elastic or steps == 1 else {"elements": elements, "steps": steps // 2}
+    fewer = (
+        {"elements": elements // 2, "steps": steps}
+        if elastic or steps == 1
+        else {"elements": elements, "steps": steps // 2}
+    )
     coarse = shear_history(scene, history, **fewer, **options)
     error = abs(found.force - coarse.force) / (3 if elastic else 1)
     chosen = np.append(0, np.arange(found.force.shape[0] - time.shape[0] + 1, found.force.shape[0]))
@@ -103,9 +107,12 @@ def shear(
     inside = found.contact_radius <= reach * (1 - 0.25 / elements) if not isinstance(shape, FlatPunch) else True
     good = jnp.isfinite(found.force) & jnp.isfinite(found.normal_force) & inside
     found = type(found)(*(jnp.where(good, x, jnp.nan) for x in found))
-    inputs = [("material", normal.name or "given directly"), ("shape", _describe(shape))]
-    inputs += [(name, _brief(value, "N" if name == "load" else "m")), ("displacement", _brief(displacement, "m"))]
-    inputs += [("time", _brief(time, "s")), ("friction coefficient", f"{float(mu):g}" if not is_traced(mu) else "traced")]
+    inputs = [("material", normal.name or "given directly"), ("shape", describe(shape))]
+    inputs += [(name, brief(value, "N" if name == "load" else "m")), ("displacement", brief(displacement, "m"))]
+    inputs += [
+        ("time", brief(time, "s")),
+        ("friction coefficient", f"{float(mu):g}" if not is_traced(mu) else "traced"),
+    ]
     inputs.append(("elements and steps", f"{elements} on a half line, {steps} between two instants"))
     return Shear(
         time=time,

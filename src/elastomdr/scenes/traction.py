@@ -14,7 +14,7 @@ from ..mapping.shapes import AbstractShape, Cylinder
 from ..results.traction import Traction
 from ..solve.brush import Rolling, carter, tractions
 from .shear import _laws
-from .steady import Contact, _brief, _describe, set_up, solve
+from .steady import Contact, brief, describe, set_up, solve
 
 _STEPS = (1024, 8192, 65536)  # of the march, where elements stick again after they have slipped
 BRUSH = "MDR line of elements with Coulomb friction (brush); rolling loss: "
@@ -96,7 +96,9 @@ def traction(
     pulled = type(pulled)(*(xp.asarray(x).reshape(scene.shape) for x in pulled))
     good = found.converged & ~xp.asarray(missed).reshape(scene.shape)
     if not is_traced(good) and (lost := int(np.sum(found.converged & ~good))):
-        warnings.warn(f"{lost} of {good.size} tractions did not converge; they are NaN.", ConvergenceWarning, stacklevel=3)
+        warnings.warn(
+            f"{lost} of {good.size} tractions did not converge; they are NaN.", ConvergenceWarning, stacklevel=3
+        )
     force = xp.where(good, xp.sign(creep) * pulled.force, xp.nan)
     inputs = list(scene.inputs)
     inputs[-1:-1] = _said(creep, friction)
@@ -122,13 +124,17 @@ def traction(
 
 
 def _said(creep: Any, friction: Any) -> list[tuple[str, str]]:
-    return [("creep", _brief(creep, "").strip()), ("friction coefficient", _brief(friction, "").strip())]
+    return [("creep", brief(creep, "").strip()), ("friction coefficient", brief(friction, "").strip())]
 
 
-def _carter(foundation: Any, shape: Cylinder, velocity: Any, creep: Any, friction: Any, load: Any, depth: Any) -> Traction:
+def _carter(
+    foundation: Any, shape: Cylinder, velocity: Any, creep: Any, friction: Any, load: Any, depth: Any
+) -> Traction:
     law = foundation.law()
     if load is None or depth is not None:
-        raise InputError("load must be given for a cylinder on a half-space, whose depth is not defined (plane strain).")
+        raise InputError(
+            "load must be given for a cylinder on a half-space, whose depth is not defined (plane strain)."
+        )
     if law.moduli.size or (not is_traced(law) and law.viscosity > 0):
         raise InputError(
             "material must be elastic for a cylinder on a half-space (Carter's problem), or a layer (em.layer): a "
@@ -137,14 +143,16 @@ def _carter(foundation: Any, shape: Cylinder, velocity: Any, creep: Any, frictio
     load = as_float64("load", load)
     require("load", load, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
     if not is_traced(friction) and np.isinf(friction).any():
-        raise InputError("friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges.")
+        raise InputError(
+            "friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges."
+        )
     arrays = velocity, creep, friction, load
     velocity, creep, friction, load = jnp.broadcast_arrays(*(jnp.asarray(x) for x in arrays))
     ratio, stick, half = carter(law.equilibrium, shape.radius, load / shape.length, friction, abs(creep))
     zero = jnp.zeros_like(ratio)
     force = jnp.sign(creep) * ratio * load
-    inputs = [("material", foundation.name or "given directly"), ("shape", _describe(shape))]
-    inputs += [("load", _brief(load, "N")), ("velocity", _brief(velocity, "m/s")), *_said(creep, friction)]
+    inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
+    inputs += [("load", brief(load, "N")), ("velocity", brief(velocity, "m/s")), *_said(creep, friction)]
     return Traction(
         velocity=velocity, creep=creep, friction=friction, coefficient=force / load, force=force, stick=stick,
         slip_power=abs(force * creep) * velocity, rolling=zero, normal_force=load, depth=zero + jnp.nan,

@@ -92,11 +92,15 @@ def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
     before, missed = normal_force(passage, r.leading, ratio(distance))
     sliding = jnp.where(distance < length, _limit(r.friction, every - before), 0.0)
     smooth = weight * _ramp(r, distance)[1] + sliding
-    error = jnp.where(again, weight * jnp.abs(marched - coarse) / 3, _limit(r.friction, missed) + 1e-13 * jnp.abs(smooth))
+    error = jnp.where(
+        again, weight * jnp.abs(marched - coarse) / 3, _limit(r.friction, missed) + 1e-13 * jnp.abs(smooth)
+    )
     error = jnp.where(jnp.isfinite(error), error, 1e-13 * jnp.abs(smooth))
     return Tractions(
         force=jnp.where(again, weight * marched, smooth),
-        stick=jax.lax.stop_gradient(jnp.where(again, stick, jnp.where(distance > 1e-12 * length, distance / length, 0.0))),
+        stick=jax.lax.stop_gradient(
+            jnp.where(again, stick, jnp.where(distance > 1e-12 * length, distance / length, 0.0))
+        ),
         error=jax.lax.stop_gradient(error),
         again=again,
     )

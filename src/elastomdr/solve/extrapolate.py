@@ -88,7 +88,8 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     stuck = jnp.broadcast_to(liquid, error.shape)
     best = best._replace(
         max_force=motions.max_force[-1] + _between(best.force - motions.force[-1], motions.peak[-1]),
-        restitution=jnp.where(stuck, 0.0, best.restitution), duration=jnp.where(stuck, jnp.inf, best.duration)
+        restitution=jnp.where(stuck, 0.0, best.restitution),
+        duration=jnp.where(stuck, jnp.inf, best.duration),
     )
     good = (jnp.all(motions.solved, axis=0) & enough & jnp.isfinite(best.restitution)) | stuck
     timed = (duration <= _LOOSER * rtol) | stuck

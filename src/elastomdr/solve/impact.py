@@ -177,7 +177,9 @@ def _approach(body: Body, per_area: bool, start: _Node, grid: Grid) -> tuple[_No
         carry, h = jax.lax.cond(step.taken, take, skip, carry, step)
         return carry, (carry[0], h)
 
-    log_force = jax.lax.stop_gradient(jnp.log(body.mass * body.velocity * grid.lost[0])) - _first_step(body, per_area, grid)
+    log_force = jax.lax.stop_gradient(jnp.log(body.mass * body.velocity * grid.lost[0])) - _first_step(
+        body, per_area, grid
+    )
     carry = (start, log_force, jnp.zeros_like(log_force), jnp.ones(log_force.shape, bool))
     steps = grid._replace(last=jnp.zeros(grid.kept.shape), shown=jnp.zeros(grid.kept.shape))
     (turn, _, _, good), (nodes, lengths) = jax.lax.scan(step, carry, steps)
@@ -319,7 +321,15 @@ def _search(residual: Any, guess: Array) -> tuple[Array, Array]:
 
     guess = jnp.where(jnp.isfinite(guess), guess, -7.0)
     everywhere = jnp.full_like(guess, jnp.inf)
-    state = (guess, jnp.full_like(guess, _USUAL), -everywhere, everywhere, jnp.zeros(guess.shape, bool), 0, residual(guess))
+    state = (
+        guess,
+        jnp.full_like(guess, _USUAL),
+        -everywhere,
+        everywhere,
+        jnp.zeros(guess.shape, bool),
+        0,
+        residual(guess),
+    )
     state = jax.lax.stop_gradient(state)
     state = jax.lax.while_loop(lambda s: ~jnp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
     return jax.lax.stop_gradient((state[0], state[4]))
