@@ -182,11 +182,13 @@ def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array
 
 
 def _divided(edges: Array, levels: int) -> Array:
-    """Each panel divided so that it narrows towards both ends, `levels` times."""
+    """Each panel divided: narrowing towards both ends, and from the second level on ever finer in between."""
     if levels == 0:
         return edges
-    left = 0.5 * _RATIO ** np.arange(levels - 1, -1.0, -1)
-    fractions = np.concatenate([[0.0], left, 1 - left[-2::-1]])
+    left = 0.5 * _RATIO ** np.arange(min(levels, 4) - 1, -1.0, -1)
+    ends = np.concatenate([[0.0], left, 1 - left[-2::-1], [1.0]])
+    parts = 1 + levels // 2
+    fractions = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts).ravel()
     inner = edges[:-1, None] + jnp.diff(edges)[:, None] * fractions
     return jnp.append(inner.reshape(-1), edges[-1])
 
