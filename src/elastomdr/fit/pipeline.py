@@ -22,7 +22,6 @@ from .series import PronyFit, prony
 from .tables import master_csv, prony_csv, shifts_csv
 
 LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
-_LAW_MISSES = 0.1  # rms residual of the WLF law above which a table of shift factors replaces it [decades]
 _DECIMALS = 2  # of temperatures in the material's range and table, which have to agree [K]
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
 
@@ -147,7 +146,7 @@ def material(
     """A material from measured isotherms: `master_curve`, then `prony`, then a shift law.
 
     `law` is "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
-    within 0.1 decades rms of the shift factors or within what they are known to, a table otherwise. A material has
+    within 0.1 decades of the shift factors, or within what they are known to, a table otherwise. A material has
     no vertical shift: `as_used` says what that costs against the data as measured. Other arguments as for
     `master_curve` and `prony`; `citation` is the source of the data. Raises `InputError` as they do.
     """
@@ -163,9 +162,10 @@ def material(
     )
     used = _as_used(fit.material, dma, master)
     texts = [*dma.warnings, *master.warnings, *fit.warnings]
-    lift = float(np.abs(np.expm1(np.log(10) * master.log10_b)).max())
+    known = np.abs(master.log10_b) > 1.96 * master.log10_b_std
+    lift = float(np.abs(np.expm1(np.log(10) * master.log10_b * known)).max())
     if lift > _LIFT:
-        cold = float(master.temperature[np.abs(master.log10_b).argmax()] - 273.15)
+        cold = float(master.temperature[np.abs(master.log10_b * known).argmax()] - 273.15)
         texts.append(
             f"Vertical shifts reach {100 * lift:.2g} % (at {cold:.3g} degC), and a material file has none: "
             "away from the reference temperature its moduli are off by as much. vertical=False (--no-vertical) fits a "
@@ -180,9 +180,7 @@ def _choose(master: MasterCurve) -> str:
         return "none"
     if master.temperature.size == 2:
         return "Arrhenius"
-    fit = master.laws["WLF"]
-    known = float(np.sqrt(np.mean(master.log10_a_std**2)))
-    return "WLF" if fit.rms <= max(_LAW_MISSES, known) else "table"
+    return "WLF" if master.laws["WLF"].holds else "table"
 
 
 def _law(master: MasterCurve, name: str) -> Any:
