@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from .cache import enable_cache
 from .main import DONE, NOT_CONVERGED
 from .scene import Scene
@@ -19,6 +19,7 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
     enable_cache()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ConvergenceWarning)  # said below, in one line
+        warnings.simplefilter("ignore", ExtrapolationWarning)  # likewise
         curve = call(scene.material, scene.shape, **scene.arguments)
     notes = [("scene", scene.path.name)] + ([("title", scene.title)] if scene.title else [])
     stem = f"{scene.path.stem}-{verb}"
@@ -31,6 +32,9 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         print(scene.title)
     print(curve.summary())
     print("wrote " + " and ".join(str(path) for path in files))
+    beyond = dict(curve.inputs).get("extrapolated")
+    if beyond:
+        print(f"elastomdr: warning: {beyond}.", file=sys.stderr)
     failed = int((~curve.converged).sum())
     if failed:
         points = f"{failed} of {curve.converged.size} points did not converge"

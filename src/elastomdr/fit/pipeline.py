@@ -15,14 +15,14 @@ from ..errors import InputError
 from ..material.library import save_material
 from ..material.prony import Prony
 from ..material.shift import ShiftTable
+from ..material.validity import Range
 from .cards import abaqus_card, ansys_card, plain_card
 from .data import Dma
 from .master import MasterCurve, master_curve
-from .series import PronyFit, prony
+from .series import TEMPERATURE_DIGITS, PronyFit, prony
 from .tables import master_csv, prony_csv, shifts_csv
 
 LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
-_DECIMALS = 2  # of temperatures in the material's range and table, which have to agree [K]
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
 
 
@@ -62,9 +62,6 @@ class MaterialFit:
         """What a material file holds beside the numbers: description, range, sources with the quality of the fit."""
         master, fit = self.master, self.prony
         fitted = {"citation": f"{self.citation}, fitted by elastomdr {__version__} (em.fit)", "grade": "fitted here"}
-        span = [round(float(t), _DECIMALS) for t in (master.temperature.min(), master.temperature.max())]
-        if span[0] == span[1]:
-            span = [span[0] - 0.5, span[1] + 0.5]
         moduli: dict[str, Any] = fitted | {"note": self._note()}
         moduli["storage_residual"] = _round(fit.storage_residual if fit.storage.size else fit.relaxation_residual, 2)
         moduli["loss_residual"] = _round(fit.loss_residual if fit.loss.size else fit.relaxation_residual, 2)
@@ -76,11 +73,10 @@ class MaterialFit:
         }
         if self.material.shift is None:
             del sources["shift"]
-        low, high = (_round(value, 4) for value in fit.window)
         return {
             "description": self.description,
             "reference_temperature": float(master.reference),
-            "range": {"frequency": [low, high], "temperature": span},
+            "range": (self.material.range or Range(None, None)).table(),
             "source": sources,
         }
 
@@ -197,7 +193,7 @@ def _table(master: MasterCurve) -> ShiftTable:
     if master.temperature.size < 2:
         raise InputError("law must be 'none' for data of one temperature, got 'table'.")
     away = np.abs(master.temperature - master.reference) > 0.5
-    temperature = np.append(master.temperature[away], master.reference).round(_DECIMALS)
+    temperature = np.append(master.temperature[away], master.reference).round(TEMPERATURE_DIGITS)
     log10_a = np.append(master.log10_a[away], 0.0)
     order = np.argsort(temperature)
     return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))

@@ -17,7 +17,7 @@ _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
 _RATIO = 5.0  # largest ratio of two groups' noise: a misfit of one must not leave it to the others alone
 _ROUNDS = 40
 _STIFF = 1.0  # added to curvatures where they scale the damping: unknowns are logarithms, a step of 1 is large
-_GAIN = 3e-3  # of a step, in twice the logarithm of probability, at which climbing stops
+GAIN = 3e-3  # of a step, in twice the logarithm of probability, at which climbing stops
 _STEPS = 12  # of Gauss-Newton before the widths are looked at again
 
 
@@ -75,7 +75,7 @@ def infer(
     wary: Wary | None = None,
     noise_limits: tuple[float, float] | None = (1e-5, 1.0),
     weights: np.ndarray | None = None,
-    gain: float = _GAIN,
+    gain: float = GAIN,
 ) -> Posterior:
     """The posterior of a model whose values have Gaussian noise of unknown size, one size per `group` of points.
 

@@ -12,6 +12,7 @@ from jaxtyping import Float
 from .._runtime import as_float64, positive, scalar, significant
 from ..errors import InputError
 from ..material.prony import Prony
+from ..material.validity import Range
 from .balance import weigh
 from .data import KINDS
 from .isotherms import correlation
@@ -22,6 +23,7 @@ from .shifting import join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
 from .terms import Data, choose_terms, most_terms
 
+TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
 _POOR = 0.1  # relative residual worth a warning
 
 
@@ -203,8 +205,9 @@ def prony(
     moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
     level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
     material = Prony(
-        level, numbers[:count], numbers[count:], kind=kind, poisson=poisson, shift=shift, name=name, citation=citation
-    )
+        level, numbers[:count], numbers[count:], kind=kind, poisson=poisson, shift=shift, name=name, citation=citation,
+        range=_range(np.exp(points.log_rate), master),
+    )  # fmt: skip
     fit = PronyFit(
         material=material,
         storage_residual=rms["storage"],
@@ -242,11 +245,20 @@ def _judge(points: Points, residuals: np.ndarray, data: Data, contradiction: boo
             continue
         said = f"The {key} modulus is met to {100 * size:.2g} % rms only"
         if contradiction:
-            yield f"{said}: storage and loss modulus contradict each other, and no passive material comes closer to both."
+            yield f"{said}: storage and loss modulus contradict each other, no passive material comes closer to both."
         elif size > 1.5 * data.noise[channel]:
             yield f"{said}; more terms may help (terms=...)."
         else:
             yield f"{said}, by which the data scatter."
+
+
+def _range(rate: np.ndarray, master: MasterCurve | None) -> Range:
+    """Where the data are, rounded."""
+    low, high = (float(f"{x:.4g}") for x in (rate.min(), rate.max()))
+    if master is None:
+        return Range((low, high), None)
+    cold, warm = (round(float(x), TEMPERATURE_DIGITS) for x in (master.temperature.min(), master.temperature.max()))
+    return Range((low, high), (cold, warm) if cold < warm else (cold - 0.5, warm + 0.5))
 
 
 def _smooth(points: Points) -> Joint:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
-from .posterior import Posterior, Prior, infer
+from .posterior import GAIN, Posterior, Prior, infer
 from .spectrum import LOSS, RELAXATION, Points, predict
 
 _LN10 = float(np.log(10.0))
@@ -163,7 +163,7 @@ def _trial(data: Data, count: int, solid: bool, far: bool) -> Terms:
         start = np.concatenate([p[:n][kept], p[n : 2 * n][kept], p[2 * n :]])
 
 
-def _climb(data: Data, start: np.ndarray, priors: tuple[Prior, ...], solid: bool, gain: float | None = None) -> Terms:
+def _climb(data: Data, start: np.ndarray, priors: tuple[Prior, ...], solid: bool, gain: float = GAIN) -> Terms:
     """The most probable series near a start; its terms in order of their times."""
     points, noise = data.points, data.noise
     posterior = infer(
@@ -176,7 +176,7 @@ def _climb(data: Data, start: np.ndarray, priors: tuple[Prior, ...], solid: bool
         noise_limits=None,
         temper=data.alike,
         weights=data.weights,
-        **({} if gain is None else {"gain": gain}),
+        gain=gain,
     )
     p, n = posterior.mean, (start.size - solid) // 2
     residuals = posterior.residuals / noise[points.channel]
