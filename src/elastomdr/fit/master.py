@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float, Int
 from .._runtime import as_float64, positive, scalar, significant
 from ..errors import InputError
 from .data import Dma, FitWarning
+from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import isotherms
 from .joint import AtReference, Joint, about, curve, fit_jointly, told_apart
 from .judge import judge
@@ -20,8 +21,6 @@ from .laws import LawFit
 from .posterior import one_thread
 from .shifting import LN10
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
-
-TWO_SIGMA = 1.96  # a 95 % interval is the value plus and minus this many standard deviations
 
 
 class Band(NamedTuple):
@@ -37,8 +36,8 @@ class Band(NamedTuple):
     inside: Bool[np.ndarray, "..."]  # False where omega lies outside the measured (reduced) frequencies
 
 
-@dataclass(frozen=True, eq=False)
-class MasterCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class MasterCurve(AbstractFindings):
     """Isotherms shifted to one reference temperature: b_T M(omega; T) = M(omega a_T; T_ref).
 
     One entry per isotherm in `temperature`, `log10_a`, `log10_b`, their standard deviations and `ambiguous`; one per
@@ -142,24 +141,13 @@ class MasterCurve:
         low, high = self.window
         yield "reduced window", f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades"
         yield "scatter", ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.noise.items())
-        for i, kelvin in enumerate(self.temperature):
-            mark = "  (not told apart)" if self.ambiguous[i] else ""
-            yield (
-                f"{kelvin - 273.15:8.2f} degC",
-                f"log10 a_T {self.log10_a[i]:8.3f} +- {TWO_SIGMA * self.log10_a_std[i]:.3f}   "
-                f"log10 b_T {self.log10_b[i]:7.4f} +- {TWO_SIGMA * self.log10_b_std[i]:.4f}{mark}",
-            )
-        for name, fit in self.laws.items():
-            yield name, f"{fit.constants()}; rms residual {fit.rms:.3f} decades"
+        vertical = [
+            f"   log10 b_T {y:7.4f} +- {TWO_SIGMA * std:.4f}{'  (not told apart)' * bool(mark)}"
+            for y, std, mark in zip(self.log10_b, self.log10_b_std, self.ambiguous, strict=True)
+        ]
+        yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical)
         for text in self.warnings:
             yield "warning", text
-
-    def summary(self) -> str:
-        """Shifts, laws and warnings in a few lines; intervals are 95 %."""
-        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
-
-    def __repr__(self) -> str:
-        return f"MasterCurve\n{self.summary()}"
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the shifted data, one row per point, with the shifts in header lines that start with "# "."""

@@ -18,6 +18,7 @@ from ..material.shift import ShiftTable
 from ..material.validity import Range
 from .cards import abaqus_card, ansys_card, plain_card
 from .data import Dma
+from .findings import TWO_SIGMA, AbstractFindings
 from .master import MasterCurve, master_curve
 from .series import TEMPERATURE_DIGITS, PronyFit, prony
 from .tables import master_csv, prony_csv, shifts_csv
@@ -26,8 +27,8 @@ LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
 
 
-@dataclass(frozen=True, eq=False)
-class MaterialFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class MaterialFit(AbstractFindings):
     """A material with the master curve and the series that it comes from."""
 
     material: Prony
@@ -50,13 +51,6 @@ class MaterialFit:
             yield "as used", f"material and shift law against the data as measured: {parts} rms"
         for text in self.warnings:
             yield "warning", text
-
-    def summary(self) -> str:
-        """Shifts, series, residuals and warnings in a few lines; intervals are 95 %."""
-        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
-
-    def __repr__(self) -> str:
-        return f"MaterialFit\n{self.summary()}"
 
     def info(self) -> dict[str, Any]:
         """What a material file holds beside the numbers: description, range, sources with the quality of the fit."""
@@ -91,7 +85,7 @@ class MaterialFit:
 
     def _shift_note(self) -> str:
         master = self.master
-        worst = 1.96 * float(master.log10_a_std.max())
+        worst = TWO_SIGMA * float(master.log10_a_std.max())
         parts = [f"{master.temperature.size} isotherms shifted jointly, log10 a_T to +- {worst:.2g} (95 %) at worst."]
         if self.law in master.laws:
             parts.append(f"The law misses them by {master.laws[self.law].rms:.2g} decades rms.")
@@ -133,6 +127,7 @@ def material(
     vertical: bool = True,
     terms: int | None = None,
     equilibrium: bool | None = None,
+    balance: float | None = None,
     poisson: float = 0.5,
     law: str = "auto",
     name: str = "",
@@ -154,11 +149,18 @@ def material(
     name = name or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem).strip("-.").lower() or "rubber"
     citation = citation or f"Measured data: {dma.source or 'arrays'}"
     fit = prony(
-        master, terms=terms, equilibrium=equilibrium, poisson=poisson, shift=shift, name=name, citation=citation
+        master,
+        terms=terms,
+        equilibrium=equilibrium,
+        balance=balance,
+        poisson=poisson,
+        shift=shift,
+        name=name,
+        citation=citation,
     )
     used = _as_used(fit.material, dma, master)
     texts = [*dma.warnings, *master.warnings, *fit.warnings]
-    known = np.abs(master.log10_b) > 1.96 * master.log10_b_std
+    known = np.abs(master.log10_b) > TWO_SIGMA * master.log10_b_std
     lift = float(np.abs(np.expm1(np.log(10) * master.log10_b * known)).max())
     if lift > _LIFT:
         cold = float(master.temperature[np.abs(master.log10_b * known).argmax()] - 273.15)

@@ -15,9 +15,10 @@ from ..material.prony import Prony
 from ..material.validity import Range
 from .balance import weigh
 from .data import KINDS
+from .findings import TWO_SIGMA, AbstractFindings
 from .isotherms import correlation
 from .joint import Joint, about, curve
-from .master import TWO_SIGMA, Band, MasterCurve, check_outside
+from .master import Band, MasterCurve, check_outside
 from .posterior import one_thread
 from .shifting import join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
@@ -27,8 +28,8 @@ TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shi
 _POOR = 0.1  # relative residual worth a warning
 
 
-@dataclass(frozen=True, eq=False)
-class PronyFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class PronyFit(AbstractFindings):
     """A Prony series through data, how far it is from them, and how well each number is known.
 
     Residuals are relative, prediction over data minus one; standard deviations follow from the scatter of the data
@@ -123,13 +124,6 @@ class PronyFit:
             yield "term", f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- {TWO_SIGMA * std:.2g} Pa"
         for text in self.warnings:
             yield "warning", text
-
-    def summary(self) -> str:
-        """The series, its residuals and warnings in a few lines; intervals are 95 %."""
-        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
-
-    def __repr__(self) -> str:
-        return f"PronyFit\n{self.summary()}"
 
 
 @one_thread

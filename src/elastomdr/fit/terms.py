@@ -17,7 +17,7 @@ _MOVE = 0.7  # standard deviation of a refined time about its place on the grid,
 _FREE = 15.0  # standard deviation of a logarithm that the data alone decide
 _PLATEAU = 0.1  # least part of the lowest storage modulus that an equilibrium modulus must be to be believed
 _DECISIVE = 10.0  # by how much a liquid must do better before a body that levels off counts as one
-_IDLE = 1e-3  # largest share of any value below which a term is left out, in noise standard deviations
+_IDLE = 0.001  # largest share of any value below which a term is left out, in noise standard deviations
 _BINS = 12  # per decade of frequency, into which points are gathered while the number of terms is looked for
 _ROUGHLY = 0.1  # gain of a step, in the criterion, at which the search for that number stops climbing
 
@@ -53,7 +53,9 @@ def choose_terms(data: Data, terms: int | None, solid: bool | None) -> Terms:
 
     The number of terms is found with points gathered in narrow bins; all points refine the answer.
     """
-    found = _search(_gathered(data), terms, solid)
+    gathered = _gathered(data)
+    found = _search(gathered, terms, solid)
+    found = _pruned(gathered, found) if terms is None else found
     return _climb(data, found.posterior.mean, found.priors, found.equilibrium > 0)
 
 
@@ -85,6 +87,27 @@ def _search(data: Data, terms: int | None, solid: bool | None) -> Terms:
         if liquid.criterion < best.criterion - _DECISIVE or not _levels_off(points, best):
             return liquid
     return best
+
+
+def _pruned(data: Data, found: Terms) -> Terms:
+    """The series without terms that the data hardly know, as long as that lowers the criterion."""
+    while found.log_times.size > 1:
+        n = found.log_times.size
+        least = int(np.diag(found.posterior.covariance)[:n].argmax())
+        kept = np.delete(np.arange(found.posterior.mean.size), [least, n + least])
+        priors = tuple(_without(prior, kept) for prior in found.priors)
+        trial = _climb(data, found.posterior.mean[kept], priors, found.equilibrium > 0, _ROUGHLY)
+        if trial.criterion > found.criterion:
+            break
+        found = trial
+    return found
+
+
+def _without(prior: Prior, kept: np.ndarray) -> Prior:
+    """The prior of the unknowns that are kept; each of its rows is about one unknown."""
+    rows = prior.rows[:, kept]
+    about = rows.any(axis=1)
+    return prior._replace(rows=rows[about], target=np.broadcast_to(prior.target, about.shape)[about])
 
 
 def _gathered(data: Data) -> Data:
