@@ -1,39 +1,26 @@
 """Time-temperature superposition: isotherms become one master curve, with the uncertainty of every shift."""
 
 import os
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._runtime import as_float64, positive, scalar, significant
+from .._runtime import positive, scalar, significant
 from ..errors import InputError
-from .data import Dma, FitWarning
+from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
+from .data import Dma
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import isotherms
-from .joint import AtReference, Joint, about, curve, fit_jointly, told_apart
+from .joint import AtReference, Joint, about, fit_jointly, told_apart
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
 from .shifting import LN10
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
-
-
-class Band(NamedTuple):
-    """Storage and loss modulus at the reference temperature with their 95 % intervals; every array as `omega`."""
-
-    omega: Float[np.ndarray, "..."]  # angular frequency [rad/s]
-    storage: Float[np.ndarray, "..."]  # [Pa]
-    storage_low: Float[np.ndarray, "..."]
-    storage_high: Float[np.ndarray, "..."]
-    loss: Float[np.ndarray, "..."]  # [Pa]
-    loss_low: Float[np.ndarray, "..."]
-    loss_high: Float[np.ndarray, "..."]
-    inside: Bool[np.ndarray, "..."]  # False where omega lies outside the measured (reduced) frequencies
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,16 +104,11 @@ class MasterCurve(AbstractFindings):
         says so point by point, and a `FitWarning` counts them. Raises `InputError` for frequencies that are not
         positive.
         """
-        omega = as_float64("omega", omega)
-        positive("omega", omega)
-        flat = np.atleast_1d(omega).ravel()
-        channel = np.repeat([STORAGE, LOSS], flat.size)
-        value, std = curve(self.joint, self.state, np.log(np.tile(flat, 2)), channel)
-        low, high = np.exp(value - TWO_SIGMA * std), np.exp(value + TWO_SIGMA * std)
-        inside = check_outside(flat, self.window)
-        n = flat.size
-        parts = (np.exp(value[:n]), low[:n], high[:n], np.exp(value[n:]), low[n:], high[n:], inside)
-        return Band(omega, *(part.reshape(omega.shape) for part in parts))
+        return dynamic_band(self.joint, self.state, self.window, omega)
+
+    def relaxation_band(self, time: Any) -> RelaxationBand:
+        """The smooth relaxation modulus with its 95 % interval, at times [s] of any shape; otherwise as `band`."""
+        return relaxation_band(self.joint, self.state, self.window, time)
 
     def plot(self, ax: Any = None) -> Any:
         """Draws the shifted data with curve and band on `ax`, or on a new figure; returns matplotlib Axes."""
@@ -180,19 +162,6 @@ def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tole
     if reference is None:
         reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
     return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)
-
-
-def check_outside(omega: np.ndarray, window: tuple[float, float]) -> np.ndarray:
-    """Whether frequencies [rad/s] lie inside the measured window; those outside are counted in one `FitWarning`."""
-    inside = (omega >= window[0] * (1 - 1e-9)) & (omega <= window[1] * (1 + 1e-9))
-    if not inside.all():
-        warnings.warn(
-            f"{int((~inside).sum())} of {inside.size} frequencies are extrapolated: they lie outside the measured "
-            f"{window[0]:.3g} to {window[1]:.3g} rad/s.",
-            FitWarning,
-            stacklevel=3,
-        )
-    return inside
 
 
 def _assemble(dma: Dma, joint: Joint, reference: float) -> MasterCurve:

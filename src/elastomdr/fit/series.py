@@ -14,11 +14,12 @@ from ..errors import InputError
 from ..material.prony import Prony
 from ..material.validity import Range
 from .balance import weigh
+from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import KINDS
 from .findings import TWO_SIGMA, AbstractFindings
 from .isotherms import correlation
-from .joint import Joint, about, curve
-from .master import Band, MasterCurve, check_outside
+from .joint import AtReference, Joint, about
+from .master import MasterCurve
 from .posterior import one_thread
 from .shifting import join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
@@ -74,6 +75,11 @@ class PronyFit(AbstractFindings):
         storage, loss = (x / (x + 1 / x) * moduli).sum(axis=-1), (moduli / (x + 1 / x)).sum(axis=-1)
         return float(self.material.equilibrium) + storage, loss
 
+    def relaxation_at(self, time: Any) -> np.ndarray:
+        """Relaxation modulus [Pa] of the series, in the data's own kind, at times [s] of any shape."""
+        decay = np.exp(-np.asarray(time, dtype=float)[..., None] / np.asarray(self.material.times))
+        return float(self.material.equilibrium) + (np.asarray(self.material.moduli) * decay).sum(axis=-1)
+
     def band(self, omega: Any) -> Band:
         """Storage and loss modulus of the series with 95 % intervals, at angular frequencies [rad/s], any shape.
 
@@ -81,19 +87,15 @@ class PronyFit(AbstractFindings):
         the data are a master curve), widened by the distance between that and the series. Frequencies outside `window`
         are extrapolated: `inside` marks them, and a `FitWarning` counts them.
         """
-        omega = as_float64("omega", omega)
-        positive("omega", omega)
-        flat = np.atleast_1d(omega).ravel()
-        state = self.master.state if self.master is not None else about(self.joint, self.joint.shifts.temperature[0])
-        channel = np.repeat([STORAGE, LOSS], flat.size)
-        smooth, std = curve(self.joint, state, np.log(np.tile(flat, 2)), channel)
-        value = np.log(np.concatenate(self.moduli_at(flat)))
-        std = np.sqrt(std**2 + (value - smooth) ** 2)
-        low, high = np.exp(value - TWO_SIGMA * std), np.exp(value + TWO_SIGMA * std)
-        inside = check_outside(flat, self.window)
-        n = flat.size
-        parts = (np.exp(value[:n]), low[:n], high[:n], np.exp(value[n:]), low[n:], high[n:], inside)
-        return Band(omega, *(part.reshape(omega.shape) for part in parts))
+        return dynamic_band(self.joint, self._state, self.window, omega, self.moduli_at)
+
+    def relaxation_band(self, time: Any) -> RelaxationBand:
+        """Relaxation modulus of the series with its 95 % interval, at times [s] of any shape; otherwise as `band`."""
+        return relaxation_band(self.joint, self._state, self.window, time, self.relaxation_at)
+
+    @property
+    def _state(self) -> AtReference:
+        return self.master.state if self.master is not None else about(self.joint, self.joint.shifts.temperature[0])
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the series, one row per term, with residuals and warnings in header lines that start with "# "."""
