@@ -49,6 +49,7 @@ def main(out: Path) -> None:
 
 def check_low_velocity(rubber: em.Prony) -> None:
     rubber = rubber.at(TEMPERATURE)
+    rubber = em.Prony(rubber.equilibrium, rubber.moduli, rubber.times, name=rubber.name)  # a limit, beyond any range
     viscosity = np.sum(rubber.moduli * rubber.times) / rubber.equilibrium  # sum(E_k tau_k)/E_inf [s]
     velocity = 1e-7 * float(BALL.radius) / rubber.times[-1]
     found = em.friction(rubber, BALL, velocity=velocity, load=LOAD)

@@ -48,7 +48,7 @@ def test_every_format_gives_the_same_numbers(writer, tmp_path):
         ("f [Hz],T [K],G',G''", "modulus_unit='MPa'"),
         ("f [Hz],T,G' [Pa],G'' [Pa]", "temperature_unit='degC'"),
         ("f [Hz],T [K],storage modulus [Pa],loss modulus [Pa]", "kind='shear' (--kind shear)"),
-        ("f [Hz],T [K],E' [Pa],G'' [Pa]", "all of shear or all of tension"),
+        ("f [Hz],T [K],E' [Pa],G'' [Pa]", "of shear and of tension"),
         ("a,b,c,d", "Name the columns"),
     ],
 )

@@ -9,7 +9,7 @@ from typing import Any
 __version__ = "0.1.0"
 
 _HOMES = {
-    "errors": ("InputError", "ConvergenceWarning"),
+    "errors": ("InputError", "ConvergenceWarning", "ExtrapolationWarning"),
     "material.prony": ("Prony", "KelvinVoigt", "Maxwell", "StandardSolid"),
     "material.shift": ("WLF", "Arrhenius", "VFT", "ShiftTable"),
     "material.library": ("materials", "load_material", "save_material"),

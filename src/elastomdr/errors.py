@@ -12,6 +12,10 @@ class ConvergenceWarning(UserWarning):
     """Issued once per call when points did not converge; those points are NaN with `converged=False`."""
 
 
+class ExtrapolationWarning(UserWarning):
+    """Issued once per call when a material is used at frequencies or temperatures beyond those it was measured at."""
+
+
 def closest(word: str, valid: Iterable[str]) -> str:
     """Returns " Did you mean 'x'?" for the valid word nearest to `word`, or an empty string."""
     near = difflib.get_close_matches(word, list(valid), n=1, cutoff=0.5)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from .cache import enable_cache
 from .main import DONE, NOT_CONVERGED
 from .scene import Scene, in_file
@@ -19,6 +19,7 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
     enable_cache()
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", ConvergenceWarning)
+        warnings.simplefilter("always", ExtrapolationWarning)
         with in_file(scene.path):
             curve = call(scene.material, scene.shape, **scene.arguments)
     notes = [("scene", scene.path.name)] + ([("title", scene.title)] if scene.title else [])

@@ -37,6 +37,12 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     add("--no-vertical", action="store_true", help="no vertical shifts")
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
+    add(
+        "--balance",
+        type=float,
+        metavar="FACTOR",
+        help="how many times more exactly the storage modulus is met than the loss modulus (default: their scatter)",
+    )
     add("--law", default="auto", help="auto, WLF, Arrhenius, VFT, table or none (default: auto)")
     add("--poisson", type=float, default=0.5, help="Poisson's ratio (default: 0.5)")
     add("--citation", default="", help="where the data come from, for the material file")
@@ -68,6 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
             reference,
             vertical=not arguments.no_vertical,
             terms=arguments.terms,
+            balance=arguments.balance,
             poisson=arguments.poisson,
             law=arguments.law,
             name=name or "",

@@ -117,7 +117,7 @@ def _two_bodies(material: Any, other: Any, arguments: dict[str, Any]) -> Any:
     del arguments["temperature"]
     return Foundation(
         pair.equilibrium, pair.moduli, pair.times, pair.viscosity, per_area=False,
-        name=f"{pair.name} at {float(temperature):g} K",
+        name=f"{pair.name} at {float(temperature):g} K", range=pair.range,
     )  # fmt: skip
 
 

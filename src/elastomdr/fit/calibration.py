@@ -17,6 +17,7 @@ from .._runtime import as_float64, positive, require
 from ..errors import InputError, closest
 from ..material.prony import Prony
 from ..material.shift import WLF
+from .findings import TWO_SIGMA, AbstractFindings
 
 MEANINGS = {
     "modulus": "log10 of a factor on all moduli",
@@ -31,11 +32,10 @@ MEANINGS = {
 }
 _WIDTH = 1.0  # standard deviation of the prior of a parameter, about its start, where none is given
 _UNLEARNED = 0.7  # posterior over prior standard deviation above which the data say little
-_TWO_SIGMA = 1.96
 
 
-@dataclass(frozen=True, eq=False)
-class Calibration:
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(AbstractFindings):
     """A calibrated material, the parameters that make it, and how well they are known."""
 
     material: Prony
@@ -54,18 +54,11 @@ class Calibration:
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the calibration, as pairs of a name and a text."""
         for name, value in self.parameters.items():
-            yield name, f"{value:.4g} +- {_TWO_SIGMA * self.std[name]:.2g}   {MEANINGS.get(name, 'your own')}"
+            yield name, f"{value:.4g} +- {TWO_SIGMA * self.std[name]:.2g}   {MEANINGS.get(name, 'your own')}"
         rms = float(np.sqrt(np.mean(self.residuals[self.used] ** 2)))
         yield "residuals", f"{rms:.3g} rms, error of a measurement {self.error:.3g}, {self.evaluations} evaluations"
         for text in self.warnings:
             yield "warning", text
-
-    def summary(self) -> str:
-        """Parameters with 95 % intervals, residuals and warnings in a few lines."""
-        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
-
-    def __repr__(self) -> str:
-        return f"Calibration\n{self.summary()}"
 
 
 def calibrate(

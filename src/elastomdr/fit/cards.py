@@ -1,5 +1,11 @@
-"""Material cards of a Prony series for finite-element programs: text, in SI units (Pa, s, K)."""
+"""Material cards of a Prony series for finite-element programs: text, in SI units (Pa, s, K).
 
+Formats as in the Abaqus Keywords Guide (*ELASTIC, *HYPERELASTIC, *VISCOELASTIC, *TRS) and the Mechanical APDL command
+reference (TB,PRONY: pairs of relative modulus and time, at most 100; TB,SHIFT). Written from the documentation; not run
+in either program.
+"""
+
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,6 +15,8 @@ from ..material.prony import Prony
 from ..material.shift import VFT, WLF, Arrhenius
 
 _FLOOR = 1e-6  # equilibrium part that stands for zero where a program wants the sum of the parts below 1
+_NO_TABLE = "only at this temperature: the shift law of the material has no place in this card"
+_LABEL = 70  # characters of a name; Abaqus takes 80, and wants a letter first
 _INCOMPRESSIBLE = 0.499  # Poisson's ratio above which bulk parts are left out
 
 
@@ -30,7 +38,7 @@ def abaqus_card(material: Prony) -> str:
         lines += ["*ELASTIC, MODULI=INSTANTANEOUS", f"{2 * (1 + poisson) * shear:.8g}, {poisson:.6g}"]
     lines.append("*VISCOELASTIC, TIME=PRONY")
     for g, k, time in zip(parts, bulk, material.times, strict=True):
-        lines.append(f"{g:.8g}, {k:.8g}, {float(time):.8g}")
+        lines.append(f"{g:.12g}, {k:.12g}, {float(time):.8g}")
     law = _as_wlf(material)
     if law is not None:
         values = [f"{float(v):.8g}" for v in (law.reference, law.c1, law.c2)]
@@ -39,6 +47,8 @@ def abaqus_card(material: Prony) -> str:
         energy, reference = float(material.shift.energy), float(material.shift.reference)
         lines += ["** energy [J/mol]; set the gas constant and absolute zero with *PHYSICAL CONSTANTS",
                   "*TRS, DEFINITION=ARRHENIUS", f"{reference:.8g}, {energy:.8g}"]  # fmt: skip
+    elif material.shift is not None:
+        lines.insert(0, f"** {_NO_TABLE}")
     return "\n".join(lines) + "\n"
 
 
@@ -54,7 +64,7 @@ def ansys_card(material: Prony, number: int = 1) -> str:
     for which in ("SHEAR", "BULK") if poisson <= _INCOMPRESSIBLE else ("SHEAR",):
         lines.append(f"TB,PRONY,{number},1,{parts.size},{which}")
         for i, (part, time) in enumerate(zip(parts, material.times, strict=True)):
-            lines.append(f"TBDATA,{2 * i + 1},{part:.8g},{float(time):.8g}")
+            lines.append(f"TBDATA,{2 * i + 1},{part:.12g},{float(time):.8g}")
     law = _as_wlf(material)
     if law is not None:
         lines += [
@@ -62,6 +72,8 @@ def ansys_card(material: Prony, number: int = 1) -> str:
             f"TB,SHIFT,{number},1,3,WLF",
             f"TBDATA,1,{float(law.reference):.8g},{float(law.c1):.8g},{float(law.c2):.8g}",
         ]
+    elif material.shift is not None:
+        lines.insert(0, f"! {_NO_TABLE}")
     return "\n".join(lines) + "\n"
 
 
@@ -88,7 +100,8 @@ def _parts(material: Prony) -> tuple[str, float, np.ndarray, list[str]]:
         equilibrium = _FLOOR * float(moduli.sum())
         notes.append(f"a liquid: {_FLOOR:g} of the modulus stays, since the parts must sum to less than 1")
     glassy = equilibrium + float(moduli.sum())
-    return (material.name or "RUBBER").upper().replace(" ", "_"), glassy, moduli / glassy, notes
+    label = re.sub(r"[^A-Z0-9_]+", "_", (material.name or "rubber").upper())[:_LABEL]
+    return label if label[0].isalpha() else f"M_{label}", glassy, moduli / glassy, notes
 
 
 def _poisson(material: Prony) -> float:

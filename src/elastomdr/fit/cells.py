@@ -12,7 +12,8 @@ from ..errors import InputError
 _MOST_BYTES = 200_000_000
 _LATIN = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7")  # what a Latin-1 file of measurements holds beyond ASCII
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
-_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
+_MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")  # a number, whatever its comma and point mean
+_BLANKS = re.compile("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)")  # that set thousands apart
 
 
 class Row(NamedTuple):
@@ -44,9 +45,10 @@ def read_cells(path: Path) -> Sheet:
             f"{path.name or path}: cannot be read ({getattr(error, 'strerror', None) or error})."
         ) from error
     if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
-        return Sheet(_spreadsheet(path), "")
+        return Sheet(_with_points(_spreadsheet(path), ""), "")
     text = decode(raw, path.name)
-    return Sheet(_split(text), text)
+    separator = _separator(text.splitlines())
+    return Sheet(_with_points(_split(text, separator), separator), text)
 
 
 def decode(raw: bytes, name: str) -> str:
@@ -69,31 +71,64 @@ def decode(raw: bytes, name: str) -> str:
 
 
 def number(cell: str) -> float | None:
-    """The number in a cell, with a decimal point or comma, or None where it holds something else."""
+    """The number in a cell, with a decimal point, or None where it holds something else."""
     text = cell.strip().strip('"')
-    if _COMMA.fullmatch(text):
-        text = text.replace(",", ".")
     if not _NUMBER.fullmatch(text):
         return None
     return float(text.replace("d", "e").replace("D", "E"))
 
 
-def _split(text: str) -> list[Row]:
+def _split(text: str, separator: str) -> list[Row]:
     lines = text.splitlines()
-    separator = _separator(lines)
     if separator == " ":
         return [Row(i, line.split()) for i, line in enumerate(lines, start=1)]
     rows = []
     for i, line in enumerate(lines, start=1):
-        if separator == "," and '"' in line and not re.search(r"[GE]\"", line):
-            cells = next(csv.reader(io.StringIO(line)), [])
-        else:
+        try:  # a quote within a cell, as in G", is a character like others
+            cells = next(csv.reader(io.StringIO(line), delimiter=separator), [])
+        except csv.Error:
             cells = line.split(separator)
         # Some exports separate titles with tabs and numbers with blanks.
         if separator == "\t" and len(cells) == 1 and len(line.split()) > 2 and number(line.split()[0]) is not None:
             cells = line.split()
         rows.append(Row(i, [cell.strip() for cell in cells]))
     return rows
+
+
+def _with_points(rows: list[Row], separator: str) -> list[Row]:
+    """The same rows with decimal points and nothing between thousands, whatever a sheet uses for either.
+
+    What cannot be both decides: 0,5 and 1.234,5 have decimal commas. Where all commas of a sheet could stand before
+    thousands (1,234), they do if its separator is a comma too, or if other numbers have decimal points.
+    """
+    rows = [Row(row.line, [_BLANKS.sub("", cell).replace("\u2212", "-") for cell in row.cells]) for row in rows]
+    marked = [cell for row in rows for cell in row.cells if ("," in cell or "." in cell) and _MARKED.fullmatch(cell)]
+    comma, point = (any(_is_decimal(cell, mark) for cell in marked) for mark in ",.")
+    grouped = not comma and (point or separator == "," or any(cell.count(",") > 1 for cell in marked))
+
+    def plain(cell: str) -> str:
+        if not ("," in cell or "." in cell) or not _MARKED.fullmatch(cell):
+            return cell
+        if "," in cell and "." in cell:
+            decimal = max(",.", key=cell.rfind)
+        elif "," in cell:
+            decimal = "" if grouped else ","
+        else:
+            decimal = "" if comma and not point else "."
+        for mark in {",", "."} - {decimal}:
+            cell = cell.replace(mark, "")
+        return cell.replace(",", ".")
+
+    return [Row(row.line, [plain(cell) for cell in row.cells]) for row in rows]
+
+
+def _is_decimal(cell: str, mark: str) -> bool:
+    """Whether a comma (or point) can only be the decimal one: the last mark, once, not before just three digits."""
+    other = "." if mark == "," else ","
+    if cell.count(mark) != 1 or (other in cell and cell.rfind(other) > cell.rfind(mark)):
+        return False
+    before, after = re.split("[eEdD]", cell)[0].lstrip("+-").split(mark)
+    return other in before or len(after) != 3 or len(before) > 3 or before in ("", "0")
 
 
 def _separator(lines: list[str]) -> str:
@@ -104,7 +139,7 @@ def _separator(lines: list[str]) -> str:
         score = 0.0
         for line in sample:
             cells = line.split() if separator == " " else line.split(separator)
-            known = sum(number(cell) is not None for cell in cells)
+            known = sum(_MARKED.fullmatch(cell.strip().strip('"')) is not None for cell in cells)
             score += known if len(cells) >= 2 and known >= 2 else 0
         if score > 1.05 * most:
             best, most = separator, score

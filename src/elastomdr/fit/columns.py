@@ -12,7 +12,7 @@ UNITS: dict[str, dict[str, float]] = {  # role -> unit -> factor to SI (rad/s, P
     "frequency": {"hz": _HZ, "khz": 1e3 * _HZ, "mhz": 1e-3 * _HZ, "rad/s": 1.0, "krad/s": 1e3, "mrad/s": 1e-3},
     "modulus": {
         "pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": 1e9, "n/m2": 1.0, "n/mm2": 1e6, "psi": 6894.757293168,
-        "ksi": 6894757.293168, "bar": 1e5, "dyn/cm2": 0.1,
+        "ksi": 6894757.293168, "bar": 1e5, "dyn/cm2": 0.1, "kgf/cm2": 98066.5, "kgf/mm2": 9806650.0,
     },
     "temperature": {"degc": 1.0, "k": 1.0, "degf": 5 / 9},
     "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
@@ -26,7 +26,8 @@ _SAME = {
     "rad·s-1": "rad/s", "rads^-1": "rad/s", "rad/s^1": "rad/s", "hertz": "hz", "sec": "s", "second": "s",
     "seconds": "s", "minutes": "min", "hours": "h", "hr": "h", "°": "deg", "º": "deg",
     "degree": "deg", "degrees": "deg",
-    "n/m^2": "n/m2", "n/mm^2": "n/mm2", "dyn/cm^2": "dyn/cm2", "dyne/cm2": "dyn/cm2", "dyne/cm^2": "dyn/cm2", "1": "",
+    "n/m^2": "n/m2", "n/mm^2": "n/mm2", "dyn/cm^2": "dyn/cm2", "dyne/cm2": "dyn/cm2", "dyne/cm^2": "dyn/cm2",
+    "kgf/cm^2": "kgf/cm2", "kg/cm2": "kgf/cm2", "kgf/mm^2": "kgf/mm2", "kg/mm2": "kgf/mm2", "1": "",
     "-": "", "[-]": "", "none": "",
 }  # fmt: skip
 
@@ -53,6 +54,7 @@ _NAMES = {
 }
 _KIND = {"omega": "frequency", "storage": "modulus", "loss": "modulus", "absolute": "modulus", "relaxation": "modulus",
          "phase": "angle", "tangent": "ratio"}  # fmt: skip
+_LONGEST = 80  # characters of a title
 _PATTERNS = {role: re.compile(pattern, re.IGNORECASE) for role, pattern in _NAMES.items()}
 
 
@@ -62,8 +64,9 @@ class Column(NamedTuple):
     place: int
     role: str
     title: str
-    unit: str  # "" where none was given
+    unit: str  # "" where none was given, or none that is known
     letter: str  # "G", "E" or "" where the title does not say which modulus it is
+    said: str = ""  # what stands in place of a unit and is none that is known
 
 
 def measure(role: str) -> str:
@@ -76,9 +79,14 @@ def known_unit(text: str) -> str:
     word = re.sub(r"\s+", "", text.strip().strip("[]()").strip()).lower().replace("²", "2").replace("μ", "µ")
     word = word.replace("⁻¹", "-1").replace("⋅", "·")
     word = _SAME.get(word, word)
-    if text.strip().strip("[]()") in ("MHz",):
-        return ""  # mHz is meant by nobody who writes MHz, and 1e6 Hz by nobody who has a DMA
+    if text.strip().strip("[]()") in ("MHz", "mPa"):
+        return ""  # 1e6 Hz and 1e-3 Pa are meant by nobody who has a DMA; whether mHz and MPa are is not for us to say
     return word if any(word in units for units in UNITS.values()) else ""
+
+
+def unclear(text: str) -> bool:
+    """Whether a text stands for a unit that may be one of several, so that the user has to say which."""
+    return re.sub(r"\s+", "", text) in ("1/s", "s-1", "s^-1", "s⁻¹", "/s", "MHz", "mPa")
 
 
 def is_unit_row(cells: Sequence[str]) -> bool:
@@ -93,28 +101,40 @@ def understand(titles: Sequence[str], units: Sequence[str]) -> list[Column]:
     """The columns whose titles say what they hold; `units` from a row of its own go before those in the title."""
     columns = []
     for place, title in enumerate(titles):
-        name, unit = _split(title)
-        given = known_unit(units[place]) if place < len(units) else ""
+        name, unit, said = _split(title)
+        below = units[place].strip() if place < len(units) else ""
+        given = known_unit(below)
         role = _role(name)
-        if role is None and unit:  # the end of the title was no unit after all
-            role, unit, name = _role(_clean(title)), "", _clean(title)
+        if role is None and (unit or said):  # the end of the title was no unit after all
+            role, unit, said, name = _role(_clean(title)), "", "", _clean(title)
         if role is None:
             continue
-        unit = given or unit
+        unit, said = given or ("" if below.strip("[]()- ") else unit), "" if given else below.strip("[]()- ") or said
         if unit and unit not in UNITS.get(measure(role), {unit: 1.0}):
-            if (measure(role) == "frequency" and unit == "") or role == "torque":
-                unit = ""
-            else:
+            if role != "torque":
                 continue  # such as a "Phase" in volts
-        letter = ""
-        if measure(role) == "modulus":
-            match = re.match(r"\|?([geGE])(?=[_'*12(ptPT ]|abs|stor|loss|relax|prime|dprime|pp?$)", name)
-            letter = match[1].upper() if match else ""
-            letter = (
-                "G" if re.match(r"shear", name, re.I) else "E" if re.match(r"tensile|young", name, re.I) else letter
-            )
-        columns.append(Column(place, role, title.strip(), unit, letter))
+            unit = ""
+        columns.append(Column(place, role, title.strip(), unit, _letter(role, name), said))
     return columns
+
+
+def is_complete(columns: Sequence[Column]) -> bool:
+    """Whether columns make a measurement: rate and two moduli, or time and relaxation."""
+    roles = {column.role for column in columns}
+    moduli = {"storage", "loss"} <= roles or {"storage", "tangent"} <= roles or {"absolute", "phase"} <= roles
+    return bool(({"frequency", "omega"} & roles and moduli) or {"time", "relaxation"} <= roles)
+
+
+def _letter(role: str, name: str) -> str:
+    if measure(role) != "modulus":
+        return ""
+    if re.match(r"shear", name, re.IGNORECASE):
+        return "G"
+    if re.match(r"tensile|young", name, re.IGNORECASE):
+        return "E"
+    match = re.search(r"(?<![a-z])\|?([ge])(?=[_'*12(]|pp?\b|abs|stor|loss|relax|prime|dprime)", name, re.IGNORECASE)
+    match = match or re.match(r"\|?([GE])(?=[tT]\b)", name)
+    return match[1].upper() if match else ""
 
 
 def convert(values: list[float], role: str, unit: str) -> list[float]:
@@ -141,30 +161,49 @@ def checked_unit(name: str, text: str | None, kind: str) -> str | None:
 
 
 def _role(name: str) -> str | None:
-    if name == "T":
-        return "temperature"
-    if name == "t":
-        return "time"
+    found = _plain_role(name)
+    if found is not None or len(name) > _LONGEST:
+        return found
+    for gap in re.finditer(r"[\s(,:-]+", name):  # said twice, in words and as a symbol
+        one, other = _plain_role(name[: gap.start()].strip()), _plain_role(name[gap.end() :].strip(" )"))
+        if one is not None and one == other:
+            return one
+    return None
+
+
+def _plain_role(name: str) -> str | None:
+    if name in ("T", "t"):
+        return "temperature" if name == "T" else "time"
     return next((role for role, pattern in _PATTERNS.items() if pattern.fullmatch(name)), None)
 
 
-def _split(title: str) -> tuple[str, str]:
-    """Name and unit of a title such as "G' [MPa]", "Frequency (Hz)", "E' / MPa" or "freq_hz"."""
+def _split(title: str) -> tuple[str, str, str]:
+    """Name and unit of a title such as "G' [MPa]", "Frequency (Hz)", "E' / MPa" or "freq_hz"; third, what stands in
+    brackets in place of a unit and is none that is known.
+    """
     text = _clean(title)
     match = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\[\]()]*)\s*[\])]", text)
     if match and (known_unit(match[2]) or not match[2].strip("- ")):
-        return match[1].strip(), known_unit(match[2])
-    for pattern in (r"(.*?)\s*[/,]\s*(\S+)", r"(.+)\s+in\s+(\S+)"):
+        return match[1].strip(), known_unit(match[2]), ""
+    if match and _role(match[1].strip()) and _role(text) is None:
+        return match[1].strip(), "", match[2]
+    for pattern in (r"(.*?)\s*[/,]\s*(\S+)", r"(.+)\s+in\s+(\S+)", r"(.+?)\s+-\s+(\S+)"):
         match = re.fullmatch(pattern, text)
         if match and known_unit(match[2]):
-            return match[1].strip(), known_unit(match[2])
+            return match[1].strip(), known_unit(match[2]), ""
     for pattern in (r"(.+?)_(rad_?s|rad_per_s|[a-zA-Z]+)", r"(\S.*?)\s+([^\s]+)"):
         match = re.fullmatch(pattern, text)
         if match:
             unit = {"rads": "rad/s", "rad_s": "rad/s", "rad_per_s": "rad/s"}.get(match[2].lower(), match[2])
             if known_unit(unit) and _role(match[1]):
-                return match[1].strip(), known_unit(unit)
-    return text, ""
+                return match[1].strip(), known_unit(unit), ""
+    return text, "", ""
+
+
+def title_unit(title: str) -> str:
+    """The unit at the end of a title, whatever the rest of it says; "" where there is none."""
+    match = re.fullmatch(r".*?[\s(\[/,_-]([^\s(\[\])/,_-]+(?:/[^\s(\[\])]+)?)[\])]?", _clean(title))
+    return known_unit(match[1]) if match else ""
 
 
 def _clean(title: str) -> str:

@@ -40,6 +40,15 @@ class Dma:
     shifted: bool = False  # whether the frequencies are reduced ones: a master curve somebody else made
     source: str = ""
 
+    def __post_init__(self) -> None:
+        _kind(self.kind)
+        for name, like in (("storage", self.frequency), ("loss", self.frequency), ("temperature", self.frequency),
+                           ("relaxation", self.time), ("time_temperature", self.time)):  # fmt: skip
+            _same(name, np.asarray(getattr(self, name)), "frequency" if like is self.frequency else "time", like)
+        for name in ("frequency", "storage", "loss", "time", "relaxation"):
+            if np.size(getattr(self, name)):
+                _positive(name, getattr(self, name))
+
     @property
     def size(self) -> int:
         """Number of measured points, in frequency and in time."""
@@ -117,7 +126,10 @@ def join(*parts: Dma) -> Dma:
     return replace(
         parts[0],
         **{name: chain(name) for name in arrays},
-        units={key: unit for part in parts for key, unit in part.units.items()},
+        units={
+            key: ", ".join(_each((part.units[key],) for part in parts if key in part.units))
+            for key in dict.fromkeys(key for part in parts for key in part.units)
+        },
         warnings=_each(part.warnings for part in parts),
         bad_rows=_each(part.bad_rows for part in parts),
         source=", ".join(_each((part.source,) for part in parts)),

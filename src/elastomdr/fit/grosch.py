@@ -10,6 +10,7 @@ from scipy.interpolate import BSpline
 
 from .._runtime import as_float64, positive, require, scalar
 from ..errors import InputError
+from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import correlation, group
 from .laws import LawFit, fit_laws
 from .posterior import Posterior, Prior, infer, one_thread
@@ -19,10 +20,9 @@ from .spectrum import STORAGE, Points
 _KNOTS = 2.5  # per decade of velocity
 _MARGIN = 2.0  # decades of the curve beyond the data, on either side
 _BEND = (1e-4, 1.0)  # limits of the standard deviation of the curve's second difference
-_TWO_SIGMA = 1.96
-_FLAT = (
-    6.0  # change of friction over all velocities, in standard deviations of the scatter, below which nothing is seen
-)
+_FLAT = 6.0  # change of friction over all velocities, in standard deviations of the scatter, below which none is seen
+_LEAST = 0.05  # part of the largest friction below which an error in proportion shrinks no further
+_ALIKE = 1.3  # neighbours per independent point below which they count as independent
 _POOR = 0.3  # relative standard deviation of a shift between neighbours above which it is worth a warning
 
 
@@ -41,8 +41,8 @@ class _Spline(NamedTuple):
         return spline(x), spline.derivative()(x)
 
 
-@dataclass(frozen=True, eq=False)
-class FrictionMaster:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionMaster(AbstractFindings):
     """Measured friction shifted to one temperature: mu(v; T) = mu(v a_T; T_ref), with no vertical shift."""
 
     reference: float  # T_ref [K]
@@ -54,7 +54,7 @@ class FrictionMaster:
     velocity: Float[np.ndarray, " m"]  # reduced velocity v a_T [m/s]
     mu: Float[np.ndarray, " m"]  # measured friction coefficient
     number: Int[np.ndarray, " m"]  # number of the temperature of each point
-    noise: float  # standard deviation of mu about the curve
+    error: Float[np.ndarray, " m"]  # standard deviation of each measured mu
     warnings: tuple[str, ...]
     converged: bool
     _posterior: Posterior
@@ -85,7 +85,7 @@ class FrictionMaster:
         std = np.sqrt(np.einsum("ij,jk,ik->i", basis, self._posterior.covariance[:count, :count], basis))
         inside = (flat >= self.velocity.min() * (1 - 1e-9)) & (flat <= self.velocity.max() * (1 + 1e-9))
         value = np.where(inside, value, np.nan)
-        parts = (value, value - _TWO_SIGMA * std, value + _TWO_SIGMA * std)
+        parts = (value, value - TWO_SIGMA * std, value + TWO_SIGMA * std)
         return tuple(part.reshape(velocity.shape) for part in parts)  # type: ignore[return-value]
 
     def plot(self, ax: Any = None) -> Any:
@@ -101,31 +101,24 @@ class FrictionMaster:
         value, _, high = self.curve(v)
         top = int(value.argmax())
         yield "largest", f"mu = {value[top]:.3g} +- {high[top] - value[top]:.1g} at v a_T = {v[top]:.3g} m/s"
-        yield "scatter", f"{self.noise:.2g} in mu"
-        for kelvin, x, std in zip(self.temperature, self.log10_a, self.log10_a_std, strict=True):
-            yield f"{kelvin - 273.15:8.2f} degC", f"log10 a_T {x:8.3f} +- {_TWO_SIGMA * std:.3f}"
-        for name, fit in self.laws.items():
-            yield name, f"{fit.constants()}; rms residual {fit.rms:.3f} decades"
+        low, high = self.error.min(), self.error.max()
+        yield "scatter", f"{low:.2g} in mu" if high < 1.01 * low else f"{low:.2g} to {high:.2g} in mu"
+        yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws)
         for text in self.warnings:
             yield "warning", text
-
-    def summary(self) -> str:
-        """Shifts, laws and warnings in a few lines; intervals are 95 %."""
-        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
-
-    def __repr__(self) -> str:
-        return f"FrictionMaster\n{self.summary()}"
 
 
 @one_thread
 def friction_master(
-    velocity: Any, temperature: Any, mu: Any, reference: Any = None, *, tolerance: float = 1.5
+    velocity: Any, temperature: Any, mu: Any, reference: Any = None, *, error: Any = None, tolerance: float = 1.5
 ) -> FrictionMaster:
     """Shifts measured friction mu(v, T) along log v to one smooth curve at the temperature `reference` [K].
 
     `velocity` [m/s], `temperature` [K] and `mu` broadcast against each other, one entry per measured point;
     temperatures with no gap above `tolerance` [K] are one curve. `reference` defaults to the measured temperature
-    nearest to 20 degC. Raises `InputError` for fewer than two temperatures or eight points.
+    nearest to 20 degC. `error` is the standard deviation of a measured mu, one number or one per point; where it is not
+    given it is estimated, of one size for all points, or in proportion to the friction with `error="relative"`. Raises
+    `InputError` for fewer than two temperatures or eight points.
     """
     arrays = {name: as_float64(name, value) for name, value in
               (("velocity", velocity), ("temperature", temperature), ("mu", mu))}  # fmt: skip
@@ -152,11 +145,31 @@ def friction_master(
         )
     zero = np.zeros(friction.size)
     points = Points(np.full(friction.size, STORAGE), np.log(v), friction, number, zero)
-    posterior, spline, anchor = _infer(points, kelvin)
-    return _assemble(points, kelvin, posterior, spline, anchor, reference)
+    if isinstance(error, str) and error != "relative":
+        raise InputError(f"error must be numbers, 'relative' or None, got {error!r}.")
+    known = error is not None and not isinstance(error, str)
+    size = np.ones(friction.size)
+    if known:
+        size = _broadcast(as_float64("error", error), np.broadcast_shapes(*(a.shape for a in arrays.values())))
+        positive("error", size)
+    posterior, spline, anchor = _infer(points, kelvin, size, known)
+    if error is not None and not known:
+        for _ in range(2):  # in proportion to the curve, which is less noisy than the points
+            curve = np.abs(points.log_value - posterior.residuals)
+            size = np.maximum(curve, _LEAST * curve.max())
+            posterior, spline, anchor = _infer(points, kelvin, size, known)
+    return _assemble(points, kelvin, posterior, spline, anchor, reference, size)
 
 
-def _infer(points: Points, kelvin: np.ndarray) -> tuple[Posterior, _Spline, int]:
+def _broadcast(error: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    try:
+        return np.broadcast_to(error, shape).ravel()
+    except ValueError as problem:
+        raise InputError(f"error must match the measured points in shape, {shape}, got {error.shape}.") from problem
+
+
+def _infer(points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool) -> tuple[Posterior, _Spline, int]:
+    """Spline and slopes; the noise of each point is `size`, times a factor to be found where that is not `known`."""
     scale = max(float(np.ptp(points.log_value)), 1e-9)
     guess = guess_shifts(points._replace(log_value=points.log_value / scale), kelvin)
     anchor = kelvin.size // 2
@@ -173,7 +186,9 @@ def _infer(points: Points, kelvin: np.ndarray) -> tuple[Posterior, _Spline, int]
         log10_a, by_slope = from_slopes(p[count:], kelvin, anchor)
         basis, slope = spline.basis(points.log_rate + LN10 * log10_a[points.isotherm])
         sideways = LN10 * (slope @ p[:count])[:, None]
-        return basis @ p[:count], lambda: np.concatenate([basis, sideways * by_slope[points.isotherm]], axis=1)
+        return basis @ p[
+            :count
+        ] / size, lambda: np.concatenate([basis, sideways * by_slope[points.isotherm]], axis=1) / size[:, None]
 
     every = np.eye(n)
     start = np.zeros(n)
@@ -187,21 +202,30 @@ def _infer(points: Points, kelvin: np.ndarray) -> tuple[Posterior, _Spline, int]
         Prior(every[:count], 10 * scale, None, points.log_value.mean()),
         *slope_priors(every[count:], kelvin),
     ]
-    limits = (1e-5 * scale, scale)
-    noise = np.array([0.03 * scale])
-    posterior = infer(model, points.log_value, points.channel, start, priors, noise, noise_limits=limits)
+    typical = scale / float(np.median(size))
+    limits = None if known else (1e-5 * typical, typical)
+    noise = np.array([1.0 if known else 0.03 * typical])
+
+    def found(temper: float) -> Posterior:
+        return infer(
+            model, points.log_value / size, points.channel, start, priors, noise, noise_limits=limits, temper=temper
+        )
+
+    posterior = found(1.0)
     rho = min(0.9, max(0.0, correlation(points, posterior.residuals)))
     alike = (1 + rho) / (1 - rho)
-    if alike > 1.3:
-        noise = np.array([0.03 * scale])
-        posterior = infer(
-            model, points.log_value, points.channel, start, priors, noise, noise_limits=limits, temper=alike
-        )
-    return posterior, spline, anchor
+    posterior = found(alike) if alike > _ALIKE else posterior
+    return posterior._replace(residuals=posterior.residuals * size), spline, anchor
 
 
 def _assemble(
-    points: Points, kelvin: np.ndarray, posterior: Posterior, spline: _Spline, anchor: int, reference: float
+    points: Points,
+    kelvin: np.ndarray,
+    posterior: Posterior,
+    spline: _Spline,
+    anchor: int,
+    reference: float,
+    size: np.ndarray,
 ) -> FrictionMaster:
     count = spline.size
     x, by_slope = from_slopes(posterior.mean[count:], kelvin, anchor)
@@ -212,7 +236,8 @@ def _assemble(
     weights[[low, low + 1]] = 1 - (place - low), place - low
     change = np.eye(kelvin.size) - weights
     basis, _ = spline.basis(points.log_rate + LN10 * x[points.isotherm])
-    flat = bool(np.ptp(basis @ posterior.mean[:count]) < _FLAT * posterior.noise[0])
+    error = posterior.noise[0] * size
+    flat = bool(np.ptp(basis @ posterior.mean[:count]) < _FLAT * np.median(error))
     if flat:  # noise alone makes curves fit each other; the shifts are then those expected beforehand
         spread = spread + np.outer(x, x)
     law = fit_laws(kelvin, x, spread, float(kelvin[anchor]))["WLF" if kelvin.size > 2 else "Arrhenius"].law
@@ -222,7 +247,7 @@ def _assemble(
     step = np.sqrt(np.maximum(np.diag(between @ spread @ between.T), 0.0))
     celsius = kelvin - 273.15
     texts = [
-        f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known to +- {_TWO_SIGMA * step[i]:.2g} "
+        f"The shift between {celsius[i]:.4g} and {celsius[i + 1]:.4g} degC is known to +- {TWO_SIGMA * step[i]:.2g} "
         "decades only: the friction hardly changes there, or the curves do not overlap."
         for i in np.flatnonzero(step > _POOR * np.abs(np.diff(x)))
     ]
@@ -240,7 +265,7 @@ def _assemble(
         velocity=np.exp(points.log_rate) * 10 ** log10_a[points.isotherm],
         mu=points.log_value,
         number=points.isotherm,
-        noise=float(posterior.noise[0]),
+        error=error,
         warnings=tuple(texts),
         converged=posterior.converged,
         _posterior=posterior,

@@ -1,5 +1,6 @@
 """The joint fit of all isotherms, and what it says at any reference temperature."""
 
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -13,13 +14,23 @@ _INDEPENDENT = 1.3  # neighbours per independent point below which they count as
 
 _POOR = 0.12  # relative standard deviation of a step between neighbours above which it may not be told apart
 _EXCHANGED = 0.5  # part of its variance that is exchange with the vertical shifts
+_GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
+_BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
+
+
+class Doubt(NamedTuple):
+    """One direction of uncertainty of log10 a_T that the posterior does not contain, one standard deviation long."""
+
+    by_isotherm: np.ndarray  # (n,) [decades]
+    size: float  # by how much the common curve moves along with the isotherms [decades],
+    between: tuple[float, float]  # at these ln(rate) at the anchor's temperature
 
 
 class Joint(NamedTuple):
     """The most probable shifts and spectrum, and by how much their covariance falls short of the truth."""
 
     shifts: Shifts
-    choice: np.ndarray  # what the choice of shift model adds to log10 a_i: one direction of uncertainty [decades]
+    doubts: tuple[Doubt, ...]  # of the choice of shift model, and of gaps between isotherms
     inflation: float  # by which the covariance has grown since residuals along an isotherm resemble each other
     misfit: float  # scatter about the common curve over that of each isotherm about a smooth curve of its own
 
@@ -56,7 +67,8 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
     here, there = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
     apart = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
-    return Joint(shifts, np.sqrt(weight) * apart, temper, misfit)
+    choice = Doubt(np.sqrt(weight) * apart, 0.0, (np.inf, np.inf))
+    return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit)
 
 
 def about(joint: Joint, reference: float) -> AtReference:
@@ -69,7 +81,7 @@ def about(joint: Joint, reference: float) -> AtReference:
     weights, bent = _interpolation(temperature, reference), 0.0
     if n >= 2:
         name = "WLF" if n >= 3 else "Arrhenius"
-        spread = by_x @ covariance @ by_x.T + np.outer(joint.choice, joint.choice)
+        spread = by_x @ covariance @ by_x.T + _outer(d.by_isotherm for d in joint.doubts)
         centre = int(np.argmin(np.abs(temperature - reference)))
         change = np.eye(n)
         change[:, centre] -= 1
@@ -77,7 +89,7 @@ def about(joint: Joint, reference: float) -> AtReference:
         bent = float(law.law._log10_a(reference)) - weights @ np.asarray(law.law._log10_a(temperature))
     change = np.eye(n) - weights
     matrix = change @ by_x
-    full = matrix @ covariance @ matrix.T + np.outer(change @ joint.choice, change @ joint.choice)
+    full = matrix @ covariance @ matrix.T + _outer(change @ d.by_isotherm for d in joint.doubts)
     log10_a = change @ x - bent
     lift = change @ shifts.vertical()
     entropy = shifts.vertical()[:, shifts.slopes.stop]
@@ -99,13 +111,16 @@ def curve(
     weights = reference.weights
     here = float(x[shifts.anchor] - reference.log10_a[shifts.anchor])
     level = float((lift @ p)[shifts.anchor] - reference.ln_b[shifts.anchor])
-    answer = shifts.predict(p, channel, log_rate + LN10 * here)
+    at_anchor = log_rate + LN10 * here
+    answer = shifts.predict(p, channel, at_anchor)
     jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - weights @ lift
     jacobian[:, shifts.spectrum] += answer.by_neighbours
     jacobian[:, shifts.equilibrium] += answer.by_equilibrium
     jacobian[:, shifts.places] += answer.by_place
     variance = np.einsum("ij,jk,ik->i", jacobian, shifts.posterior.covariance, jacobian)
-    variance += (LN10 * answer.by_rate * (weights @ joint.choice)) ** 2
+    for doubt in joint.doubts:
+        along = doubt.size * ((at_anchor > doubt.between[0]) & (at_anchor < doubt.between[1]))
+        variance += (LN10 * answer.by_rate * (weights @ doubt.by_isotherm - along)) ** 2
     return answer.log_value - level, np.sqrt(np.maximum(variance, 0.0))
 
 
@@ -128,6 +143,24 @@ def told_apart(joint: Joint) -> np.ndarray:
     for i in np.flatnonzero(poor):
         clear[i + 1 if i >= shifts.anchor else i] = False
     return clear
+
+
+def _gaps(shifts: Shifts) -> Iterator[Doubt]:
+    """What rests on the smoothness of the spectrum alone: the steps between isotherms that do not overlap."""
+    points, log10_a = shifts.points, shifts.horizontal(shifts.posterior.mean)[0]
+    rate = points.log_rate + LN10 * (log10_a[points.isotherm] + points.offset)
+    numbers = np.arange(shifts.size)
+    low, high = (np.array([end(rate[points.isotherm == i]) for i in numbers]) for end in (np.min, np.max))
+    for i in range(shifts.size - 1):
+        size = _GAP * ((low[: i + 1].min() - high[i + 1 :].max()) / LN10 - _BRIDGED)
+        if size > 0 and i < shifts.anchor:
+            yield Doubt(np.where(numbers <= i, size, 0.0), size, (high[i + 1 :].max(), np.inf))
+        elif size > 0:
+            yield Doubt(np.where(numbers > i, size, 0.0), size, (-np.inf, low[: i + 1].min()))
+
+
+def _outer(vectors: Iterable[np.ndarray]) -> np.ndarray:
+    return sum(np.outer(vector, vector) for vector in vectors)  # pyright: ignore[reportReturnType]
 
 
 def _interpolation(temperature: np.ndarray, reference: float) -> np.ndarray:

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 _NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms alone
 _WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
 _CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
-_LAW_OFF = 0.15  # rms residual of the WLF law [decades]
 
 
 def judge(master: "MasterCurve") -> tuple[str, ...]:
@@ -50,7 +49,8 @@ def _ambiguous(master: "MasterCurve") -> Iterator[str]:
 
 
 def _choice(master: "MasterCurve") -> Iterator[str]:
-    moved = np.abs(master.joint.choice - np.interp(master.reference, master.temperature, master.joint.choice))
+    choice = master.joint.doubts[0].by_isotherm
+    moved = np.abs(choice - np.interp(master.reference, master.temperature, choice))
     if moved.max() > _CHOICE:
         celsius = master.temperature[moved.argmax()] - 273.15
         yield (
@@ -94,8 +94,8 @@ def _details(master: "MasterCurve") -> Iterator[str]:
     if outliers:
         total = master.joint.shifts.posterior.weights.size
         yield f"{outliers} of {total} values are outliers (beyond 3 standard deviations) and count for less."
-    if "WLF" in master.laws and master.laws["WLF"].rms > _LAW_OFF:
+    if "WLF" in master.laws and not master.laws["WLF"].holds:
         yield (
-            f"The WLF law misses the shift factors by {master.laws['WLF'].rms:.2f} decades rms: "
-            "use the table of shift factors instead."
+            f"The WLF law misses the shift factors by {master.laws['WLF'].rms:.2f} decades rms, more than they are "
+            "uncertain by: use the table of shift factors instead."
         )

@@ -11,6 +11,7 @@ from ..material.shift import GAS_CONSTANT, VFT, WLF, Arrhenius
 _LN10 = float(np.log(10.0))
 _LEAST = 0.003  # standard deviation by which any such law may be off [decades]
 _POLE = 1.0  # least distance of a law's pole below the data [K]
+_MISSES = 0.1  # error of its own above which a law is not that of the shift factors [decades]
 
 
 class LawFit(NamedTuple):
@@ -19,11 +20,17 @@ class LawFit(NamedTuple):
     law: Any  # em.WLF, em.Arrhenius or em.VFT
     residuals: Float[np.ndarray, " n"]  # log10 a_T measured minus law [decades]
     std: dict[str, float]  # standard deviation of each constant, in its unit
+    own: float  # how far the law is off beyond what the shift factors are known to, a standard deviation [decades]
 
     @property
     def rms(self) -> float:
         """Root mean square of the residuals [decades]."""
         return float(np.sqrt(np.mean(self.residuals**2)))
+
+    @property
+    def holds(self) -> bool:
+        """Whether the shift factors follow the law, within what they are known to."""
+        return self.own <= _MISSES
 
     def constants(self) -> str:
         """The constants with their units and 95 % intervals, in one line."""
@@ -68,26 +75,26 @@ def fit_laws(
         return np.exp(p[0]) / GAS_CONSTANT * (1 / temperature - 1 / reference) / _LN10
 
     if distinct.sum() >= 1 and temperature.size >= 2:
-        p, spread = _fit(arrhenius, [np.log(1e5)], [(5.0, 16.0)], log10_a, covariance)
+        p, spread, own = _fit(arrhenius, [np.log(1e5)], [(5.0, 16.0)], log10_a, covariance)
         energy = float(np.exp(p[0]))
         fits["Arrhenius"] = LawFit(
-            Arrhenius(energy, reference), log10_a - arrhenius(p), {"energy": energy * np.sqrt(spread[0, 0])}
+            Arrhenius(energy, reference), log10_a - arrhenius(p), {"energy": energy * np.sqrt(spread[0, 0])}, own
         )
     if temperature.size >= 3:
-        p, spread = _fit(wlf, [2.0, 4.0], [(-4.0, 8.0), (-3.0, 9.0)], log10_a, covariance)
+        p, spread, own = _fit(wlf, [2.0, 4.0], [(-4.0, 8.0), (-3.0, 9.0)], log10_a, covariance)
         c1, gap = float(np.exp(p[0])), float(np.exp(p[1]))
         std = {"c1": c1 * np.sqrt(spread[0, 0]), "c2": gap * np.sqrt(spread[1, 1])}
-        fits["WLF"] = LawFit(WLF(c1, reference - lowest + _POLE + gap, reference), log10_a - wlf(p), std)
-        p, spread = _fit(vft, [7.0, 0.5], [(2.0, 14.0), (-8.0, 8.0)], log10_a, covariance)
+        fits["WLF"] = LawFit(WLF(c1, reference - lowest + _POLE + gap, reference), log10_a - wlf(p), std, own)
+        p, spread, own = _fit(vft, [7.0, 0.5], [(2.0, 14.0), (-8.0, 8.0)], log10_a, covariance)
         b, part = float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1])))
         std = {"b": b * np.sqrt(spread[0, 0]), "t0": (lowest - _POLE) * part * (1 - part) * np.sqrt(spread[1, 1])}
-        fits["VFT"] = LawFit(VFT(b, (lowest - _POLE) * part, reference), log10_a - vft(p), std)
+        fits["VFT"] = LawFit(VFT(b, (lowest - _POLE) * part, reference), log10_a - vft(p), std, own)
     return fits
 
 
 def _fit(
     law: Any, start: list[float], limits: list[tuple[float, float]], value: np.ndarray, covariance: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Generalised least squares, with the law's own error grown until chi squared matches the freedom left."""
     own, p = _LEAST, np.array(start)
     bounds = np.array(limits).T
@@ -103,4 +110,4 @@ def _fit(
         if excess <= 1.2:
             break
         own *= min(np.sqrt(excess), 4.0)
-    return p, spread
+    return p, spread, float(own)

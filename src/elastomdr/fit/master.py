@@ -1,44 +1,30 @@
 """Time-temperature superposition: isotherms become one master curve, with the uncertainty of every shift."""
 
 import os
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._runtime import as_float64, positive, scalar, significant
+from .._runtime import positive, scalar, significant
 from ..errors import InputError
-from .data import Dma, FitWarning
+from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
+from .data import Dma
+from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import isotherms
-from .joint import AtReference, Joint, about, curve, fit_jointly, told_apart
+from .joint import AtReference, Joint, about, fit_jointly, told_apart
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
 from .shifting import LN10
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
 
-TWO_SIGMA = 1.96  # a 95 % interval is the value plus and minus this many standard deviations
 
-
-class Band(NamedTuple):
-    """Storage and loss modulus at the reference temperature with their 95 % intervals; every array as `omega`."""
-
-    omega: Float[np.ndarray, "..."]  # angular frequency [rad/s]
-    storage: Float[np.ndarray, "..."]  # [Pa]
-    storage_low: Float[np.ndarray, "..."]
-    storage_high: Float[np.ndarray, "..."]
-    loss: Float[np.ndarray, "..."]  # [Pa]
-    loss_low: Float[np.ndarray, "..."]
-    loss_high: Float[np.ndarray, "..."]
-    inside: Bool[np.ndarray, "..."]  # False where omega lies outside the measured (reduced) frequencies
-
-
-@dataclass(frozen=True, eq=False)
-class MasterCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class MasterCurve(AbstractFindings):
     """Isotherms shifted to one reference temperature: b_T M(omega; T) = M(omega a_T; T_ref).
 
     One entry per isotherm in `temperature`, `log10_a`, `log10_b`, their standard deviations and `ambiguous`; one per
@@ -118,16 +104,11 @@ class MasterCurve:
         says so point by point, and a `FitWarning` counts them. Raises `InputError` for frequencies that are not
         positive.
         """
-        omega = as_float64("omega", omega)
-        positive("omega", omega)
-        flat = np.atleast_1d(omega).ravel()
-        channel = np.repeat([STORAGE, LOSS], flat.size)
-        value, std = curve(self.joint, self.state, np.log(np.tile(flat, 2)), channel)
-        low, high = np.exp(value - TWO_SIGMA * std), np.exp(value + TWO_SIGMA * std)
-        inside = check_outside(flat, self.window)
-        n = flat.size
-        parts = (np.exp(value[:n]), low[:n], high[:n], np.exp(value[n:]), low[n:], high[n:], inside)
-        return Band(omega, *(part.reshape(omega.shape) for part in parts))
+        return dynamic_band(self.joint, self.state, self.window, omega)
+
+    def relaxation_band(self, time: Any) -> RelaxationBand:
+        """The smooth relaxation modulus with its 95 % interval, at times [s] of any shape; otherwise as `band`."""
+        return relaxation_band(self.joint, self.state, self.window, time)
 
     def plot(self, ax: Any = None) -> Any:
         """Draws the shifted data with curve and band on `ax`, or on a new figure; returns matplotlib Axes."""
@@ -142,24 +123,13 @@ class MasterCurve:
         low, high = self.window
         yield "reduced window", f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades"
         yield "scatter", ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.noise.items())
-        for i, kelvin in enumerate(self.temperature):
-            mark = "  (not told apart)" if self.ambiguous[i] else ""
-            yield (
-                f"{kelvin - 273.15:8.2f} degC",
-                f"log10 a_T {self.log10_a[i]:8.3f} +- {TWO_SIGMA * self.log10_a_std[i]:.3f}   "
-                f"log10 b_T {self.log10_b[i]:7.4f} +- {TWO_SIGMA * self.log10_b_std[i]:.4f}{mark}",
-            )
-        for name, fit in self.laws.items():
-            yield name, f"{fit.constants()}; rms residual {fit.rms:.3f} decades"
+        vertical = [
+            f"   log10 b_T {y:7.4f} +- {TWO_SIGMA * std:.4f}{'  (not told apart)' * bool(mark)}"
+            for y, std, mark in zip(self.log10_b, self.log10_b_std, self.ambiguous, strict=True)
+        ]
+        yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical)
         for text in self.warnings:
             yield "warning", text
-
-    def summary(self) -> str:
-        """Shifts, laws and warnings in a few lines; intervals are 95 %."""
-        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
-
-    def __repr__(self) -> str:
-        return f"MasterCurve\n{self.summary()}"
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the shifted data, one row per point, with the shifts in header lines that start with "# "."""
@@ -192,19 +162,6 @@ def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tole
     if reference is None:
         reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
     return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)
-
-
-def check_outside(omega: np.ndarray, window: tuple[float, float]) -> np.ndarray:
-    """Whether frequencies [rad/s] lie inside the measured window; those outside are counted in one `FitWarning`."""
-    inside = (omega >= window[0] * (1 - 1e-9)) & (omega <= window[1] * (1 + 1e-9))
-    if not inside.all():
-        warnings.warn(
-            f"{int((~inside).sum())} of {inside.size} frequencies are extrapolated: they lie outside the measured "
-            f"{window[0]:.3g} to {window[1]:.3g} rad/s.",
-            FitWarning,
-            stacklevel=3,
-        )
-    return inside
 
 
 def _assemble(dma: Dma, joint: Joint, reference: float) -> MasterCurve:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import InputError
 from .cells import Row, number
-from .columns import Column, convert, measure, spelled
+from .columns import UNITS, Column, convert, is_complete, measure, spelled, unclear
 from .data import Dma
 from .plausible import implausible, inconsistent
 
@@ -30,9 +30,7 @@ class Block(NamedTuple):
 
 def measurements(path: Path, block: Block, options: Options, units: dict[str, str]) -> Dma:
     """A block's points in SI; `units` are those that the format fixes."""
-    chosen: dict[str, Column] = {}
-    for column in block.columns:
-        chosen.setdefault(column.role, column)
+    chosen = _chosen(block.columns, options)
     dynamic = "storage" in chosen or "absolute" in chosen
     if dynamic:
         chosen.pop("time", None)
@@ -53,7 +51,7 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     arrays = {role: np.array(convert(values[role], role, given[role])) for role in needed}
     texts = list(inconsistent(arrays, {role: (values[role], given[role]) for role in checks}, dynamic))
     kind = _kind(chosen, options)
-    texts += implausible(arrays, {chosen[role].title: spelled(given[role]) for role in needed}, modulus_given(options))
+    texts += implausible(arrays, {role: chosen[role].title for role in needed}, given, modulus_given(options))
     if bad:
         more = f" and {len(bad) - _NAMED} more" if len(bad) > _NAMED else ""
         texts.append(f"{path.name}: {len(bad)} rows left out: {'; '.join(bad[:_NAMED])}{more}.")
@@ -84,6 +82,24 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     else:
         storage, loss = (arrays["absolute"] * part(arrays["phase"]) for part in (np.cos, np.sin))
     return Dma(temperature, arrays[needed[0]], storage, loss, **common)
+
+
+def _chosen(columns: list[Column], options: Options) -> dict[str, Column]:
+    """One column per role: of several, the first whose unit is known. Raises `InputError` for moduli of two kinds."""
+    letters = {column.letter for column in columns if measure(column.role) == "modulus"} - {""}
+    if len(letters) > 1:
+        if options.kind is None:
+            raise InputError(
+                "the file has moduli of shear and of tension: say which are meant, as kind='shear' (--kind shear)."
+            )
+        wanted = "G" if options.kind == "shear" else "E"
+        columns = [column for column in columns if column.letter in ("", wanted)]
+        if not is_complete(columns):
+            raise InputError(f"the file has no storage and loss modulus of {options.kind}, only one of both.")
+    chosen: dict[str, Column] = {}
+    for column in sorted(columns, key=lambda column: bool(column.said)):
+        chosen.setdefault(column.role, column)
+    return chosen
 
 
 def modulus_given(options: Options) -> bool:
@@ -137,6 +153,9 @@ def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
         return "rad/s"
     if kind == "ratio":
         return ""
+    if column.said and not unclear(column.said):
+        known = ", ".join(spelled(unit) for unit in UNITS[kind])
+        raise InputError(f"the unit of {column.title!r} is {column.said!r}, which is none of {known}: write it as one.")
     unit = column.unit or fixed.get(column.role) or options.units.get(kind)
     if unit:
         return unit
@@ -146,9 +165,10 @@ def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
         raise InputError(
             f"the unit of {column.title!r} is not in the file: name it in the title, as '{column.title} [deg]'."
         )
+    missing = f"may be several ({column.said})" if column.said else "is not in the file"
     example = {"frequency": "Hz", "modulus": "MPa", "temperature": "degC", "time": "s"}[kind]
     raise InputError(
-        f"the unit of {column.title!r} is not in the file; give it, as {option}={example!r} "
+        f"the unit of {column.title!r} {missing}; give it, as {option}={example!r} "
         f"(--{option.replace('_', '-')} {example})."
     )
 

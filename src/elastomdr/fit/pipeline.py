@@ -15,20 +15,20 @@ from ..errors import InputError
 from ..material.library import save_material
 from ..material.prony import Prony
 from ..material.shift import ShiftTable
+from ..material.validity import Range
 from .cards import abaqus_card, ansys_card, plain_card
 from .data import Dma
+from .findings import TWO_SIGMA, AbstractFindings
 from .master import MasterCurve, master_curve
-from .series import PronyFit, prony
+from .series import TEMPERATURE_DIGITS, PronyFit, prony
 from .tables import master_csv, prony_csv, shifts_csv
 
 LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
-_LAW_MISSES = 0.1  # rms residual of the WLF law above which a table of shift factors replaces it [decades]
-_DECIMALS = 2  # of temperatures in the material's range and table, which have to agree [K]
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
 
 
-@dataclass(frozen=True, eq=False)
-class MaterialFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class MaterialFit(AbstractFindings):
     """A material with the master curve and the series that it comes from."""
 
     material: Prony
@@ -52,20 +52,10 @@ class MaterialFit:
         for text in self.warnings:
             yield "warning", text
 
-    def summary(self) -> str:
-        """Shifts, series, residuals and warnings in a few lines; intervals are 95 %."""
-        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
-
-    def __repr__(self) -> str:
-        return f"MaterialFit\n{self.summary()}"
-
     def info(self) -> dict[str, Any]:
         """What a material file holds beside the numbers: description, range, sources with the quality of the fit."""
         master, fit = self.master, self.prony
         fitted = {"citation": f"{self.citation}, fitted by elastomdr {__version__} (em.fit)", "grade": "fitted here"}
-        span = [round(float(t), _DECIMALS) for t in (master.temperature.min(), master.temperature.max())]
-        if span[0] == span[1]:
-            span = [span[0] - 0.5, span[1] + 0.5]
         moduli: dict[str, Any] = fitted | {"note": self._note()}
         moduli["storage_residual"] = _round(fit.storage_residual if fit.storage.size else fit.relaxation_residual, 2)
         moduli["loss_residual"] = _round(fit.loss_residual if fit.loss.size else fit.relaxation_residual, 2)
@@ -77,11 +67,10 @@ class MaterialFit:
         }
         if self.material.shift is None:
             del sources["shift"]
-        low, high = (_round(value, 4) for value in fit.window)
         return {
             "description": self.description,
             "reference_temperature": float(master.reference),
-            "range": {"frequency": [low, high], "temperature": span},
+            "range": (self.material.range or Range(None, None)).table(),
             "source": sources,
         }
 
@@ -96,7 +85,7 @@ class MaterialFit:
 
     def _shift_note(self) -> str:
         master = self.master
-        worst = 1.96 * float(master.log10_a_std.max())
+        worst = TWO_SIGMA * float(master.log10_a_std.max())
         parts = [f"{master.temperature.size} isotherms shifted jointly, log10 a_T to +- {worst:.2g} (95 %) at worst."]
         if self.law in master.laws:
             parts.append(f"The law misses them by {master.laws[self.law].rms:.2g} decades rms.")
@@ -138,6 +127,7 @@ def material(
     vertical: bool = True,
     terms: int | None = None,
     equilibrium: bool | None = None,
+    balance: float | None = None,
     poisson: float = 0.5,
     law: str = "auto",
     name: str = "",
@@ -147,7 +137,7 @@ def material(
     """A material from measured isotherms: `master_curve`, then `prony`, then a shift law.
 
     `law` is "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
-    within 0.1 decades rms of the shift factors or within what they are known to, a table otherwise. A material has
+    within 0.1 decades of the shift factors, or within what they are known to, a table otherwise. A material has
     no vertical shift: `as_used` says what that costs against the data as measured. Other arguments as for
     `master_curve` and `prony`; `citation` is the source of the data. Raises `InputError` as they do.
     """
@@ -159,13 +149,21 @@ def material(
     name = name or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem).strip("-.").lower() or "rubber"
     citation = citation or f"Measured data: {dma.source or 'arrays'}"
     fit = prony(
-        master, terms=terms, equilibrium=equilibrium, poisson=poisson, shift=shift, name=name, citation=citation
+        master,
+        terms=terms,
+        equilibrium=equilibrium,
+        balance=balance,
+        poisson=poisson,
+        shift=shift,
+        name=name,
+        citation=citation,
     )
     used = _as_used(fit.material, dma, master)
     texts = [*dma.warnings, *master.warnings, *fit.warnings]
-    lift = float(np.abs(np.expm1(np.log(10) * master.log10_b)).max())
+    known = np.abs(master.log10_b) > TWO_SIGMA * master.log10_b_std
+    lift = float(np.abs(np.expm1(np.log(10) * master.log10_b * known)).max())
     if lift > _LIFT:
-        cold = float(master.temperature[np.abs(master.log10_b).argmax()] - 273.15)
+        cold = float(master.temperature[np.abs(master.log10_b * known).argmax()] - 273.15)
         texts.append(
             f"Vertical shifts reach {100 * lift:.2g} % (at {cold:.3g} degC), and a material file has none: "
             "away from the reference temperature its moduli are off by as much. vertical=False (--no-vertical) fits a "
@@ -180,9 +178,7 @@ def _choose(master: MasterCurve) -> str:
         return "none"
     if master.temperature.size == 2:
         return "Arrhenius"
-    fit = master.laws["WLF"]
-    known = float(np.sqrt(np.mean(master.log10_a_std**2)))
-    return "WLF" if fit.rms <= max(_LAW_MISSES, known) else "table"
+    return "WLF" if master.laws["WLF"].holds else "table"
 
 
 def _law(master: MasterCurve, name: str) -> Any:
@@ -199,7 +195,7 @@ def _table(master: MasterCurve) -> ShiftTable:
     if master.temperature.size < 2:
         raise InputError("law must be 'none' for data of one temperature, got 'table'.")
     away = np.abs(master.temperature - master.reference) > 0.5
-    temperature = np.append(master.temperature[away], master.reference).round(_DECIMALS)
+    temperature = np.append(master.temperature[away], master.reference).round(TEMPERATURE_DIGITS)
     log10_a = np.append(master.log10_a[away], 0.0)
     order = np.argsort(temperature)
     return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))

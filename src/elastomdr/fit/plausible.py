@@ -4,16 +4,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .columns import convert
+from .columns import convert, spelled
 
 _LARGEST = 3e10  # [Pa], above any polymer
 _SMALLEST = 1e3  # [Pa], below what the stiffest point of any solid polymer or melt in its plateau has
 _TEMPERATURES = (120.0, 700.0)  # [K]
+_HOT = 473.15  # coldest temperature of a file, if in degC, above which it may well be kelvins [K]
 
 
-def implausible(arrays: dict[str, np.ndarray], units: dict[str, str], user: bool) -> Iterator[str]:
-    """Warnings on values that a polymer hardly has; they say what was assumed."""
+def implausible(
+    arrays: dict[str, np.ndarray], titles: dict[str, str], given: dict[str, str], user: bool
+) -> Iterator[str]:
+    """Warnings on values that a polymer hardly has; they say what was assumed. `titles` and units `given` by role."""
     whose = "as you say" if user else "as the file says"
+    units = {titles[role]: spelled(given[role]) for role in titles}
     for role in ("storage", "absolute", "relaxation"):
         if role not in arrays:
             continue
@@ -28,18 +32,18 @@ def implausible(arrays: dict[str, np.ndarray], units: dict[str, str], user: bool
         ratio = float(np.median(arrays["loss"] / arrays["storage"]))
         if ratio > 100 or ratio < 1e-4:
             yield (
-                f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is "
-                f"implausible: are their "
-                "units mixed up? Assumed are those of the file."
+                f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is implausible: are "
+                "their units mixed up? Assumed are those of the file."
             )
     if "temperature" in arrays:
         low, high = float(arrays["temperature"].min()), float(arrays["temperature"].max())
-        if low < _TEMPERATURES[0] or high > _TEMPERATURES[1]:
+        if low < _TEMPERATURES[0] or high > _TEMPERATURES[1] or (given["temperature"] == "degc" and low > _HOT):
             yield (
-                f"temperatures from {low:.4g} to {high:.4g} K are implausible for a DMA; assumed is the unit of "
-                f"the file. "
-                "Check whether they are in degC or K."
+                f"temperatures from {low:.4g} to {high:.4g} K are implausible for a DMA; assumed is the unit of the "
+                f"file, {spelled(given['temperature'])}. Check whether they are in degC or K."
             )
+    if given.get("omega") == "hz":
+        yield f"{titles['omega']!r} is an angular frequency in Hz: are Hz and rad/s mixed up? Assumed is Hz."
 
 
 def inconsistent(
@@ -54,17 +58,15 @@ def inconsistent(
         )
         if abs(ratio - 1) > 0.02:
             yield (
-                f"frequency and angular frequency differ by a factor of {ratio:.3g} after conversion: are Hz "
-                f"and rad/s mixed "
-                "up? Assumed is the angular frequency."
+                f"frequency and angular frequency differ by a factor of {ratio:.3g} after conversion: are Hz and "
+                "rad/s mixed up? Assumed is the angular frequency."
             )
     if "tangent" in others and "storage" in arrays and "loss" in arrays:
         ratio = _median(np.array(others["tangent"][0]) * arrays["storage"] / arrays["loss"])
         if abs(ratio - 1) > 0.1:
             yield (
-                f"the loss tangent is {ratio:.3g} times loss over storage modulus: are their units mixed up? "
-                f"Assumed are "
-                "the two moduli."
+                f"the loss tangent is {ratio:.3g} times loss over storage modulus: are their units mixed up? Assumed "
+                "are the two moduli."
             )
 
 

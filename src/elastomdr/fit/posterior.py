@@ -17,6 +17,7 @@ _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
 _RATIO = 5.0  # largest ratio of two groups' noise: a misfit of one must not leave it to the others alone
 _ROUNDS = 40
 _STIFF = 1.0  # added to curvatures where they scale the damping: unknowns are logarithms, a step of 1 is large
+GAIN = 3e-3  # of a step, in twice the logarithm of probability, at which climbing stops
 _STEPS = 12  # of Gauss-Newton before the widths are looked at again
 
 
@@ -74,12 +75,13 @@ def infer(
     wary: Wary | None = None,
     noise_limits: tuple[float, float] | None = (1e-5, 1.0),
     weights: np.ndarray | None = None,
+    gain: float = GAIN,
 ) -> Posterior:
     """The posterior of a model whose values have Gaussian noise of unknown size, one size per `group` of points.
 
     With `noise_limits=None` the noise stays as it is given. `temper` above 1 says that residuals resemble their
     neighbours: so many points count as one. `wary` replaces the Jacobian in the covariance. `weights` of the points
-    are found, unless they are given: 1, and less for outliers.
+    are found, unless they are given: 1, and less for outliers. Climbing stops where a step gains less than `gain`.
     """
     p, noise, robust = start.copy(), noise.copy(), weights is None
     weights = np.ones(data.size) if weights is None else weights
@@ -93,7 +95,7 @@ def infer(
         precision = _weighted(grams, widths)
         pull = _weighted(pulls, widths)
         scale = np.sqrt(weights / temper) / noise[group]
-        p, residuals, jacobian, settled = _climb(model, data, scale, precision, pull, p)
+        p, residuals, jacobian, settled = _climb(model, data, scale, precision, pull, p, gain)
         scaled = jacobian * scale[:, None]
         hessian = scaled.T @ scaled + precision
         factor = _cholesky(hessian)
@@ -117,7 +119,7 @@ def infer(
             widths[j] = float(np.clip(estimate, *prior.limits))
         if robust:
             size = np.abs(residuals) / noise[group]
-            weights = np.minimum(1.0, _HUBER / np.maximum(size, 1e-12))
+            weights = np.minimum(1.0, (_HUBER / np.maximum(size, 1e-12)) ** 2)
         cost = np.abs(np.log(np.concatenate([noise, widths])) - before).max()
         if settled and cost < 0.03:
             converged = True
@@ -145,7 +147,13 @@ def _weighted(parts: list[np.ndarray], widths: list[float]) -> np.ndarray:
 
 
 def _climb(
-    model: Model, data: np.ndarray, scale: np.ndarray, precision: np.ndarray, pull: np.ndarray, p: np.ndarray
+    model: Model,
+    data: np.ndarray,
+    scale: np.ndarray,
+    precision: np.ndarray,
+    pull: np.ndarray,
+    p: np.ndarray,
+    least: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
     """Damped Gauss-Newton to the most probable unknowns; returns them with residuals and Jacobian there."""
     damping = 1e-3
@@ -163,7 +171,9 @@ def _climb(
         hessian = scaled.T @ scaled + precision
         diagonal, calm = np.diag(hessian) + _STIFF, True
         while True:
-            step = dpotrs(_cholesky(hessian + np.diag(damping * diagonal)), gradient, lower=1)[0]
+            damped = hessian.copy()
+            damped.flat[:: p.size + 1] += damping * diagonal
+            step = dpotrs(_cholesky(damped), gradient, lower=1)[0]
             trial = p + step * min(1.0, 3.0 / max(np.abs(step).max(), 1e-12))
             value, jacobian = model(trial)
             new = penalty(trial, data - value)
@@ -176,7 +186,7 @@ def _climb(
         p, residuals, slopes, now = trial, data - value, jacobian(), new
         if calm:
             damping = max(damping / 8, 1e-9)
-        if gain < 3e-3:
+        if gain < least:
             return p, residuals, slopes, True
     return p, residuals, slopes, False
 

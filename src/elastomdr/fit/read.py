@@ -10,7 +10,7 @@ from typing import Any
 from .._runtime import positive, scalar
 from ..errors import InputError, closest
 from .cells import Row, Sheet, number, read_cells
-from .columns import Column, checked_unit, is_unit_row, known_unit, understand
+from .columns import Column, checked_unit, is_complete, is_unit_row, known_unit, title_unit, understand
 from .data import KINDS, Dma, FitWarning, join
 from .measurements import Block, Options, measurements
 
@@ -88,7 +88,7 @@ def _read(path: Path, options: Options) -> Dma:
             return _reptate(path, sheet, parameters or {}, options)
         blocks = list(_blocks(sheet.rows, options))
         if not blocks:
-            raise InputError(_no_columns(sheet.rows))
+            raise InputError(_no_columns(sheet.rows, options))
         return join(*(measurements(path, block, options, {}) for block in blocks))
     except InputError as error:
         text = str(error)
@@ -111,14 +111,14 @@ def _blocks(rows: list[Row], options: Options) -> Iterator[Block]:
             if found is not None:
                 found.rows.append(row)
             continue
-        after = rows[i + 1].cells if i + 1 < len(rows) else []
-        units = after if is_unit_row(after) else []
+        below = next((k for k in range(i + 1, len(rows)) if any(rows[k].cells) or rows[k].line == 0), i)
+        units = rows[below].cells if is_unit_row(rows[below].cells) else []
         columns = _named(row.cells, understand(row.cells, units), units, options)
-        if _complete(columns):
+        if is_complete(columns):
             if found is not None and found.rows:
                 yield found
             found = Block(columns, [])
-            skip = i + 1 if units else -1
+            skip = below if units else -1
         elif found is not None and any(row.cells) and len([c for c in row.cells if c]) > 2:
             found.rows.append(row)  # a row of a table that is no measurement: counted as bad below
         elif found is not None and found.rows and row.cells and row.cells[0].startswith("["):
@@ -126,12 +126,6 @@ def _blocks(rows: list[Row], options: Options) -> Iterator[Block]:
             found = None
     if found is not None and found.rows:
         yield found
-
-
-def _complete(columns: list[Column]) -> bool:
-    roles = {column.role for column in columns}
-    moduli = {"storage", "loss"} <= roles or {"storage", "tangent"} <= roles or {"absolute", "phase"} <= roles
-    return bool(({"frequency", "omega"} & roles and moduli) or {"time", "relaxation"} <= roles)
 
 
 def _named(titles: list[str], columns: list[Column], units: list[str], options: Options) -> list[Column]:
@@ -143,7 +137,7 @@ def _named(titles: list[str], columns: list[Column], units: list[str], options: 
             place = next((i for i, title in enumerate(titles) if title.strip() == str(wanted).strip()), -1)
         if not 0 <= place < len(titles):
             continue
-        unit = known_unit(units[place]) if place < len(units) else ""
+        unit = known_unit(units[place]) if place < len(units) else title_unit(titles[place])
         columns = [column for column in columns if column.place != place and column.role != role]
         columns.append(Column(place, role, titles[place], unit, ""))
     return columns
@@ -152,7 +146,7 @@ def _named(titles: list[str], columns: list[Column], units: list[str], options: 
 def _parameters(sheet: Sheet) -> dict[str, str] | None:
     """RepTate's first line, "T=-10;Mw=33.6;chem=PI;", as a dict; None for other files."""
     first = sheet.text.split("\n", 1)[0].strip()
-    if not re.fullmatch(r"(\w+=[^;]*;)+\s*", first):
+    if not re.fullmatch(r"(\w+=[^;]*;)+\s*", first) or first.startswith("sep="):
         return None
     return dict(part.strip().split("=", 1) for part in first.split(";") if "=" in part)
 
@@ -167,14 +161,15 @@ def _reptate(path: Path, sheet: Sheet, parameters: dict[str, str], options: Opti
     start = next((i for i, row in enumerate(rows) if sum(number(c) is not None for c in row.cells) >= 3), len(rows))
     titles = _titles(sheet.text.splitlines(), start)
     columns = understand(*titles)
-    if not _complete(columns):
+    if not is_complete(columns):
         columns = [Column(i, role, role, "", "G") for i, role in enumerate(("omega", "storage", "loss"))]
     if master:
         columns = [column for column in columns if column.role != "temperature"]
     units = _FORMAT_UNITS | {"frequency": "rad/s"}
     kelvin = options.temperature if given is None else given + 273.15
     body = [row for row in rows[start:] if row.cells]
-    found = measurements(path, Block(columns, body), options._replace(kind="shear", temperature=kelvin), units)
+    kind = options.kind or ("shear" if not any(column.letter for column in columns) else None)
+    found = measurements(path, Block(columns, body), options._replace(kind=kind, temperature=kelvin), units)
     return Dma(**{**vars(found), "shifted": master})
 
 
@@ -185,9 +180,11 @@ def _titles(lines: list[str], start: int) -> tuple[list[str], list[str]]:
     return heads[0], heads[1] if len(heads) > 1 else []
 
 
-def _no_columns(rows: list[Row]) -> str:
+def _no_columns(rows: list[Row], options: Options) -> str:
     if not any(any(row.cells) for row in rows):
         return "the file is empty."
+    if any(is_complete(_named(row.cells, understand(row.cells, []), [], options)) for row in rows):
+        return "there are no numbers below the header."
     shown = next((row.cells for row in rows if sum(bool(cell) for cell in row.cells) >= 2), [])
     return (
         "no header names frequency, storage and loss modulus (or time and relaxation modulus); "

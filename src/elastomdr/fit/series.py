@@ -12,23 +12,25 @@ from jaxtyping import Float
 from .._runtime import as_float64, positive, scalar, significant
 from ..errors import InputError
 from ..material.prony import Prony
+from ..material.validity import Range
+from .balance import weigh
+from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import KINDS
+from .findings import TWO_SIGMA, AbstractFindings
 from .isotherms import correlation
-from .joint import Joint, about, curve
-from .master import TWO_SIGMA, Band, MasterCurve, check_outside
+from .joint import AtReference, Joint, about
+from .master import MasterCurve
 from .posterior import one_thread
 from .shifting import join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
-from .terms import choose_terms, most_terms
+from .terms import Data, choose_terms, most_terms
 
-_RATIO = 3.0  # largest ratio between the weights of two kinds of modulus: a series has to meet all of them
-_CONTRADICTION = 0.1  # scatter above which storage and loss modulus contradict each other
-_STORAGE_FIRST = 5.0  # times that the storage modulus then counts for more: it is the better measured of the two
-_LEAST_NOISE = 0.002  # relative standard deviation below which residuals are not trusted to be noise
+TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
+_POOR = 0.1  # relative residual worth a warning
 
 
-@dataclass(frozen=True, eq=False)
-class PronyFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class PronyFit(AbstractFindings):
     """A Prony series through data, how far it is from them, and how well each number is known.
 
     Residuals are relative, prediction over data minus one; standard deviations follow from the scatter of the data
@@ -73,6 +75,11 @@ class PronyFit:
         storage, loss = (x / (x + 1 / x) * moduli).sum(axis=-1), (moduli / (x + 1 / x)).sum(axis=-1)
         return float(self.material.equilibrium) + storage, loss
 
+    def relaxation_at(self, time: Any) -> np.ndarray:
+        """Relaxation modulus [Pa] of the series, in the data's own kind, at times [s] of any shape."""
+        decay = np.exp(-np.asarray(time, dtype=float)[..., None] / np.asarray(self.material.times))
+        return float(self.material.equilibrium) + (np.asarray(self.material.moduli) * decay).sum(axis=-1)
+
     def band(self, omega: Any) -> Band:
         """Storage and loss modulus of the series with 95 % intervals, at angular frequencies [rad/s], any shape.
 
@@ -80,19 +87,15 @@ class PronyFit:
         the data are a master curve), widened by the distance between that and the series. Frequencies outside `window`
         are extrapolated: `inside` marks them, and a `FitWarning` counts them.
         """
-        omega = as_float64("omega", omega)
-        positive("omega", omega)
-        flat = np.atleast_1d(omega).ravel()
-        state = self.master.state if self.master is not None else about(self.joint, self.joint.shifts.temperature[0])
-        channel = np.repeat([STORAGE, LOSS], flat.size)
-        smooth, std = curve(self.joint, state, np.log(np.tile(flat, 2)), channel)
-        value = np.log(np.concatenate(self.moduli_at(flat)))
-        std = np.sqrt(std**2 + (value - smooth) ** 2)
-        low, high = np.exp(value - TWO_SIGMA * std), np.exp(value + TWO_SIGMA * std)
-        inside = check_outside(flat, self.window)
-        n = flat.size
-        parts = (np.exp(value[:n]), low[:n], high[:n], np.exp(value[n:]), low[n:], high[n:], inside)
-        return Band(omega, *(part.reshape(omega.shape) for part in parts))
+        return dynamic_band(self.joint, self._state, self.window, omega, self.moduli_at)
+
+    def relaxation_band(self, time: Any) -> RelaxationBand:
+        """Relaxation modulus of the series with its 95 % interval, at times [s] of any shape; otherwise as `band`."""
+        return relaxation_band(self.joint, self._state, self.window, time, self.relaxation_at)
+
+    @property
+    def _state(self) -> AtReference:
+        return self.master.state if self.master is not None else about(self.joint, self.joint.shifts.temperature[0])
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the series, one row per term, with residuals and warnings in header lines that start with "# "."""
@@ -124,13 +127,6 @@ class PronyFit:
         for text in self.warnings:
             yield "warning", text
 
-    def summary(self) -> str:
-        """The series, its residuals and warnings in a few lines; intervals are 95 %."""
-        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
-
-    def __repr__(self) -> str:
-        return f"PronyFit\n{self.summary()}"
-
 
 @one_thread
 def prony(
@@ -156,7 +152,7 @@ def prony(
     are refined, and may lie beyond the data. The number of terms (`terms`) and whether there is an equilibrium modulus
     (`equilibrium`) are chosen by the Akaike information criterion where they are not given, with at most one and a
     half terms per decade. `balance` is how many times more exactly the storage modulus is to be met than the loss
-    modulus; by itself it follows their scatter, and is 5 where they contradict each other. `kind` ("shear" unless
+    modulus; by itself it follows their scatter, and is 20 where they contradict each other. `kind` ("shear" unless
     the master curve says otherwise), `poisson`, `shift`, `name` and `citation` go into the material. Raises
     `InputError` for lists that do not match, values that are not positive, too few points.
     """
@@ -189,22 +185,25 @@ def prony(
         balance = float(scalar("balance", balance))
         positive("balance", balance)
     joint = master.joint if master is not None else _smooth(points)
-    noise = _weigh(joint.shifts.posterior.noise, points, balance)
-    weights = joint.shifts.posterior.weights
-    found = choose_terms(points, noise, weights, joint.inflation, terms, equilibrium)
+    noise, contradiction = weigh(joint.shifts.posterior.noise, points, balance)
+    data = Data(points, noise, joint.shifts.posterior.weights, joint.inflation)
+    found = choose_terms(data, terms, equilibrium)
     residuals = np.expm1(-found.posterior.residuals)
     parts = {
         key: residuals[points.channel == which]
         for key, which in (("storage", STORAGE), ("loss", LOSS), ("relaxation", RELAXATION))
     }
     rms = {key: float(np.sqrt(np.mean(part**2))) if part.size else float("nan") for key, part in parts.items()}
-    std = np.sqrt(np.diag(found.posterior.covariance))
+    off = data.weights * (found.posterior.residuals / noise[points.channel]) ** 2
+    covariance = found.posterior.covariance * max(1.0, float(off.sum() / data.weights.sum()))  # misfit is not noise
+    std = np.sqrt(np.diag(covariance))
     count = found.log_times.size
     moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
     level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
     material = Prony(
-        level, numbers[:count], numbers[count:], kind=kind, poisson=poisson, shift=shift, name=name, citation=citation
-    )
+        level, numbers[:count], numbers[count:], kind=kind, poisson=poisson, shift=shift, name=name, citation=citation,
+        range=_range(np.exp(points.log_rate), master),
+    )  # fmt: skip
     fit = PronyFit(
         material=material,
         storage_residual=rms["storage"],
@@ -214,14 +213,14 @@ def prony(
         equilibrium_std=found.equilibrium * float(std[-1]) if found.equilibrium else 0.0,
         moduli_std=moduli * std[:count],
         times_std=times * std[count : 2 * count],
-        covariance=found.posterior.covariance,
+        covariance=covariance,
         omega=omega,
         storage=storage,
         loss=loss,
         time=time,
         relaxation=relaxation,
         kind=kind,
-        warnings=tuple(_judge(rms, noise, found.posterior.converged)),
+        warnings=tuple(_judge(points, residuals, data, contradiction, found.posterior.converged)),
         converged=found.posterior.converged,
         joint=joint,
         master=master,
@@ -229,34 +228,33 @@ def prony(
     return fit
 
 
-def _weigh(noise: np.ndarray, points: Points, balance: float | None) -> np.ndarray:
-    """Standard deviations that the kinds of modulus are weighed with: their scatter, within limits."""
-    present = np.unique(points.channel)
-    noise = np.maximum(noise, _LEAST_NOISE)
-    noise = np.maximum(noise, noise[present].max() / _RATIO)
-    if LOSS not in present or STORAGE not in present:
-        return noise
-    stiff = np.median(points.log_value[points.channel == STORAGE]) > np.median(points.log_value[points.channel == LOSS])
-    if balance is None and noise[present].max() > _CONTRADICTION and stiff:
-        balance = _STORAGE_FIRST
-    if balance is not None:
-        noise[LOSS] = noise[[STORAGE, LOSS]].max()
-        noise[STORAGE] = noise[LOSS] / balance
-    return noise
-
-
-def _judge(rms: dict[str, float], noise: np.ndarray, converged: bool) -> Iterator[str]:
+def _judge(points: Points, residuals: np.ndarray, data: Data, contradiction: bool, converged: bool) -> Iterator[str]:
+    """Warnings on what a series does not meet; single outliers are not held against it."""
     if not converged:
         yield "The refinement of the times did not converge: look at the figure before using the series."
-    for (key, size), scatter in zip(rms.items(), noise, strict=True):
-        if np.isfinite(size) and size > 0.1 and size > 1.5 * scatter:
-            yield f"The {key} modulus is met to {100 * size:.2g} % rms only; more terms may help (terms=...)."
-        elif np.isfinite(size) and size > 0.1:
-            yield (
-                f"The {key} modulus is met to {100 * size:.2g} % rms only, and no passive material comes "
-                f"closer: storage "
-                "and loss modulus contradict each other, or the data scatter."
-            )
+    for channel, key in enumerate(("storage", "loss", "relaxation")):
+        at = points.channel == channel
+        if not at.any():
+            continue
+        size = float(np.sqrt((data.weights * residuals**2)[at].sum() / data.weights[at].sum()))
+        if size <= _POOR:
+            continue
+        said = f"The {key} modulus is met to {100 * size:.2g} % rms only"
+        if contradiction:
+            yield f"{said}: storage and loss modulus contradict each other, no passive material comes closer to both."
+        elif size > 1.5 * data.noise[channel]:
+            yield f"{said}; more terms may help (terms=...)."
+        else:
+            yield f"{said}, by which the data scatter."
+
+
+def _range(rate: np.ndarray, master: MasterCurve | None) -> Range:
+    """Where the data are, rounded."""
+    low, high = (float(f"{x:.4g}") for x in (rate.min(), rate.max()))
+    if master is None:
+        return Range((low, high), None)
+    cold, warm = (round(float(x), TEMPERATURE_DIGITS) for x in (master.temperature.min(), master.temperature.max()))
+    return Range((low, high), (cold, warm) if cold < warm else (cold - 0.5, warm + 0.5))
 
 
 def _smooth(points: Points) -> Joint:
@@ -266,7 +264,7 @@ def _smooth(points: Points) -> Joint:
     alike = (1 + rho) / (1 - rho)
     if alike > 1.3:
         shifts = join(points, np.array([293.15]), np.zeros(1), False, alike, near=shifts)
-    return Joint(shifts, np.zeros(1), alike, 1.0)
+    return Joint(shifts, (), alike, 1.0)
 
 
 def _lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
-from .posterior import Posterior, Prior, infer
+from .posterior import GAIN, Posterior, Prior, infer
 from .spectrum import LOSS, RELAXATION, Points, predict
 
 _LN10 = float(np.log(10.0))
@@ -17,7 +17,18 @@ _MOVE = 0.7  # standard deviation of a refined time about its place on the grid,
 _FREE = 15.0  # standard deviation of a logarithm that the data alone decide
 _PLATEAU = 0.1  # least part of the lowest storage modulus that an equilibrium modulus must be to be believed
 _DECISIVE = 10.0  # by how much a liquid must do better before a body that levels off counts as one
-_IDLE = 1e-3  # largest share of any value below which a term is left out, in noise standard deviations
+_IDLE = 0.001  # largest share of any value below which a term is left out, in noise standard deviations
+_BINS = 12  # per decade of frequency, into which points are gathered while the number of terms is looked for
+_ROUGHLY = 0.1  # gain of a step, in the criterion, at which the search for that number stops climbing
+
+
+class Data(NamedTuple):
+    """What a series is held against."""
+
+    points: Points
+    noise: np.ndarray  # standard deviation of ln(value) per channel
+    weights: np.ndarray  # per point: 1, less for an outlier, more where several points are gathered in one
+    alike: float  # number of neighbours that count as one
 
 
 class Terms(NamedTuple):
@@ -27,6 +38,7 @@ class Terms(NamedTuple):
     log_times: np.ndarray
     equilibrium: float  # 0 for a liquid
     posterior: Posterior
+    priors: tuple[Prior, ...]
     criterion: float  # Akaike information criterion: smaller is better
 
 
@@ -36,15 +48,19 @@ def most_terms(log_rate: np.ndarray) -> int:
     return max(1, int(np.floor(_MOST_PER_DECADE * decades)))
 
 
-def choose_terms(
-    points: Points, noise: np.ndarray, weights: np.ndarray, alike: float, terms: int | None, solid: bool | None
-) -> Terms:
+def choose_terms(data: Data, terms: int | None, solid: bool | None) -> Terms:
     """The series with the smallest information criterion; `terms` and `solid` settle number and equilibrium modulus.
 
-    `noise` is the standard deviation of ln(value) per channel, `weights` are less than 1 for outliers, `alike` is the
-    number of neighbours that count as one.
+    The number of terms is found with points gathered in narrow bins; all points refine the answer.
     """
-    data = (points, noise, weights, alike)
+    gathered = _gathered(data)
+    found = _search(gathered, terms, solid)
+    found = _pruned(gathered, found) if terms is None else found
+    return _climb(data, found.posterior.mean, found.priors, found.equilibrium > 0)
+
+
+def _search(data: Data, terms: int | None, solid: bool | None) -> Terms:
+    points = data.points
     rooms = (True, False) if solid is None else (solid,)
     if terms is not None:
         trials = [_best(data, terms, room) for room in rooms]
@@ -73,6 +89,44 @@ def choose_terms(
     return best
 
 
+def _pruned(data: Data, found: Terms) -> Terms:
+    """The series without terms that the data hardly know, as long as that lowers the criterion."""
+    while found.log_times.size > 1:
+        n = found.log_times.size
+        least = int(np.diag(found.posterior.covariance)[:n].argmax())
+        kept = np.delete(np.arange(found.posterior.mean.size), [least, n + least])
+        priors = tuple(_without(prior, kept) for prior in found.priors)
+        trial = _climb(data, found.posterior.mean[kept], priors, found.equilibrium > 0, _ROUGHLY)
+        if trial.criterion > found.criterion:
+            break
+        found = trial
+    return found
+
+
+def _without(prior: Prior, kept: np.ndarray) -> Prior:
+    """The prior of the unknowns that are kept; each of its rows is about one unknown."""
+    rows = prior.rows[:, kept]
+    about = rows.any(axis=1)
+    return prior._replace(rows=rows[about], target=np.broadcast_to(prior.target, about.shape)[about])
+
+
+def _gathered(data: Data) -> Data:
+    """Points of a channel that are within a twelfth of a decade of each other, as one at their mean."""
+    points, weights = data.points, data.weights
+    number = np.floor(points.log_rate / _LN10 * _BINS).astype(int)
+    _, group = np.unique(np.stack([points.channel, number]), axis=1, return_inverse=True)
+    group = group.reshape(-1)
+    total = np.bincount(group, weights)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        return np.bincount(group, weights * values) / total
+
+    channel = np.rint(mean(points.channel.astype(float))).astype(int)
+    zero = np.zeros(total.size)
+    gathered = Points(channel, mean(points.log_rate), mean(points.log_value), zero.astype(int), zero)
+    return data._replace(points=gathered, weights=total)
+
+
 def _levels_off(points: Points, found: Terms) -> bool:
     """Whether the slow end of the data is that of a solid, so that its equilibrium modulus is more than a guess.
 
@@ -94,16 +148,15 @@ def _counts(most: int) -> list[int]:
     return sorted({*range(first, min(most, 10) + 1), *np.linspace(first, most, 12).round().astype(int).tolist()})
 
 
-def _best(data: tuple[Points, np.ndarray, np.ndarray, float], count: int, solid: bool) -> Terms:
+def _best(data: Data, count: int, solid: bool) -> Terms:
     """The better of two starts: with terms close to the data, and with one well beyond their fast end."""
-    trials = [_refine(*data, count, solid, far) for far in ((False, True) if count > 2 else (False,))]
+    trials = [_trial(data, count, solid, far) for far in ((False, True) if count > 2 else (False,))]
     return min(trials, key=lambda t: t.criterion)
 
 
-def _refine(
-    points: Points, noise: np.ndarray, weights: np.ndarray, alike: float, count: int, solid: bool, far: bool
-) -> Terms:
+def _trial(data: Data, count: int, solid: bool, far: bool) -> Terms:
     """Non-negative least squares on log-spaced times, then times and moduli together."""
+    points = data.points
     low, high = -points.log_rate.max(), -points.log_rate.min()
     beyond = min(_BEYOND * _LN10, (high - low) / 2)
     inner = count - far
@@ -111,58 +164,69 @@ def _refine(
     spacing = (high - low + 2 * beyond) / max(inner - 1, 1)
     if far:
         log_times = np.concatenate([[low - _FAR * _LN10], log_times])
-    moduli, equilibrium = _first(points, noise, log_times, solid)
+    moduli, equilibrium = _first(data, log_times, solid)
     top = np.exp(points.log_value).max()
     start = np.concatenate([np.log(np.maximum(moduli, 1e-6 * top)), log_times])
     if solid:
         lowest = points.log_value[points.channel != LOSS].min(initial=points.log_value.max())
         start = np.append(start, np.log(max(equilibrium, 0.03 * np.exp(lowest))))
-
     while True:
         n = (start.size - solid) // 2
-
-        def model(p: np.ndarray, n: int = n) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
-            level = np.exp(p[-1]) if solid else 0.0
-            answer = predict(points.channel, points.log_rate, p[n : 2 * n], p[:n], level)
-
-            def jacobian() -> np.ndarray:
-                parts = [answer.by_spectrum, answer.by_place] + ([answer.by_equilibrium[:, None]] if solid else [])
-                return np.concatenate(parts, axis=1)
-
-            return answer.log_value, jacobian
-
         every = np.eye(start.size)
-        priors = [
+        priors = (
             Prior(np.delete(every, slice(n, 2 * n), axis=0), _FREE, None, np.delete(start, slice(n, 2 * n))),
             Prior(every[n : 2 * n], _MOVE * spacing, None, start[n : 2 * n]),
-        ]
-        posterior = infer(
-            model,
-            points.log_value,
-            points.channel,
-            start,
-            priors,
-            noise,
-            noise_limits=None,
-            temper=alike,
-            weights=weights,
         )
-        p = posterior.mean
-        share = np.abs(model(p)[1]()[:, :n] / noise[points.channel][:, None]).max(axis=0)
+        found = _climb(data, start, priors, solid, _ROUGHLY)
+        p = found.posterior.mean
+        share = np.abs(_model(points, p, solid)[1]()[:, :n] / data.noise[points.channel][:, None]).max(axis=0)
         if (share > _IDLE).all() or n == 1:
-            break
+            return found
         kept = share > _IDLE
         start = np.concatenate([p[:n][kept], p[n : 2 * n][kept], p[2 * n :]])
+
+
+def _climb(data: Data, start: np.ndarray, priors: tuple[Prior, ...], solid: bool, gain: float = GAIN) -> Terms:
+    """The most probable series near a start; its terms in order of their times."""
+    points, noise = data.points, data.noise
+    posterior = infer(
+        lambda p: _model(points, p, solid),
+        points.log_value,
+        points.channel,
+        start,
+        priors,
+        noise,
+        noise_limits=None,
+        temper=data.alike,
+        weights=data.weights,
+        gain=gain,
+    )
+    p, n = posterior.mean, (start.size - solid) // 2
     residuals = posterior.residuals / noise[points.channel]
-    criterion = float((weights * residuals**2).sum() / alike + 2.0 * start.size)
+    criterion = float((data.weights * residuals**2).sum() / data.alike + 2.0 * start.size)
     order = np.argsort(p[n : 2 * n])
     full = np.concatenate([order, n + order, np.arange(2 * n, p.size)])
     posterior = posterior._replace(mean=p[full], covariance=posterior.covariance[np.ix_(full, full)])
+    priors = tuple(prior._replace(rows=prior.rows[:, full]) for prior in priors)
     level = float(np.exp(p[-1])) if solid else 0.0
-    return Terms(p[:n][order], p[n : 2 * n][order], level, posterior, criterion)
+    return Terms(p[:n][order], p[n : 2 * n][order], level, posterior, priors, criterion)
 
 
-def _first(points: Points, noise: np.ndarray, log_times: np.ndarray, solid: bool) -> tuple[np.ndarray, float]:
+def _model(points: Points, p: np.ndarray, solid: bool) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
+    """ln of what a series predicts, and its Jacobian."""
+    n = (p.size - solid) // 2
+    level = np.exp(p[-1]) if solid else 0.0
+    answer = predict(points.channel, points.log_rate, p[n : 2 * n], p[:n], level)
+
+    def jacobian() -> np.ndarray:
+        parts = [answer.by_spectrum, answer.by_place] + ([answer.by_equilibrium[:, None]] if solid else [])
+        return np.concatenate(parts, axis=1)
+
+    return answer.log_value, jacobian
+
+
+def _first(data: Data, log_times: np.ndarray, solid: bool) -> tuple[np.ndarray, float]:
+    points, weight = data.points, np.sqrt(data.weights) / data.noise[data.points.channel]
     u = points.log_rate[:, None] + log_times
     x = np.exp(np.clip(u, -300, 300))
     storage, loss = 1 / (1 + 1 / x**2), 1 / (x + 1 / x)
@@ -170,6 +234,5 @@ def _first(points: Points, noise: np.ndarray, log_times: np.ndarray, solid: bool
     matrix = np.where(channel == LOSS, loss, np.where(channel == RELAXATION, np.exp(-1 / x), storage))
     if solid:
         matrix = np.column_stack([matrix, points.channel != LOSS])
-    weight = np.exp(-points.log_value) / noise[points.channel]
-    solution, _ = nnls(matrix * weight[:, None], 1 / noise[points.channel])
+    solution, _ = nnls(matrix * (weight * np.exp(-points.log_value))[:, None], weight)
     return solution[: log_times.size], float(solution[-1]) if solid else 0.0

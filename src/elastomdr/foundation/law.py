@@ -12,6 +12,7 @@ from ..mapping.radok import layer_operator, normal_operator, tangential_operator
 from ..material.prony import Prony
 from ..material.relaxation import AbstractRelaxation, Relaxation, checked, scaled, series
 from ..material.shift import AbstractShift
+from ..material.validity import Range, as_range, shared
 
 
 class Foundation(AbstractRelaxation):
@@ -29,6 +30,7 @@ class Foundation(AbstractRelaxation):
     shift: AbstractShift | None
     per_area: bool | None = eqx.field(static=True)
     name: str = eqx.field(static=True)
+    range: Range | None = eqx.field(static=True)  # where the numbers hold; None: not known
 
     def __init__(
         self,
@@ -40,6 +42,7 @@ class Foundation(AbstractRelaxation):
         shift: AbstractShift | None = None,
         per_area: bool | None = None,
         name: str = "",
+        range: Any = None,
     ):
         law = checked(equilibrium, moduli, times, viscosity)
         self.equilibrium, self.moduli, self.times, self.viscosity = (
@@ -48,7 +51,7 @@ class Foundation(AbstractRelaxation):
             law.times,
             law.viscosity,
         )
-        self.shift, self.per_area, self.name = shift, per_area, name
+        self.shift, self.per_area, self.name, self.range = shift, per_area, name, as_range(range)
 
     @classmethod
     def kelvin(cls, stiffness: Any, viscosity: Any) -> "Foundation":
@@ -88,6 +91,7 @@ def half_space(material: Prony, other: Prony | None = None, *, tangential: bool 
     """
     operator = tangential_operator if tangential else normal_operator
     law, shift, name = operator(_material("material", material)), material.shift, material.name
+    known = material.range
     if other is not None:
         law = series(law, operator(_material("other", other)))
         if not _same_shift(material.shift, other.shift):
@@ -95,8 +99,8 @@ def half_space(material: Prony, other: Prony | None = None, *, tangential: bool 
                 "other must have the same shift law as material, got "
                 f"{other.shift} and {material.shift}; bring both to their temperature first, with material.at(T)."
             )
-        name = f"{material.name or 'material'} on {other.name or 'material'}"
-    return _foundation(law, shift, False, name)
+        name, known = f"{material.name or 'material'} on {other.name or 'material'}", shared(known, other.range)
+    return _foundation(law, shift, False, name, known)
 
 
 @in_float64
@@ -109,7 +113,7 @@ def layer(material: Prony, thickness: Any, *, bonded: bool = True) -> Foundation
     thickness = scalar("thickness", thickness)
     positive("thickness", thickness)
     law = scaled(layer_operator(_material("material", material), bonded), 1 / thickness)
-    return _foundation(law, material.shift, True, material.name)
+    return _foundation(law, material.shift, True, material.name, material.range)
 
 
 def as_foundation(material: Any) -> Foundation:
@@ -123,10 +127,12 @@ def as_foundation(material: Any) -> Foundation:
     )
 
 
-def _foundation(law: Relaxation, shift: AbstractShift | None, per_area: bool, name: str) -> Foundation:
+def _foundation(
+    law: Relaxation, shift: AbstractShift | None, per_area: bool, name: str, known: Range | None
+) -> Foundation:
     if not is_traced(law):
         law = Relaxation(*(np.asarray(x) for x in (law.equilibrium, law.moduli, law.times, law.viscosity)))
-    blank = Foundation(1.0, np.zeros(0), np.zeros(0), shift=shift, per_area=per_area, name=name)
+    blank = Foundation(1.0, np.zeros(0), np.zeros(0), shift=shift, per_area=per_area, name=name, range=known)
     return eqx.tree_at(
         lambda f: (f.equilibrium, f.moduli, f.times, f.viscosity),
         blank,

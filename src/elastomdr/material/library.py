@@ -51,6 +51,7 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony":
             shift=shift,
             name=document.get("name", path.stem),
             citation=_citation(document.get("source", {})),
+            range=_range(document),
             **numbers,
         )
     except InputError as error:
@@ -103,7 +104,10 @@ def save_material(material: "Prony", path: str | os.PathLike[str], *, info: Mapp
     reference = info.get("reference_temperature")
     if reference is None and material.shift is not None and math.isfinite(float(material.shift.reference)):
         reference = float(material.shift.reference)
-    cited = {"moduli": {"citation": material.citation}} if material.citation else None
+    cited = {"moduli": {"citation": material.citation}} if material.citation else {}
+    known = material.range
+    if known is not None and known.illustrative:
+        cited["range"] = {"grade": "illustrative"}
     document = {
         "name": material.name,
         "description": info.get("description"),
@@ -116,8 +120,8 @@ def save_material(material: "Prony", path: str | os.PathLike[str], *, info: Mapp
         "moduli": [float(value) for value in material.moduli],
         "times": [float(value) for value in material.times],
         "shift": _shift_table(material.shift),
-        "range": info.get("range"),
-        "source": info.get("source", cited),
+        "range": info.get("range", known.table() if known is not None and known.table() else None),
+        "source": info.get("source", cited or None),
     }
     write_document({key: value for key, value in document.items() if value is not None}, Path(path))
 
@@ -169,6 +173,15 @@ def _files() -> dict[str, list[Path]]:
         for path in folder.glob("*.toml"):
             files.setdefault(path.stem, []).append(path)
     return files
+
+
+def _range(document: Mapping[str, Any]) -> Any:
+    """Where the numbers hold, as the file says; what has no meaning there is for `check_material` to find."""
+    from .validity import as_range
+
+    pairs = {key: pair for key, pair in document.get("range", {}).items() if pair[0] > 0}
+    illustrative = document.get("source", {}).get("range", {}).get("grade") == "illustrative"
+    return as_range(pairs, illustrative) if pairs else None
 
 
 def _citation(source: Mapping[str, Mapping[str, Any]]) -> str:

@@ -12,6 +12,7 @@ from .._runtime import Array, as_float64, in_float64, is_traced, positive, requi
 from ..errors import InputError
 from .relaxation import AbstractRelaxation, KelvinChain, Relaxation, checked, scaled, to_kelvin, to_relaxation
 from .shift import AbstractShift
+from .validity import Range, as_range, with_range
 
 
 class Prony(AbstractRelaxation):
@@ -19,8 +20,9 @@ class Prony(AbstractRelaxation):
 
     Give either a constant Poisson's ratio (default 0.5, incompressible) or a constant bulk modulus. An equilibrium
     modulus of zero makes it a liquid. `relaxation`, `creep`, `storage`, `loss`, `loss_tangent` and `complex_modulus`
-    speak of shear, whatever `kind` the moduli were given in. Raises `InputError` for negative or NaN moduli, times that
-    are not positive and ascending, a Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`.
+    speak of shear, whatever `kind` the moduli were given in. `range` says where the numbers hold, as a dict like the
+    [range] of a material file: `em.friction` flags what lies beyond. Raises `InputError` for negative or NaN moduli,
+    times that are not positive and ascending, a Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`.
     """
 
     equilibrium: Float[Array, ""]  # M_inf, as given [Pa]
@@ -33,6 +35,7 @@ class Prony(AbstractRelaxation):
     kind: Literal["shear", "tensile"] = eqx.field(static=True)
     name: str = eqx.field(static=True)
     citation: str = eqx.field(static=True)
+    range: Range | None = eqx.field(static=True)  # where the numbers hold; None: not known
 
     def __init__(
         self,
@@ -47,6 +50,7 @@ class Prony(AbstractRelaxation):
         shift: AbstractShift | None = None,
         name: str = "",
         citation: str = "",
+        range: Any = None,
     ):
         law = checked(equilibrium, moduli, times, viscosity)
         self.equilibrium, self.moduli, self.times, self.viscosity = (
@@ -73,7 +77,7 @@ class Prony(AbstractRelaxation):
         else:
             self.poisson = scalar("poisson", 0.5 if poisson is None else poisson)
             require("poisson", self.poisson, "above -1 and at most 0.5", lambda nu: (nu > -1) & (nu <= 0.5))
-        self.shift, self.kind, self.name, self.citation = shift, kind, name, citation
+        self.shift, self.kind, self.name, self.citation, self.range = shift, kind, name, citation, as_range(range)
         if kind == "tensile" and self.bulk is not None:
             if not is_traced(law.viscosity) and law.viscosity > 0:
                 raise InputError(
@@ -114,12 +118,13 @@ class Prony(AbstractRelaxation):
         factor = self.shift.a(temperature)
         if not is_traced(factor):
             factor = np.asarray(factor)
-        return eqx.tree_at(
+        shifted = eqx.tree_at(
             lambda m: (m.times, m.viscosity, m.shift),
             self,
             (self.times * factor, self.viscosity * factor, None),
             is_leaf=lambda x: x is None,
         )
+        return with_range(shifted, None if self.range is None else self.range.at(temperature, factor))
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""

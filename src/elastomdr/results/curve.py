@@ -61,8 +61,11 @@ class AbstractCurve(AbstractResult):
         yield "model", self.model
         _, all_curves = curves(fields)
         for curve in all_curves[:_SHOWN]:
-            velocity, value = (np.atleast_1d(fields[k][curve.at]) for k in ("velocity", self.coefficient_field))
-            yield "at " + curve.label if curve.label else "result", self._extremes(velocity, value)
+            velocity, value, beyond = (
+                np.atleast_1d(fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[curve.at])
+                for k in ("velocity", self.coefficient_field, "extrapolated")
+            )
+            yield "at " + curve.label if curve.label else "result", self._extremes(velocity, value, beyond)
         if len(all_curves) > _SHOWN:
             yield "...", f"and {len(all_curves) - _SHOWN} more curves"
         failed = int(np.sum(~fields["converged"]))
@@ -72,16 +75,17 @@ class AbstractCurve(AbstractResult):
             points += f"; largest estimated error of {self.symbol}: {significant(largest, 2)}"
         yield "points", points
 
-    def _extremes(self, velocity: np.ndarray, value: np.ndarray) -> str:
+    def _extremes(self, velocity: np.ndarray, value: np.ndarray, beyond: np.ndarray) -> str:
         order = np.argsort(velocity, kind="stable")
         order = order[np.isfinite(value[order])]
-        velocity, value = velocity[order], value[order]
+        velocity, value, beyond = velocity[order], value[order], beyond[order]
         top = peak(velocity, value)
         if top is None:
             return "no point converged"
 
         def point(x: float, y: float) -> str:
-            return f"{significant(y)} at {in_words('velocity', x)}"
+            mark = " (extrapolated)" if beyond[np.abs(np.log(velocity / x)).argmin()] else ""
+            return f"{significant(y)} at {in_words('velocity', x)}{mark}"
 
         if np.ptp(velocity) == 0:
             return f"{self.symbol} = " + " to ".join(dict.fromkeys(point(velocity[0], y) for y in (value.min(), top.y)))
@@ -96,7 +100,8 @@ class FrictionCurve(AbstractCurve):
     """Friction of an indenter that slides steadily over a viscoelastic foundation; every field has one value per point.
 
     `mu` is the friction force over the normal force, `error` its estimated error (absolute). A point that did not
-    converge is NaN with `converged=False`. `temperature` is None where none was given.
+    converge is NaN with `converged=False`. `temperature` is None where none was given, `extrapolated` where the range
+    of the material is not known.
     """
 
     velocity: Float[Array, "..."]  # sliding velocity v [m/s]
@@ -111,6 +116,7 @@ class FrictionCurve(AbstractCurve):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
 
     quantity: ClassVar[str] = "Friction"
     symbol: ClassVar[str] = "mu"
@@ -133,7 +139,8 @@ class RollingCurve(AbstractCurve):
 
     From the dissipated power P: `resistance` is P/v, `coefficient` that over the normal force (its estimated, absolute
     error is `error`), `moment` is resistance times the rolling radius. A point that did not converge is NaN with
-    `converged=False`. `temperature` is None where none was given.
+    `converged=False`. `temperature` is None where none was given, `extrapolated` where the range of the material is not
+    known.
     """
 
     velocity: Float[Array, "..."]  # rolling velocity v [m/s]
@@ -150,6 +157,7 @@ class RollingCurve(AbstractCurve):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
 
     quantity: ClassVar[str] = "Rolling resistance"
     symbol: ClassVar[str] = "coefficient"
@@ -175,4 +183,5 @@ _CONTACT = (
     Column("contact.trailing", "trailing edge", "m"),
     Column("error", "estimated error of the coefficient", "-"),
     Column("converged", "converged", ""),
+    Column("extrapolated", "beyond the range of the material", "", optional=True),
 )

@@ -35,7 +35,7 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, labe
     name = label or (dict(result.inputs).get("material") if beside_others else None)
     value, error = fields[result.coefficient_field], fields["error"]
     highest = float(np.fmax.reduce(value, axis=None, initial=0.0)) or 1.0
-    velocity = fields["velocity"]
+    velocity, beyond = fields["velocity"], fields.get("extrapolated", np.zeros(value.shape, dtype=bool))
     against_velocity = axis.name == "velocity" or not axis.unit
     for curve, colour, named in zip(all_curves, _colours(len(all_curves)), _named(len(all_curves)), strict=True):
         x = np.atleast_1d(velocity[curve.at] if against_velocity else axis.values)
@@ -47,8 +47,11 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, labe
         words = ": ".join([", ".join(parts), text]).replace("degC", "°C") if named and parts else None
         colour = None if beside_others and len(all_curves) == 1 else colour  # the next one of the axes' own
         marker = "o" if x.size == 1 else None
-        line = ax.plot(x, y, color=colour, linewidth=1.8, marker=marker, markersize=5, label=words, zorder=3)
+        inside = np.where(np.atleast_1d(beyond[curve.at])[order], np.nan, y)
+        line = ax.plot(x, inside, color=colour, linewidth=1.8, marker=marker, markersize=5, label=words, zorder=3)
         colour = line[0].get_color()
+        if beyond[curve.at].any():
+            ax.plot(x, y, ":", color=colour, linewidth=1.4, marker=marker, markerfacecolor="none", zorder=3)
         if (e > _VISIBLE * highest).any():
             ax.fill_between(x, y - e, y + e, color=colour, alpha=0.2, linewidth=0, zorder=2)
         if top is not None and x.size > 1:
@@ -69,7 +72,9 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, labe
     ax.set_axisbelow(True)
     ax.spines[["top", "right"]].set_visible(False)
     failed = int(np.sum(~fields["converged"]))
-    note = f"{failed} of {fields['converged'].size} points did not converge and are left out" if failed else ""
+    notes = [f"{failed} of {fields['converged'].size} points did not converge and are left out"] if failed else []
+    notes += ["dotted: beyond the range of the material's data"] if beyond.any() else []
+    note = "; ".join(notes)
     if title or not beside_others:
         _write_title(ax, title or result.heading(), result.model, note)
     if len(all_curves) > 1 or name:

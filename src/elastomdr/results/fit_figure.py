@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..fit.series import PronyFit
 
 _INK, _FAINT, _BLUE, _RED = "#222222", "#666666", "#1f5a94", "#b03a2e"
+_BAND = "#e08214"
 _DPI = 160
 
 
@@ -34,6 +35,9 @@ def draw_master(master: "MasterCurve", ax: Any = None) -> Any:
     if master.frequency.size:
         omega = np.geomspace(*master.window, 300)
         _band(ax, master.band(omega), "smooth spectrum, 95 % band")
+    else:
+        t = np.geomspace(1 / master.window[1], 1 / master.window[0], 300)
+        _relaxation_band(ax, master.relaxation_band(t), "smooth spectrum, 95 % band")
     _label_moduli(ax, master.kind, bool(master.frequency.size))
     _title(ax, f"Master curve at {master.reference - 273.15:.4g} °C", master.source)
     return ax
@@ -58,9 +62,12 @@ def draw_prony(fit: "PronyFit", ax: Any = None) -> Any:
             warnings.simplefilter("ignore")
             _band(ax, fit.band(np.geomspace(low, high, 300)), f"Prony series, {fit.terms} terms, 95 % band")
     else:
-        t = np.geomspace(1 / high / 10, 10 / low, 400)
-        moduli = (np.asarray(fit.material.moduli) * np.exp(-t[:, None] / np.asarray(fit.material.times))).sum(axis=1)
-        ax.loglog(t, float(fit.material.equilibrium) + moduli, color=_INK, label=f"Prony series, {fit.terms} terms")
+        wide = np.geomspace(1 / high / 10, 10 / low, 400)
+        ax.loglog(wide, fit.relaxation_at(wide), "--", color=_FAINT, linewidth=0.9, zorder=2)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            band = fit.relaxation_band(np.geomspace(1 / high, 1 / low, 300))
+        _relaxation_band(ax, band, f"Prony series, {fit.terms} terms, 95 % band")
     _label_moduli(ax, fit.kind, bool(fit.omega.size))
     named = (("storage", fit.storage_residual), ("loss", fit.loss_residual), ("relaxation", fit.relaxation_residual))
     residuals = ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size))
@@ -113,7 +120,7 @@ def draw_cole_cole(fit: "PronyFit", ax: Any = None) -> Any:
     storage, loss = (fit.storage, fit.loss) if master is None else (master.storage, master.loss)
     colours = _BLUE if master is None else _colours(master, master.isotherm)
     ax.scatter(storage, loss, c=colours, s=14, zorder=3)
-    ax.loglog(*fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400)), color=_INK, linewidth=1.2)
+    ax.loglog(*fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400)), color=_INK, linewidth=1.2, zorder=4)
     letter = "G" if fit.kind == "shear" else "E"
     ax.set(xscale="log", yscale="log", xlabel=f"Storage modulus {letter}' [Pa]", ylabel=f"Loss modulus {letter}'' [Pa]")
     _plain(ax)
@@ -149,7 +156,7 @@ def draw_friction_master(master: "FrictionMaster", ax: Any = None) -> Any:
             "o",
             color=colours[i],
             markersize=4,
-            label=f"{round(kelvin - 273.15, 1):g} °C",
+            label=_celsius(float(kelvin)),
         )
     v = np.geomspace(master.velocity.min(), master.velocity.max(), 300)
     value, low, high = master.curve(v)
@@ -181,7 +188,14 @@ def _band(ax: Any, band: Any, label: str) -> None:
     ax.loglog(band.omega, band.storage, color=_INK, linewidth=1.2, label=label, zorder=4)
     ax.loglog(band.omega, band.loss, color=_INK, linewidth=1.2, zorder=4)
     for low, high in ((band.storage_low, band.storage_high), (band.loss_low, band.loss_high)):
-        ax.fill_between(band.omega, low, high, color="#e08214", alpha=0.35, linewidth=0, zorder=1)
+        ax.fill_between(band.omega, low, high, color=_BAND, alpha=0.35, linewidth=0, zorder=1)
+
+
+def _relaxation_band(ax: Any, band: Any, label: str) -> None:
+    ax.loglog(band.time, band.relaxation, color=_INK, linewidth=1.2, label=label, zorder=4)
+    ax.fill_between(
+        band.time, band.relaxation_low, band.relaxation_high, color=_BAND, alpha=0.35, linewidth=0, zorder=1
+    )
 
 
 def _label_moduli(ax: Any, kind: str, dynamic: bool) -> None:
@@ -208,8 +222,12 @@ def _legend(ax: Any, master: "MasterCurve | None") -> None:
     shown = np.unique(np.linspace(0, count - 1, min(count, 10)).round().astype(int))
     colours = _scale(count)
     handles = [ax.plot([], [], "o", color=colours[i], markersize=4)[0] for i in shown]
-    labels = [f"{round(float(master.temperature[i]) - 273.15, 1):g} °C" for i in shown]
+    labels = [_celsius(float(master.temperature[i])) for i in shown]
     ax.legend(handles, labels, frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _celsius(kelvin: float) -> str:
+    return f"{round(kelvin - 273.15, 1) + 0.0:g} °C"  # without the sign of -0
 
 
 def _colours(master: "MasterCurve", number: np.ndarray) -> np.ndarray:

@@ -49,8 +49,9 @@ def rolling(
         contact=found.contact,
         error=found.error,
         converged=found.converged,
+        extrapolated=found.extrapolated,
         temperature=scene.temperature,
         model=scene.plan.model,
         plan=scene.plan,
-        inputs=scene.inputs,
+        inputs=found.inputs,
     )

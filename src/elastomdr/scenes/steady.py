@@ -1,5 +1,6 @@
 """What friction and rolling share: from a user's arguments to a plan and its result."""
 
+import dataclasses
 import warnings
 from typing import Any, NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array, as_float64, is_traced, positive, require
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.lines import AbstractLines, SingleLine, Strips
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch, PowerLaw
@@ -53,6 +54,8 @@ class Steady(NamedTuple):
     depth: Float[Array, "..."]
     contact: Contact
     converged: Bool[Array, "..."]
+    extrapolated: Bool[Array, "..."] | None  # whether the material is used beyond its range; None: that is not known
+    inputs: tuple[tuple[str, str], ...]
 
 
 def set_up(
@@ -115,6 +118,7 @@ def set_up(
         int(np.prod(result_shape)), 1 if kelvin is None else int(np.size(kelvin)),
         average == "direction" and not layer, float(rtol), skip,
     )  # fmt: skip
+    plan = dataclasses.replace(plan, range=foundation.range)
     inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
     inputs.append((control, brief(value, "N" if control == "load" else "m")))
     inputs.append(("velocity", brief(velocity, "m/s")))
@@ -159,6 +163,8 @@ def solve(scene: Scene) -> Steady:
                 )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
     force = result.line.normal_force
+    contact = Contact(shaped(result.line.leading), shaped(result.line.trailing))
+    extrapolated, said = _beyond(scene, contact)
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
         mu=shaped(result.mu),
@@ -166,9 +172,32 @@ def solve(scene: Scene) -> Steady:
         normal_force=shaped(force),
         friction_force=shaped(result.mu * force),
         depth=shaped(result.line.depth),
-        contact=Contact(shaped(result.line.leading), shaped(result.line.trailing)),
+        contact=contact,
         converged=good.reshape(scene.shape),
+        extrapolated=extrapolated,
+        inputs=scene.inputs + said,
     )
+
+
+def _beyond(scene: Scene, contact: Contact) -> tuple[Any, tuple[tuple[str, str], ...]]:
+    """Which points use the material beyond its range, and a line for the inputs where some do.
+
+    The frequency of a point is 2 v a_T/a, with a half the length of the contact: a parabola's passage dissipates most
+    there, and nine tenths between a quarter and twice of it. A warning is issued unless the range is an assumption.
+    None, and no line, without a range or while JAX traces.
+    """
+    known = scene.foundation.range
+    if known is None or is_traced(scene.reduced, contact, scene.temperature):
+        return None, ()
+    rate = np.asarray(4 * scene.reduced.reshape(scene.shape) / (contact.leading + contact.trailing))
+    outside = known.outside(rate, scene.temperature)
+    if not outside.any():
+        return outside, ()
+    what = "; ".join(known.findings(rate, scene.temperature))
+    said = f"{int(outside.sum())} of {outside.size} points lie beyond the range of the material: {what}"
+    if not known.illustrative:
+        warnings.warn(f"{said}.", ExtrapolationWarning, stacklevel=5)
+    return outside, (("extrapolated", said),)
 
 
 def _sunk(scene: Scene) -> str:

@@ -8,6 +8,7 @@ from ..mapping.direction import directions, shared_grid_size
 from ..mapping.lines import AbstractLines
 from ..mapping.profile import Profile
 from ..material.relaxation import Relaxation
+from ..material.validity import Range
 from .condense import Condensation, choose
 from .passage import Control, estimate_sizes
 from .rule import Rule, ladder
@@ -34,6 +35,8 @@ class Plan:
     shared: bool  # velocities share line solutions, one grid per load and temperature-shifted curve
     solutions: int  # line solutions to be computed, to within one per curve
     temperatures: int  # different temperatures asked for
+    passing: tuple[float, float] | None = None  # lowest and highest 2 v a_T/a, roughly [rad/s]; None while JAX traces
+    range: Range | None = None  # where the material's numbers hold; None: not known
     traced: bool = False  # under a JAX transformation: values are not known, so nothing that depends on them is skipped
     skip: bool = True
     elastic: bool = False  # no branch and no dashpot: nothing is lost, mu is zero
@@ -87,7 +90,8 @@ def make_plan(
         if skip and with_grid < plan.solutions:
             plan = dataclasses.replace(plan, shared=True, solutions=with_grid)
     times = tuple(float(t) for t in np.asarray(law.times))
-    return dataclasses.replace(plan, rules=rules, condensation=how, branch_times=times, traced=False)
+    passing = (2 * float(slow / sizes.max()), 2 * float(fast / sizes.min()))
+    return dataclasses.replace(plan, rules=rules, condensation=how, branch_times=times, passing=passing, traced=False)
 
 
 def _described(plan: Plan) -> list[str]:
@@ -99,12 +103,23 @@ def _described(plan: Plan) -> list[str]:
     if plan.temperatures > 1:
         text = f"{plan.temperatures} temperatures enter as shifted velocities v a_T: one spectrum serves all"
         lines.append(f"  temperature  {text}")
+    if plan.passing is not None:
+        lines.append(f"  frequencies  {_frequencies(plan, plan.passing)}")
     lines.append(f"  directions   {_directions(plan)}")
     lines.append(
         "  not needed   the transient, the history of other elements (in steady motion one passage is the field),"
     )
     lines.append("               surface shape and pressure in 3D, derivatives: none of them asked for")
     return lines
+
+
+def _frequencies(plan: Plan, passing: tuple[float, float]) -> str:
+    text = f"passages dissipate most about 2 v a_T/a, {passing[0]:.1g} to {passing[1]:.1g} rad/s"
+    if plan.range is None or plan.range.frequency is None:
+        return text
+    low, high = plan.range.frequency
+    where = "within" if low <= passing[0] and passing[1] <= high else "beyond"
+    return f"{text}: {where} the range of the material, {low:.3g} to {high:.3g} rad/s"
 
 
 def _contact(plan: Plan) -> str:
