@@ -23,8 +23,21 @@ class History(NamedTuple):
     force: Float[Array, "... instants"]  # contact force [N]
 
 
+class Oblique(NamedTuple):
+    """The tangential motion of the point of contact; series at the instants of the history."""
+
+    before: Float[Array, "..."]  # its velocity at touch [m/s]
+    after: Float[Array, "..."]  # at separation [m/s]
+    slip_loss: Float[Array, "..."]  # turned into heat by slip [J]
+    lost: Float[Array, "..."]  # tangential kinetic energy lost, m_t/2 (before^2 - after^2) [J]
+    velocity: Float[Array, "... instants"]  # [m/s]
+    force: Float[Array, "... instants"]  # against the motion [N]
+    error: Float[Array, "..."]  # estimated error of `after` [m/s]
+    tangential_mass: Float[Array, "..."]  # m_t [kg]
+
+
 class Impact(AbstractResult):
-    """Normal impact of a rigid body; every field has one value per point.
+    """Impact of a rigid body; every field has one value per point.
 
     `restitution` is the velocity of separation over that of touch, `error` its estimated, absolute error. `stuck` marks
     a body that never comes back: restitution 0, infinite duration, and a history that ends with the rest. A point that
@@ -37,8 +50,9 @@ class Impact(AbstractResult):
     duration: Float[Array, "..."]  # from touch to separation [s]
     max_depth: Float[Array, "..."]  # at the turn [m]
     max_force: Float[Array, "..."]  # before or at the turn [N]
-    lost: Float[Array, "..."]  # kinetic energy lost [J]
+    lost: Float[Array, "..."]  # normal kinetic energy lost [J]
     history: History
+    oblique: Oblique | None  # where a tangential velocity was given
     error: Float[Array, "..."]  # estimated error of the restitution
     stuck: Bool[Array, "..."]
     converged: Bool[Array, "..."]
@@ -57,7 +71,8 @@ class Impact(AbstractResult):
             Column("duration", "contact time", "s"),
             Column("max_depth", "largest depth", "m"),
             Column("max_force", "largest force", "N"),
-            Column("lost", "kinetic energy lost", "J"),
+            Column("lost", "normal kinetic energy lost", "J"),
+            *(_OBLIQUE if self.oblique is not None else ()),
             Column("error", "estimated error of the restitution", "-"),
             Column("stuck", "stuck", ""),
             Column("converged", "converged", ""),
@@ -92,6 +107,13 @@ class Impact(AbstractResult):
             largest = float(np.fmax.reduce(np.ravel(self.error)))
             points += f"; largest estimated error of the restitution: {significant(largest, 2)}"
         yield "points", points
+
+
+_OBLIQUE = (
+    Column("oblique.before", "tangential velocity at touch", "m/s"),
+    Column("oblique.after", "tangential velocity at separation", "m/s"),
+    Column("oblique.slip_loss", "lost by slip", "J"),
+)
 
 
 def _range(values: np.ndarray, unit: str) -> str:

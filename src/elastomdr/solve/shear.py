@@ -51,7 +51,9 @@ class Sheared(NamedTuple):
     stored: Float[Array, " times"]  # tangential elastic energy [J]
 
 
-class _State(NamedTuple):
+class State(NamedTuple):
+    """The elements, and what has been done on them."""
+
     u: Array  # normal displacement of the elements [m]
     f: Array  # normal force densities of the branches (k, n)
     q: Array  # normal force density
@@ -77,25 +79,18 @@ def shear_history(
     scene: Scene, history: History, *, elements: int, steps: int, by_load: bool, per_area: bool
 ) -> Sheared:
     """The whole history with `elements` elements on a half line, `steps` contact steps between two instants."""
-    x = scene.reach * (jnp.arange(elements) + 0.5) / elements
-    width = scene.reach / elements
-    cylinder = isinstance(scene.shape, Cylinder)
-    ring = per_area and not cylinder
-    weight = (2 * math.pi * x if ring else jnp.full(elements, 2.0)) * width
-    weight = weight * (scene.shape.length if cylinder else 1.0)
-    profile = scene.shape._height(x) if ring else scene.shape._profile(x)
-    grid = _Grid(x, weight, jnp.where(jnp.isfinite(profile), profile, 1e30), width)
+    grid = line(scene, elements, per_area)
 
-    def interval(state: _State, ends: tuple) -> tuple:
+    def interval(state: State, ends: tuple) -> tuple:
         (t0, v0, s0), (t1, v1, s1) = ends
         h, dv, ds = (t1 - t0) / steps, (v1 - v0) / steps, (s1 - s0) / steps
         normal, tangential = coefficients(scene.normal, h), coefficients(scene.tangential, h)
 
-        def step(carry: tuple, i: Array) -> tuple:
+        def advance(carry: tuple, i: Array) -> tuple:
             state, _ = carry
-            return _step(scene, grid, normal, tangential, state, v0 + (i + 1) * dv, ds, by_load), None
+            return step(scene, grid, normal, tangential, state, v0 + (i + 1) * dv, ds, by_load), None
 
-        (state, seen), _ = jax.lax.scan(step, (state, (jnp.zeros(()),) * 5), jnp.arange(steps))
+        (state, seen), _ = jax.lax.scan(advance, (state, (jnp.zeros(()),) * 5), jnp.arange(steps))
         return state, ((state.work, state.slip_loss, state.depth), seen)
 
     start, first = _start(scene, grid, history, by_load)
@@ -111,28 +106,47 @@ def shear_history(
     return Sheared(force, normal_force, depth, contact, stick, work, loss, stored)
 
 
-class _Grid(NamedTuple):
+class Grid(NamedTuple):
+    """Elements of equal width on a half line."""
+
     x: Array
     weight: Array  # [m], or [m^2] on a layer
     profile: Array  # g [m]
     width: Array
 
 
-def _start(scene: Scene, grid: _Grid, history: History, by_load: bool) -> tuple[_State, tuple]:
-    """The first instant: depth or load, then displacement, put on at once, to which the glassy moduli respond.
+def line(scene: Scene, elements: int, per_area: bool) -> Grid:
+    """`elements` elements from the axis to the reach of the scene."""
+    x = scene.reach * (jnp.arange(elements) + 0.5) / elements
+    width = scene.reach / elements
+    cylinder = isinstance(scene.shape, Cylinder)
+    ring = per_area and not cylinder
+    weight = (2 * math.pi * x if ring else jnp.full(elements, 2.0)) * width
+    weight = weight * (scene.shape.length if cylinder else 1.0)
+    profile = scene.shape._height(x) if ring else scene.shape._profile(x)
+    return Grid(x, weight, jnp.where(jnp.isfinite(profile), profile, 1e30), width)
 
-    Dashpots carry what is put on at once without moving.
-    """
+
+def untouched(scene: Scene, grid: Grid) -> State:
+    """The state before any contact."""
     zero, none = jnp.zeros_like(grid.x), jnp.zeros(())
 
     def rest(law: Relaxation) -> Array:
         return jnp.zeros((law.moduli.shape[0], grid.x.shape[0]))
 
-    state = _State(zero, rest(scene.normal), zero, zero, rest(scene.tangential), none, none, none)
+    return State(zero, rest(scene.normal), zero, zero, rest(scene.tangential), none, none, none)
+
+
+def _start(scene: Scene, grid: Grid, history: History, by_load: bool) -> tuple[State, tuple]:
+    """The first instant: depth or load, then displacement, put on at once, to which the glassy moduli respond.
+
+    Dashpots carry what is put on at once without moving.
+    """
+    none, state = jnp.zeros(()), untouched(scene, grid)
     still = state, (none, history.value[0] if by_load else none, none, none, none)
     normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
-    put, _ = _step(scene, grid, normal, tangential, state, history.value[0], none, by_load)
-    moved = _step(scene, grid, normal, tangential, put, history.value[0], history.displacement[0], by_load)
+    put, _ = step(scene, grid, normal, tangential, state, history.value[0], none, by_load)
+    moved = step(scene, grid, normal, tangential, put, history.value[0], history.displacement[0], by_load)
     dashpots = jnp.asarray(scene.normal.viscosity + scene.tangential.viscosity) > 0
     return jax.tree.map(lambda a, b: jnp.where(dashpots, a, b), still, moved)
 
@@ -149,9 +163,13 @@ def _sudden(law: Relaxation) -> Coefficients:
     return Coefficients(jnp.ones(1), equilibrium, zero, one, one, moduli, energy, one, glassy, glassy, drag, zero)
 
 
-def _step(
-    scene: Scene, grid: _Grid, cn: Coefficients, ct: Coefficients, state: _State, value: Array, ds: Array, by_load: bool
-) -> tuple[_State, tuple]:
+def step(
+    scene: Scene, grid: Grid, cn: Coefficients, ct: Coefficients, state: State, value: Array, ds: Any, by_load: bool
+) -> tuple[State, tuple]:
+    """One contact step: the state after it, and (F_x, F_N, contact radius, stick radius, stored energy).
+
+    `ds` is the body's tangential displacement in the step, or finds it from the force as a function of it.
+    """
     held = cn.equilibrium * state.u + jnp.sum(cn.seen * state.f, axis=0)
     recovery = -held / cn.stiffness
     depth = _depth(grid, cn, state, recovery, value) if by_load else value
@@ -164,24 +182,27 @@ def _step(
     gap = jnp.where(state.q > 0, 0.0, jnp.maximum(state.u + grid.profile - state.depth, 0.0))
     fresh = contact & (gap > 0)
     share = jnp.where(fresh, jnp.clip(pushed, 0.0) / jnp.where(fresh, pushed + gap, 1.0), 1.0)
-    carried = ds * share
     limit = jnp.where(q > 0, scene.friction * jnp.where(q > 0, q, 1.0), 0.0)
     rest = ct.equilibrium * state.s + jnp.sum(ct.seen * state.p, axis=0)
+    if callable(ds):
+        ds = ds(lambda ds: jnp.sum(grid.weight * jnp.clip(rest + ct.stiffness * share * ds, -limit, limit)))
+    carried = ds * share
     trial = rest + ct.stiffness * carried
     slips = jnp.abs(trial) > limit
     bound = jnp.sign(trial) * jnp.where(slips, limit, 0.0)
     tau = jnp.where(slips, bound, trial)
     moved = jnp.where(slips, (bound - rest) / ct.stiffness, carried)
     slid = jnp.where(slips, jnp.abs(carried - moved), 0.0)
-    before = jnp.where(jnp.isfinite(limit) & (state.q > 0), scene.friction * state.q, limit)
-    heat = jnp.where(slips & jnp.isfinite(before), 0.5 * (before + limit) * slid, 0.0)
+    # Slip begins at mu q of the last step, or when the limit has fallen to the traction of an element that stuck.
+    before = jnp.where(state.q > 0, scene.friction * jnp.where(state.q > 0, state.q, 1.0), 0.0)
+    heat = jnp.where(slips, 0.5 * (jnp.minimum(before, jnp.abs(trial)) + jnp.where(slips, limit, 0.0)) * slid, 0.0)
 
     mean = ct.equilibrium * (state.s + 0.5 * moved) + jnp.sum(ct.mean * state.p, axis=0) + ct.drag * moved
     p = ct.decay * state.p + ct.gain * moved
     s = state.s + moved
     stored = 0.5 * ct.equilibrium * s**2 + jnp.sum(ct.energy * p**2, axis=0)
     loss = jnp.sum(grid.weight * heat)
-    after = _State(
+    after = State(
         u=state.u + change,
         f=cn.decay * state.f + cn.gain * change,
         q=q,
@@ -197,7 +218,7 @@ def _step(
     return after, seen
 
 
-def _depth(grid: _Grid, cn: Coefficients, state: _State, recovery: Array, load: Array) -> Array:
+def _depth(grid: Grid, cn: Coefficients, state: State, recovery: Array, load: Array) -> Array:
     """The depth at which the elements carry the load: Newton on a convex, piecewise linear function.
 
     The last step carries the derivatives; the search before it runs on values cut off from them.
@@ -224,7 +245,7 @@ def _depth(grid: _Grid, cn: Coefficients, state: _State, recovery: Array, load: 
     return newton(jax.lax.stop_gradient(depth), free, stiffness, load)
 
 
-def _edge(grid: _Grid, value: Array) -> Array:
+def _edge(grid: Grid, value: Array) -> Array:
     """Where a function of the distance from the axis that is positive inside first turns negative [m]."""
     n = value.shape[0]
     i = jnp.where(jnp.any(value < 0), jnp.argmax(value < 0), n)
