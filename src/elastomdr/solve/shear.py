@@ -16,7 +16,7 @@ is the sum over elements, of second order in their width: stick ends between two
 
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
