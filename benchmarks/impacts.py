@@ -21,9 +21,7 @@ SOLIDS, DAMPINGS = 10, 10
 def materials(branches: int) -> list[em.Foundation]:
     """10 stiffnesses times 10 dashpots, E* in Pa and Pa s."""
     times, moduli = np.geomspace(1e-4, 1e-1, branches), np.full(branches, 3e6 / branches)
-    return [
-        em.Foundation(1e6 * (1 + i), moduli, times, 20.0 * j) for i in range(SOLIDS) for j in range(DAMPINGS)
-    ]
+    return [em.Foundation(1e6 * (1 + i), moduli, times, 20.0 * j) for i in range(SOLIDS) for j in range(DAMPINGS)]
 
 
 def main() -> None:

@@ -90,4 +90,3 @@ def _on_profile(shape: Profile, depth: Array, by_height: bool) -> Array:
     x = jax.lax.fori_loop(0, _ROUNDS, close_in, (0.5 * (low + high), low, high))[0]
     x = newton(jax.lax.stop_gradient(x), depth)[1]  # with the derivatives
     return jnp.where(depth <= heights[-1], x, jnp.nan)
-

@@ -93,7 +93,10 @@ def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: Histo
         times = 1 / jnp.where(rates > 0, rates, 1.0)
         normal = Relaxation(moduli[0], moduli[1:], times, viscosity)
         sheared = Relaxation(
-            jnp.asarray(law.equilibrium), jnp.asarray(law.moduli), jnp.asarray(law.times) * factor, law.viscosity * factor
+            jnp.asarray(law.equilibrium),
+            jnp.asarray(law.moduli),
+            jnp.asarray(law.times) * factor,
+            law.viscosity * factor,
         )
         place = Scene(shape, normal, sheared, mu, reach)
         return deflect(place, course, elements=_ELEMENTS, steps=steps, per_area=scene.per_area)
@@ -101,7 +104,9 @@ def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: Histo
     def series(field: Any) -> Any:
         return jnp.asarray(field).reshape(count, -1)
 
-    course = Course(*(series(x) for x in history), mass, effective, u)
+    course = Course(
+        series(history.time), series(history.depth), series(history.velocity), series(history.force), mass, effective, u
+    )
     points = (rates.T, moduli.T, viscosity, factor, reach, flat(slips.friction), course)
     fine, coarse = (jax.lax.map(lambda point, n=n: one(point, n), points) for n in (_STEPS, _STEPS // 2))
     after = fine.velocity[:, -1]

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -18,7 +19,7 @@ from ..solve.shear import History, Scene, shear_history
 from .impact import _standing
 from .steady import _brief, _describe
 
-HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin: exact within its usual assumptions)"
+HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin)"
 LAYER = "thin layer of independent elements with Coulomb friction"
 _EARLY = 18  # instants put between the first two: down to 1e-12 of the time between them
 _ELASTIC, _VISCOELASTIC = (100_000, 1), (2_000, 16)  # elements, and contact steps between two instants
@@ -95,7 +96,11 @@ def shear(
         history = _with_early_instants(history)
     options = {"by_load": load is not None, "per_area": per_area}
     found = shear_history(scene, history, elements=elements, steps=steps, **options)
-    fewer = {"elements": elements // 2, "steps": steps} if elastic or steps == 1 else {"elements": elements, "steps": steps // 2}
+    fewer = (
+        {"elements": elements // 2, "steps": steps}
+        if elastic or steps == 1
+        else {"elements": elements, "steps": steps // 2}
+    )
     coarse = shear_history(scene, history, **fewer, **options)
     error = abs(found.force - coarse.force) / (3 if elastic else 1)
     chosen = np.append(0, np.arange(found.force.shape[0] - time.shape[0] + 1, found.force.shape[0]))
@@ -105,7 +110,10 @@ def shear(
     found = type(found)(*(jnp.where(good, x, jnp.nan) for x in found))
     inputs = [("material", normal.name or "given directly"), ("shape", _describe(shape))]
     inputs += [(name, _brief(value, "N" if name == "load" else "m")), ("displacement", _brief(displacement, "m"))]
-    inputs += [("time", _brief(time, "s")), ("friction coefficient", f"{float(mu):g}" if not is_traced(mu) else "traced")]
+    inputs += [
+        ("time", _brief(time, "s")),
+        ("friction coefficient", f"{float(mu):g}" if not is_traced(mu) else "traced"),
+    ]
     inputs.append(("elements and steps", f"{elements} on a half line, {steps} between two instants"))
     return Shear(
         time=time,
@@ -180,9 +188,7 @@ def _creep(law: Relaxation, span: Any) -> Any:
 
 
 def _elastic_depth(shape: AbstractShape, per_area: bool, measure: Any) -> Any:
-    """Depth d with A(d) = `measure`, by bisection of its logarithm; to 1 part in 1e4 of what it is used for, a bound."""
-    import jax
-
+    """Depth d with A(d) = `measure`, by bisection of its logarithm, rounded up: it is used as a bound."""
     c, w, _ = gauss(24)
 
     def displaced(depth: Any) -> Any:

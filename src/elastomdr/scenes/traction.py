@@ -56,7 +56,6 @@ def traction(
     require("creep", creep, "finite", np.isfinite)
     require("friction", friction, "zero or positive, infinity included", lambda x: x >= 0)
     foundation = as_foundation(material)
-    half_plane = isinstance(shape, Cylinder) and foundation.per_area is False
     shapes = [np.shape(x) for x in (velocity, creep, friction)]
     try:
         together = np.broadcast_shapes(*shapes)
@@ -64,7 +63,7 @@ def traction(
         raise InputError(f"velocity, creep and friction must broadcast, got shapes {shapes}.") from error
     xp = jnp if is_traced(velocity, creep, friction) else np
     velocity = xp.broadcast_to(velocity, together)
-    if half_plane:
+    if isinstance(shape, Cylinder) and foundation.per_area is False:
         return _carter(foundation, shape, velocity, creep, friction, load, depth)
     normal, sheared = _laws(material, tangential)
     if normal.per_area and not isinstance(shape, Cylinder):
@@ -88,15 +87,20 @@ def traction(
         scene.law, sheared.law(), scene.lines, scene.reduced, flat(found.contact.leading),
         flat(found.contact.trailing), flat(friction), abs(flat(creep)),
     )  # fmt: skip
-    for steps in _STEPS:
-        pulled = tractions(rolling, rules[0] if scene.plan.traced else rules[-1], steps)
+    rule = rules[0] if scene.plan.traced else rules[-1]
+    pulled = tractions(rolling, rule, _STEPS[0])
+    for steps in _STEPS[1:]:
         missed = ~(pulled.error <= rtol * pulled.force)
         if is_traced(missed) or not np.any(missed & np.isfinite(pulled.force)):
             break
+        pulled = tractions(rolling, rule, steps)
+    missed = ~(pulled.error <= rtol * pulled.force)
     pulled = type(pulled)(*(xp.asarray(x).reshape(scene.shape) for x in pulled))
     good = found.converged & ~xp.asarray(missed).reshape(scene.shape)
     if not is_traced(good) and (lost := int(np.sum(found.converged & ~good))):
-        warnings.warn(f"{lost} of {good.size} tractions did not converge; they are NaN.", ConvergenceWarning, stacklevel=3)
+        warnings.warn(
+            f"{lost} of {good.size} tractions did not converge; they are NaN.", ConvergenceWarning, stacklevel=3
+        )
     force = xp.where(good, xp.sign(creep) * pulled.force, xp.nan)
     inputs = list(scene.inputs)
     inputs[-1:-1] = _said(creep, friction)
@@ -125,10 +129,14 @@ def _said(creep: Any, friction: Any) -> list[tuple[str, str]]:
     return [("creep", _brief(creep, "").strip()), ("friction coefficient", _brief(friction, "").strip())]
 
 
-def _carter(foundation: Any, shape: Cylinder, velocity: Any, creep: Any, friction: Any, load: Any, depth: Any) -> Traction:
+def _carter(
+    foundation: Any, shape: Cylinder, velocity: Any, creep: Any, friction: Any, load: Any, depth: Any
+) -> Traction:
     law = foundation.law()
     if load is None or depth is not None:
-        raise InputError("load must be given for a cylinder on a half-space, whose depth is not defined (plane strain).")
+        raise InputError(
+            "load must be given for a cylinder on a half-space, whose depth is not defined (plane strain)."
+        )
     if law.moduli.size or (not is_traced(law) and law.viscosity > 0):
         raise InputError(
             "material must be elastic for a cylinder on a half-space (Carter's problem), or a layer (em.layer): a "
@@ -137,7 +145,9 @@ def _carter(foundation: Any, shape: Cylinder, velocity: Any, creep: Any, frictio
     load = as_float64("load", load)
     require("load", load, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
     if not is_traced(friction) and np.isinf(friction).any():
-        raise InputError("friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges.")
+        raise InputError(
+            "friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges."
+        )
     arrays = velocity, creep, friction, load
     velocity, creep, friction, load = jnp.broadcast_arrays(*(jnp.asarray(x) for x in arrays))
     ratio, stick, half = carter(law.equilibrium, shape.radius, load / shape.length, friction, abs(creep))

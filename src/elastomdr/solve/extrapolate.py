@@ -32,7 +32,7 @@ class Impacts(NamedTuple):
 
 
 def impacts(body: Body, *, per_area: bool, rtol: float) -> Impacts:
-    """Every lane to `rtol`. Lanes that need finer grids get them, where values are known (not under `jit` or `grad`)."""
+    """Every lane to `rtol`, on finer grids where one needs them and values are known (not under `jit` or `grad`)."""
     if is_traced(body):
         return _stage(body, rtol, per_area=per_area, stage=1)
     lanes = int(body.velocity.shape[0])
@@ -88,7 +88,8 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     stuck = jnp.broadcast_to(liquid, error.shape)
     best = best._replace(
         max_force=motions.max_force[-1] + _between(best.force - motions.force[-1], motions.peak[-1]),
-        restitution=jnp.where(stuck, 0.0, best.restitution), duration=jnp.where(stuck, jnp.inf, best.duration)
+        restitution=jnp.where(stuck, 0.0, best.restitution),
+        duration=jnp.where(stuck, jnp.inf, best.duration),
     )
     good = (jnp.all(motions.solved, axis=0) & enough & jnp.isfinite(best.restitution)) | stuck
     timed = (duration <= _LOOSER * rtol) | stuck
@@ -110,7 +111,7 @@ def _between(nodes: Array, s: Array) -> Array:
     x = s * COARSEST - first
     rows = jnp.take_along_axis(nodes, first[None] + jnp.arange(4)[:, None], axis=0)
     weights = [np.prod([1 / (i - j) for j in range(4) if j != i]) for i in range(4)]
-    return sum(
-        w * row * functools.reduce(jnp.multiply, [x - j for j in range(4) if j != i])
-        for i, (w, row) in enumerate(zip(weights, rows, strict=True))
-    )
+    total = jnp.zeros_like(x)
+    for i, (w, row) in enumerate(zip(weights, rows, strict=True)):
+        total = total + w * row * functools.reduce(jnp.multiply, [x - j for j in range(4) if j != i])
+    return total

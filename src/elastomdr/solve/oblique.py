@@ -82,7 +82,11 @@ def _quintic(start: Array, end: Array, mass: Array, s: Array) -> Array:
     a0, a1 = -(h**2) * start[3] / mass, -(h**2) * end[3] / mass
     rise = p1 - p0 - v0 - 0.5 * a0
     slope, bend = v1 - v0 - a0, a1 - a0
-    cubic, quartic, quint = 10 * rise - 4 * slope + 0.5 * bend, -15 * rise + 7 * slope - bend, 6 * rise - 3 * slope + 0.5 * bend
+    cubic, quartic, quint = (
+        10 * rise - 4 * slope + 0.5 * bend,
+        -15 * rise + 7 * slope - bend,
+        6 * rise - 3 * slope + 0.5 * bend,
+    )
     return p0 + s * (v0 + s * (0.5 * a0 + s * (cubic + s * (quartic + s * quint))))
 
 
