@@ -33,6 +33,7 @@ from .._runtime import Array
 from ..foundation.ramp import ramp_weights
 from ..mapping.reach import contact_measure
 from ..mapping.shapes import AbstractShape, FlatPunch
+from .peak import peak
 from .root import root, search
 
 COARSEST = 16  # n of the first grid, and half the intervals of a history
@@ -100,7 +101,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
     path = jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, nodes)
     retreat = _retreat_of_punch if punch else _retreat
     end, states, left = retreat(body, per_area, path, turn, steps, grid)
-    largest, peak = _peak(path.force, grid.last)
+    largest, place = peak(path.force, grid.last)
     size = grid.kept.shape[0]
 
     def joined(before: Array, after: Array) -> Array:
@@ -111,7 +112,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
         duration=end.time,
         max_depth=turn.depth,
         max_force=largest,
-        peak=peak,
+        peak=place,
         turning=turn.force / largest,
         time=joined(path.time, states.time),
         depth=joined(path.depth, states.depth),
@@ -288,26 +289,3 @@ def _retreat_of_punch(
     carry = (node, guess, jnp.ones(guess.shape, bool))
     (end, _, good), states = jax.lax.scan(step, carry, (1 - (1 - j / grid.last) ** 2, grid.taken[::-1]))
     return end, states, good
-
-
-def _peak(force: Array, last: Any) -> tuple[Array, Array]:
-    """The largest value of a smooth function given at equal steps, and where, by a polynomial through nodes around it."""
-    half = _NEAR // 2
-    first = jnp.clip(jnp.argmax(jax.lax.stop_gradient(force), axis=0) - half, 0, last + 1 - _NEAR)
-    rows = jnp.take_along_axis(force, first[None] + jnp.arange(_NEAR)[:, None], axis=0)
-    coefficients = jnp.einsum("ij,j...->i...", jnp.asarray(_THROUGH), rows)  # of powers of x, the nodes at -1 ... 1
-
-    def value(x: Array) -> Array:
-        return functools.reduce(lambda sum, c: sum * x + c, coefficients[::-1])
-
-    fixed, powers = jax.lax.stop_gradient(coefficients), np.arange(_NEAR)[:, None]
-    x = jnp.argmax(jax.lax.stop_gradient(rows), axis=0) / half - 1.0
-    for _ in range(5):
-        slope = jnp.sum((powers * fixed)[1:] * x ** (powers[1:] - 1), axis=0)
-        bend = jnp.sum((powers * (powers - 1) * fixed)[2:] * x ** (powers[2:] - 2), axis=0)
-        x = jnp.clip(x - jnp.where(bend < 0, slope / jnp.where(bend < 0, bend, -1.0), 0.0), -1.0, 1.0)
-    return value(x), (first + half * (1 + x)) / last
-
-
-_NEAR = 9  # nodes around the largest force
-_THROUGH = np.linalg.inv(np.vander(np.linspace(-1.0, 1.0, _NEAR), increasing=True))
