@@ -76,5 +76,6 @@ class Traction(AbstractResult):
         failed = int((~good).sum())
         text = f"{good.size}, {'all converged' if not failed else f'{failed} did not converge'}"
         if good.any():
-            text += f"; largest estimated error of the coefficient: {significant(float(np.asarray(self.error)[good].max()), 2)}"
+            largest = float(np.asarray(self.error)[good].max())
+            text += f"; largest estimated error of the coefficient: {significant(largest, 2)}"
         yield "points", text

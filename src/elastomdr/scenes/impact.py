@@ -68,7 +68,7 @@ def impact(
         return xp.where(good, field, xp.nan).reshape(scene.shape)
 
     def series(field: Any) -> Any:
-        return xp.moveaxis(xp.where(good, field, xp.nan), 0, -1).reshape((*scene.shape, -1))
+        return xp.where(good, field, xp.nan).T.reshape((*scene.shape, -1))
 
     if not traced and not good.all():
         text = f"{int((~good).sum())} of {good.size} impacts did not converge to rtol={rtol:g}; they are NaN."
@@ -188,7 +188,7 @@ def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...], xp: Any) -
 
 
 def _lanes(law: Relaxation, width: int, xp: Any) -> tuple[Any, Any, Any]:
-    """(rates, moduli, viscosity), the equilibrium as a branch with rate zero, with `width` branches and equal columns."""
+    """(rates, moduli, viscosity), the spring as a branch with rate zero, `width` more branches, equal columns."""
     times = law.times if law.times.ndim == 2 else law.times[:, None]
     columns = times.shape[-1]
     viscosity = xp.broadcast_to(law.viscosity, (columns,))

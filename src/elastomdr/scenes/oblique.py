@@ -104,7 +104,9 @@ def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: Histo
     def series(field: Any) -> Any:
         return jnp.asarray(field).reshape(count, -1)
 
-    course = Course(*(series(x) for x in history), mass, effective, u)
+    course = Course(
+        series(history.time), series(history.depth), series(history.velocity), series(history.force), mass, effective, u
+    )
     points = (rates.T, moduli.T, viscosity, factor, reach, flat(slips.friction), course)
     fine, coarse = (jax.lax.map(lambda point, n=n: one(point, n), points) for n in (_STEPS, _STEPS // 2))
     after = fine.velocity[:, -1]

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -18,7 +19,7 @@ from ..solve.shear import History, Scene, shear_history
 from .impact import _standing
 from .steady import brief, describe
 
-HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin: exact within its usual assumptions)"
+HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin)"
 LAYER = "thin layer of independent elements with Coulomb friction"
 _EARLY = 18  # instants put between the first two: down to 1e-12 of the time between them
 _ELASTIC, _VISCOELASTIC = (100_000, 1), (2_000, 16)  # elements, and contact steps between two instants
@@ -107,10 +108,10 @@ def shear(
     inside = found.contact_radius <= reach * (1 - 0.25 / elements) if not isinstance(shape, FlatPunch) else True
     good = jnp.isfinite(found.force) & jnp.isfinite(found.normal_force) & inside
     found = type(found)(*(jnp.where(good, x, jnp.nan) for x in found))
-    inputs = [("material", normal.name or "given directly"), ("shape", describe(shape))]
-    inputs += [(name, brief(value, "N" if name == "load" else "m")), ("displacement", brief(displacement, "m"))]
+    inputs = [("material", normal.name or "given directly"), ("shape", _describe(shape))]
+    inputs += [(name, _brief(value, "N" if name == "load" else "m")), ("displacement", _brief(displacement, "m"))]
     inputs += [
-        ("time", brief(time, "s")),
+        ("time", _brief(time, "s")),
         ("friction coefficient", f"{float(mu):g}" if not is_traced(mu) else "traced"),
     ]
     inputs.append(("elements and steps", f"{elements} on a half line, {steps} between two instants"))
@@ -187,9 +188,7 @@ def _creep(law: Relaxation, span: Any) -> Any:
 
 
 def _elastic_depth(shape: AbstractShape, per_area: bool, measure: Any) -> Any:
-    """Depth d with A(d) = `measure`, by bisection of its logarithm; to 1 part in 1e4 of what it is used for, a bound."""
-    import jax
-
+    """Depth d with A(d) = `measure`, by bisection of its logarithm, rounded up: it is used as a bound."""
     c, w, _ = gauss(24)
 
     def displaced(depth: Any) -> Any:

@@ -56,7 +56,6 @@ def traction(
     require("creep", creep, "finite", np.isfinite)
     require("friction", friction, "zero or positive, infinity included", lambda x: x >= 0)
     foundation = as_foundation(material)
-    half_plane = isinstance(shape, Cylinder) and foundation.per_area is False
     shapes = [np.shape(x) for x in (velocity, creep, friction)]
     try:
         together = np.broadcast_shapes(*shapes)
@@ -64,7 +63,7 @@ def traction(
         raise InputError(f"velocity, creep and friction must broadcast, got shapes {shapes}.") from error
     xp = jnp if is_traced(velocity, creep, friction) else np
     velocity = xp.broadcast_to(velocity, together)
-    if half_plane:
+    if isinstance(shape, Cylinder) and foundation.per_area is False:
         return _carter(foundation, shape, velocity, creep, friction, load, depth)
     normal, sheared = _laws(material, tangential)
     if normal.per_area and not isinstance(shape, Cylinder):
@@ -88,11 +87,14 @@ def traction(
         scene.law, sheared.law(), scene.lines, scene.reduced, flat(found.contact.leading),
         flat(found.contact.trailing), flat(friction), abs(flat(creep)),
     )  # fmt: skip
-    for steps in _STEPS:
-        pulled = tractions(rolling, rules[0] if scene.plan.traced else rules[-1], steps)
+    rule = rules[0] if scene.plan.traced else rules[-1]
+    pulled = tractions(rolling, rule, _STEPS[0])
+    for steps in _STEPS[1:]:
         missed = ~(pulled.error <= rtol * pulled.force)
         if is_traced(missed) or not np.any(missed & np.isfinite(pulled.force)):
             break
+        pulled = tractions(rolling, rule, steps)
+    missed = ~(pulled.error <= rtol * pulled.force)
     pulled = type(pulled)(*(xp.asarray(x).reshape(scene.shape) for x in pulled))
     good = found.converged & ~xp.asarray(missed).reshape(scene.shape)
     if not is_traced(good) and (lost := int(np.sum(found.converged & ~good))):

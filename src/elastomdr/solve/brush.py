@@ -9,10 +9,11 @@ in units of force per length, as the normal q. It slips from the distance c on a
 
     F_x = int_0^c tau_stick dr + mu [F_N - Q(c)],    Q(c) = int_0^c q dr,
 
-with q and Q exact from `solve.integrals`. An elastic paraboloid has F_x/(mu F_N) = 1 - (1 - zeta)^3, zeta = xi R G*/(2 a mu E*)
-(Popov & Hess 2015, ch. 5; the brush of tyre mechanics). An element that has slipped stays slipping as long as its own
-recovery is slower than the creep. Whether it is, is looked at step by step; where one sticks again (a dashpot, or
-tangential relaxation faster than the normal one), the force is that of the march, second order in its step.
+with q and Q exact from `solve.integrals`. An elastic paraboloid has F_x/(mu F_N) = 1 - (1 - zeta)^3, zeta = xi R
+G*/(2 a mu E*) (Popov & Hess 2015, ch. 5; the brush of tyre mechanics). An element that has slipped stays slipping as
+long as its own recovery is slower than the creep. Whether it is, is looked at step by step; where one sticks again (a
+dashpot, or tangential relaxation faster than the normal one), the force is that of the march, second order in its
+step.
 """
 
 import functools
@@ -24,9 +25,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array
+from ..foundation.ramp import ramp_weights
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
-from .impact import ramp_weights
 from .integrals import Passage, exit_density, normal_force
 from .rule import Rule
 
@@ -131,7 +132,7 @@ def _places(steps: int) -> np.ndarray:
 
 
 def _march(r: Rolling, length: Array, steps: int) -> tuple[Array, Array, Array, Array]:
-    """Force per weight, part that sticks, first step that ends slipping, and whether any sticks after having slipped."""
+    """Force per weight, part that sticks, first step that ends slipping, whether any sticks after it has slipped."""
     normal, tangential = r.normal, r.tangential
     zero = jnp.zeros_like(length)
 
@@ -183,7 +184,8 @@ def carter(modulus: Any, radius: Any, line_load: Any, friction: Any, creep: Any)
 
     F_x/(mu F_N) = 1 - (1 - xi R/(mu a))^2 up to full slip, a^2 = 4 w R/(pi E*), w the load per length [N/m], for equal
     bodies, or an incompressible one on a rigid one, so that normal and tangential loading do not influence each other.
-    Elements that know of each other: no line of independent ones has this law. Source: Carter 1926; Johnson 1985, ch. 8.
+    Elements that know of each other: no line of independent ones has this law. Source: Carter 1926;
+    Johnson 1985, ch. 8.
     """
     half = jnp.sqrt(4 * line_load * radius / (jnp.pi * modulus))
     part = jnp.clip(creep * radius / jnp.where(friction > 0, friction * half, 1.0), 0.0, 1.0)

@@ -7,17 +7,18 @@ A(d) of `mapping.reach`
 
 After the turn, d' = 0, the contact shrinks. Elements touched after the instant t_1(t) have left; t_1 is where
 
-    int_{t_1}^t E(t - s) d'(s) ds + eta d'(t) = 0,    and then    F(t) = E_inf A(d(t_1)) + sum_k exp(-(t - t_1)/tau_k) F_k(t_1)
+    int_{t_1}^t E(t - s) d'(s) ds + eta d'(t) = 0,  and then  F = E_inf A(d(t_1)) + sum_k exp(-(t - t_1)/tau_k) F_k(t_1)
 
-(Ting 1966 for the punch problem; on the line it is the statement that each element leaves at zero force). Nothing else
+(Ting 1966; on the line it says that each element leaves at zero force). Nothing else
 can happen in a free impact: F >= 0 lets the velocity only fall, so that it changes sign once, and the body retreats
 ever faster from a surface that recovers ever more slowly. All of this is exact for the half-space.
 
-Discretised by a grid of velocities, v_i = v0 (1 - s_i^6)^3 with s_i = i/n, so that no time scale has to be known: in the
-approach the length of each step is the unknown; in the rebound step j ends when the elements touched at node j leave. d
-and C_k = int E_k exp(-(t - s)/tau_k) d'(s) ds follow from d' linear over the step, F_k from A'(d) d' linear over it,
-with exact exponentials, the momentum from the trapezoidal rule. Each step is symmetric in time, so the error is a
-series in n^-2, and Richardson's extrapolation takes it away, term by term (`solve/extrapolate.py`). Short relaxation times need no short steps: their branches become dashpots exactly.
+Discretised by a grid of velocities, v_i = v0 (1 - s_i^6)^3 with s_i = i/n, so that no time scale has to be known: in
+the approach the length of each step is the unknown; in the rebound step j ends when the elements touched at node j
+leave. d and C_k = int E_k exp(-(t - s)/tau_k) d'(s) ds follow from d' linear over the step, F_k from A'(d) d' linear
+over it, with exact exponentials, the momentum from the trapezoidal rule. Each step is symmetric in time, so the error
+is a series in n^-2, and Richardson's extrapolation takes it away, term by term (`solve/extrapolate.py`). Short
+relaxation times need no short steps: their branches become dashpots exactly.
 """
 
 import functools
@@ -29,15 +30,14 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array
+from ..foundation.ramp import ramp_weights
 from ..mapping.reach import contact_measure
 from ..mapping.shapes import AbstractShape, FlatPunch
+from .peak import peak
+from .root import root, search
 
 COARSEST = 16  # n of the first grid, and half the intervals of a history
 _START, _TURN = 6, 3  # powers of the grid at both ends: steps shrink where the motion is not smooth in time
-_CLOSE = 3e-4  # relative change of a step's length from which one more Newton step is at rounding
-_ITERATIONS = 60
-_CLIP = 3.0  # longest step of a search in the logarithm of the step length
-_USUAL = 1.5  # slope of force and momentum over the length of a step, both in logarithms, to start a search with
 
 
 class Grid(NamedTuple):
@@ -101,7 +101,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
     path = jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, nodes)
     retreat = _retreat_of_punch if punch else _retreat
     end, states, left = retreat(body, per_area, path, turn, steps, grid)
-    largest, peak = _peak(path.force, grid.last)
+    largest, place = peak(path.force, grid.last)
     size = grid.kept.shape[0]
 
     def joined(before: Array, after: Array) -> Array:
@@ -112,7 +112,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
         duration=end.time,
         max_depth=turn.depth,
         max_force=largest,
-        peak=peak,
+        peak=place,
         turning=turn.force / largest,
         time=joined(path.time, states.time),
         depth=joined(path.depth, states.depth),
@@ -165,7 +165,7 @@ def _approach(body: Body, per_area: bool, start: _Node, grid: Grid) -> tuple[_No
             return log_h + jnp.log(0.5 * (node.force + after(node, log_h, speed).force)) - momentum
 
         # The mean force over a step is nearly a power of s: that gives the first guess of the step's length.
-        log_h, found = _root(residual, momentum - (log_force + slope * step.stride))
+        log_h, found = root(residual, momentum - (log_force + slope * step.stride))
         mean = momentum - jax.lax.stop_gradient(log_h)
         slope = jnp.clip((mean - log_force) / step.stride, -20, 20)
         return (after(node, log_h, speed), mean, slope, good & found), jnp.exp(log_h)
@@ -197,7 +197,7 @@ def _first_step(body: Body, per_area: bool, grid: Grid) -> Array:
         _, _, late = ramp_weights(h * body.rates)
         return log_h + jnp.log(0.5 * measure * (h * jnp.sum(body.moduli * late, axis=0) + body.viscosity)) - momentum
 
-    return _search(residual, jnp.full(body.velocity.shape, -7.0))[0]
+    return search(residual, jnp.full(body.velocity.shape, -7.0))[0]
 
 
 class _Rebound(NamedTuple):
@@ -234,7 +234,7 @@ def _retreat(
         def residual(log_h: Array) -> Array:  # rises as a power of the step does
             return jnp.log((held - after(node, touched, log_h)[0]) / held)
 
-        log_h, found = _root(residual, log_length + log_ratio + trend)
+        log_h, found = root(residual, log_length + log_ratio + trend)
         ratio = jax.lax.stop_gradient(log_h) - log_length
         trend = jnp.clip(jnp.where(trend == 0, 0.5, 1.0) * (ratio - log_ratio), -1.0, 1.0)
         return after(node, touched, log_h)[1], ratio, trend, good & found
@@ -276,7 +276,7 @@ def _retreat_of_punch(
         def residual(log_h: Array) -> Array:
             return jnp.log((node.force - after(node, target, log_h)[0]) / (node.force - target))
 
-        log_h, found = _root(residual, jax.lax.stop_gradient(log_h))
+        log_h, found = root(residual, jax.lax.stop_gradient(log_h))
         return after(node, target, log_h)[1], log_h, good & found
 
     def step(carry: tuple, step: tuple) -> tuple:
@@ -289,89 +289,3 @@ def _retreat_of_punch(
     carry = (node, guess, jnp.ones(guess.shape, bool))
     (end, _, good), states = jax.lax.scan(step, carry, (1 - (1 - j / grid.last) ** 2, grid.taken[::-1]))
     return end, states, good
-
-
-def _root(residual: Any, guess: Array) -> tuple[Array, Array]:
-    """x with residual(x) = 0, rising through it, and whether it was found.
-
-    The search runs on values cut off from differentiation; one Newton step afterwards carries the derivatives.
-    """
-    x, done = _search(residual, guess)
-    value, slope = jax.jvp(residual, (x,), (jnp.ones_like(x),))
-    step = value / jax.lax.stop_gradient(slope)
-    found = done & (jnp.abs(step) < 10 * _CLOSE)
-    return x - jnp.where(found, step, step - jax.lax.stop_gradient(step)), found
-
-
-def _search(residual: Any, guess: Array) -> tuple[Array, Array]:
-    """The secant method inside a shrinking bracket, all lanes at once."""
-
-    def advance(state: tuple) -> tuple:
-        x, slope, low, high, done, count, value = state
-        low, high = jnp.where(value < 0, x, low), jnp.where(value < 0, high, x)
-        secant = x - jnp.clip(value / slope, -_CLIP, _CLIP)
-        middle = 0.5 * (jnp.maximum(low, x - 2 * _CLIP) + jnp.minimum(high, x + 2 * _CLIP))
-        following = jnp.where((secant >= low) & (secant <= high), secant, middle)
-        change = following - x
-        done = done | (jnp.abs(change) < _CLOSE) | jnp.isnan(value)
-        following = jnp.where(jnp.isfinite(following), following, x)
-        new = residual(following)
-        slope = jnp.where(jnp.abs(change) > 1e-9, (new - value) / jnp.where(change == 0, 1.0, change), slope)
-        return following, jnp.where(slope > 0.05, slope, _USUAL), low, high, done, count + 1, new
-
-    guess = jnp.where(jnp.isfinite(guess), guess, -7.0)
-    everywhere = jnp.full_like(guess, jnp.inf)
-    state = (
-        guess,
-        jnp.full_like(guess, _USUAL),
-        -everywhere,
-        everywhere,
-        jnp.zeros(guess.shape, bool),
-        0,
-        residual(guess),
-    )
-    state = jax.lax.stop_gradient(state)
-    state = jax.lax.while_loop(lambda s: ~jnp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
-    return jax.lax.stop_gradient((state[0], state[4]))
-
-
-def ramp_weights(z: Array) -> tuple[Array, Array, Array]:
-    """exp(-z), int_0^1 exp(-(1-s) z) (1-s) ds and int_0^1 exp(-(1-s) z) s ds, to full accuracy for z >= 0.
-
-    What is left of a branch after a step of z relaxation times, and what a rate that is linear over the step adds, from
-    its value at the start and at the end.
-    """
-    small, large = jnp.minimum(z, 1.0), jnp.maximum(z, 1.0)
-    series = jnp.ones_like(z)
-    for k in range(18, 2, -1):
-        series = 1 - small / k * series
-    series = 0.5 * series
-    mean = 1 - small * series
-    left = jnp.exp(-large)
-    mean_large = (1 - left) / large
-    late = jnp.where(z < 1, series, (1 - mean_large) / large)
-    mean = jnp.where(z < 1, mean, mean_large)
-    return jnp.where(z < 1, 1 - small * (1 - small * series), left), mean - late, late
-
-
-def _peak(force: Array, last: Any) -> tuple[Array, Array]:
-    """The largest value of a smooth function given at equal steps, and where: on a polynomial through nodes around it."""
-    half = _NEAR // 2
-    first = jnp.clip(jnp.argmax(jax.lax.stop_gradient(force), axis=0) - half, 0, last + 1 - _NEAR)
-    rows = jnp.take_along_axis(force, first[None] + jnp.arange(_NEAR)[:, None], axis=0)
-    coefficients = jnp.einsum("ij,j...->i...", jnp.asarray(_THROUGH), rows)  # of powers of x, the nodes at -1 ... 1
-
-    def value(x: Array) -> Array:
-        return functools.reduce(lambda sum, c: sum * x + c, coefficients[::-1])
-
-    fixed, powers = jax.lax.stop_gradient(coefficients), np.arange(_NEAR)[:, None]
-    x = jnp.argmax(jax.lax.stop_gradient(rows), axis=0) / half - 1.0
-    for _ in range(5):
-        slope = jnp.sum((powers * fixed)[1:] * x ** (powers[1:] - 1), axis=0)
-        bend = jnp.sum((powers * (powers - 1) * fixed)[2:] * x ** (powers[2:] - 2), axis=0)
-        x = jnp.clip(x - jnp.where(bend < 0, slope / jnp.where(bend < 0, bend, -1.0), 0.0), -1.0, 1.0)
-    return value(x), (first + half * (1 + x)) / last
-
-
-_NEAR = 9  # nodes around the largest force
-_THROUGH = np.linalg.inv(np.vander(np.linspace(-1.0, 1.0, _NEAR), increasing=True))

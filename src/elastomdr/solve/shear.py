@@ -119,10 +119,9 @@ def line(scene: Scene, elements: int, per_area: bool) -> Grid:
     """`elements` elements from the axis to the reach of the scene."""
     x = scene.reach * (jnp.arange(elements) + 0.5) / elements
     width = scene.reach / elements
-    cylinder = isinstance(scene.shape, Cylinder)
-    ring = per_area and not cylinder
+    ring = per_area and not isinstance(scene.shape, Cylinder)
     weight = (2 * math.pi * x if ring else jnp.full(elements, 2.0)) * width
-    weight = weight * (scene.shape.length if cylinder else 1.0)
+    weight = weight * (scene.shape.length if isinstance(scene.shape, Cylinder) else 1.0)
     profile = scene.shape._height(x) if ring else scene.shape._profile(x)
     return Grid(x, weight, jnp.where(jnp.isfinite(profile), profile, 1e30), width)
 

@@ -1,0 +1,57 @@
+"""Roots of many increasing functions at once, with derivatives that do not pass through the search."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from .._runtime import Array
+
+_CLOSE = 3e-4  # change of x from which one more Newton step is at rounding
+_ITERATIONS = 60
+_CLIP = 3.0  # longest step of a search
+_USUAL = 1.5  # slope to start a search with: of powers, in logarithms
+
+
+def root(residual: Any, guess: Array) -> tuple[Array, Array]:
+    """x with residual(x) = 0, rising through it, and whether it was found.
+
+    The search runs on values cut off from differentiation; one Newton step afterwards carries the derivatives.
+    """
+    x, done = search(residual, guess)
+    value, slope = jax.jvp(residual, (x,), (jnp.ones_like(x),))
+    step = value / jax.lax.stop_gradient(slope)
+    found = done & (jnp.abs(step) < 10 * _CLOSE)
+    return x - jnp.where(found, step, step - jax.lax.stop_gradient(step)), found
+
+
+def search(residual: Any, guess: Array) -> tuple[Array, Array]:
+    """The secant method inside a shrinking bracket, all lanes at once."""
+
+    def advance(state: tuple) -> tuple:
+        x, slope, low, high, done, count, value = state
+        low, high = jnp.where(value < 0, x, low), jnp.where(value < 0, high, x)
+        secant = x - jnp.clip(value / slope, -_CLIP, _CLIP)
+        middle = 0.5 * (jnp.maximum(low, x - 2 * _CLIP) + jnp.minimum(high, x + 2 * _CLIP))
+        following = jnp.where((secant >= low) & (secant <= high), secant, middle)
+        change = following - x
+        done = done | (jnp.abs(change) < _CLOSE) | jnp.isnan(value)
+        following = jnp.where(jnp.isfinite(following), following, x)
+        new = residual(following)
+        slope = jnp.where(jnp.abs(change) > 1e-9, (new - value) / jnp.where(change == 0, 1.0, change), slope)
+        return following, jnp.where(slope > 0.05, slope, _USUAL), low, high, done, count + 1, new
+
+    guess = jnp.where(jnp.isfinite(guess), guess, -7.0)
+    everywhere = jnp.full_like(guess, jnp.inf)
+    state = (
+        guess,
+        jnp.full_like(guess, _USUAL),
+        -everywhere,
+        everywhere,
+        jnp.zeros(guess.shape, bool),
+        0,
+        residual(guess),
+    )
+    state = jax.lax.stop_gradient(state)
+    state = jax.lax.while_loop(lambda s: ~jnp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
+    return jax.lax.stop_gradient((state[0], state[4]))
