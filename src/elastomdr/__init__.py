@@ -21,7 +21,9 @@ _HOMES = {
     "scenes.friction": ("friction",),
     "scenes.rolling": ("rolling",),
     "scenes.plan": ("plan",),
+    "scenes.slide": ("slide",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
+    "results.slide": ("Slide",),
 }
 _PACKAGES = ("fit",)
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
