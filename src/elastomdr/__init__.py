@@ -15,6 +15,7 @@ _HOMES = {
     "material.library": ("materials", "load_material", "save_material"),
     "mapping.shapes": ("Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Cylinder"),
     "mapping.profile": ("Profile",),
+    "mapping.rough_line": ("RoughLine",),
     "foundation.law": ("Foundation", "half_space", "layer"),
     "foundation.step": ("ContactStep",),
     "solve.plan": ("Plan",),

@@ -11,10 +11,12 @@ import numpy as np
 from .._runtime import as_float64, in_float64, is_traced, not_negative, positive, require
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
-from ..mapping.lines import AbstractLines, Strips
+from ..mapping.lines import AbstractLines, SingleLine
+from ..mapping.rough_line import RoughLine
+from ..mapping.shapes import Cylinder
 from ..material.relaxation import Relaxation
 from ..results.slide import Slide
-from ..solve.over_line import indenter
+from ..solve.over_line import indenter, rough
 from ..solve.passage import Control, estimate_sizes
 from ..solve.refine import Levels, refine
 from ..solve.slide import Forces, march, padded
@@ -25,6 +27,9 @@ _ACROSS = 40  # elements over the contact on the coarsest level
 _FINEST = 6  # levels beyond the coarsest
 _WORK = 3e10  # elements times steps times branches of a march that is still made
 _TRACED = 1024  # elements and steps of the coarser level under a transformation
+
+
+LINE = "bare MDR line under a rough line (forces and friction; no real contact area; no direction average)"
 
 
 class SlidePlan(NamedTuple):
@@ -60,7 +65,8 @@ def slide(
     given there, on rubber that was never touched; where two instants are equal, load or depth jump.
 
     - `time` [s], ascending, equal neighbours allowed; `position` [m] of the body at these instants.
-    - `load` [N], or `depth` [m]: a number, or one for each instant. `temperature` [K] is one number.
+    - `shape`: an indenter, or an `em.RoughLine`, whose load and forces are means per length of line [N/m].
+    - `load` [N, or N/m], or `depth` [m]: a number, or one for each instant. `temperature` [K] is one number.
     - `rtol`, 1e-2 to 1e-6: the error of mu to be met, relative to the largest mu of the history.
     - `elements` of the coarser of two levels: taken under `jax.jit`, `grad` and `vmap`, where the size of the contact is
       not known beforehand (`time` must be plain numbers there).
@@ -69,12 +75,17 @@ def slide(
     defined for steady motion only. Converges to `em.friction(..., average=None)`. Raises `InputError`; points that do not
     converge are NaN and counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
-    lines, foundation = _contact(material, shape)
-    history = _history(foundation, time, position, load, depth, temperature, rtol, elements)
-    found, plan = _indenter(lines, history)
-    layer = bool(foundation.per_area)
-    inputs = [("material", foundation.name or "given directly"), ("shape", _describe(shape)), *history.inputs]
-    return _pack(history, found, plan, LAYER if layer else BARE, tuple(inputs))
+    per_length = isinstance(shape, RoughLine)
+    foundation = as_foundation(material)
+    if per_length and foundation.per_area:
+        raise InputError("material must be a half-space under a RoughLine, got a layer: give the material itself.")
+    lines = None if per_length else _contact(foundation, shape)[0]
+    history = _history(foundation, time, position, load, depth, temperature, rtol, elements, per_length)
+    found, plan = _rough(shape, history) if lines is None else _indenter(lines, history)
+    model = LINE if per_length else LAYER if foundation.per_area or isinstance(shape, Cylinder) else BARE
+    what = describe_line(shape) if per_length else _describe(shape)
+    inputs = [("material", foundation.name or "given directly"), ("shape", what), *history.inputs]
+    return _pack(history, found, plan, model, tuple(inputs), per_length)
 
 
 class _History(NamedTuple):
@@ -103,7 +114,8 @@ class _History(NamedTuple):
 
 
 def _history(
-    foundation: Foundation, time: Any, position: Any, load: Any, depth: Any, temperature: Any, rtol: Any, elements: Any
+    foundation: Foundation, time: Any, position: Any, load: Any, depth: Any, temperature: Any, rtol: Any, elements: Any,
+    per_length: bool,
 ) -> _History:
     if is_traced(time):
         raise InputError("time must be plain numbers under jax.jit, grad and vmap: differentiate in position instead.")
@@ -138,7 +150,7 @@ def _history(
         raise InputError(f"elements must be a whole number, 16 at least, got {elements!r}.")
     law = foundation.law()
     inputs = [("time", _brief(time, "s")), ("position", _brief(position, "m"))]
-    inputs.append((control, _brief(value, "N" if control == "load" else "m")))
+    inputs.append((control, _brief(value, ("N/m" if per_length else "N") if control == "load" else "m")))
     if temperature is not None:
         if foundation.shift is None:
             raise InputError("temperature was given, but the material has no shift law; leave the temperature out.")
@@ -155,6 +167,43 @@ def _history(
         if (np.maximum(value[np.concatenate([np.ones(1, bool), still])], 0) * (jumps > 0) > 0).any():
             raise InputError("depth must not jump on a material with a viscosity, whose force would be infinite.")
     return _History(law, control, time, position, value, float(rtol), elements or _TRACED, traced, tuple(inputs))
+
+
+def _rough(shape: RoughLine, history: _History) -> tuple[Levels, SlidePlan]:
+    """Marches one period under a rough line."""
+    law = jax.tree.map(jnp.asarray, history.law)
+    traced = history.traced or is_traced(shape)
+    even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
+    spacing = None if is_traced(history.position, history.value) else float(shape.spacing)
+    line = timeline(history.time, history.position, history.value, spacing, history.shortest, even)
+    size: list[int] = []
+
+    def solve(level: int) -> tuple[Forces, Any]:
+        finer = 2**level
+        steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
+        surface = rough(shape._finer(finer), shape.spacing / finer, shape.highest)
+        forces, _ = march(law, surface, padded(steps), control=history.control)
+        size[:] = surface.count, steps.h.shape[0]
+        forces = Forces(*(field[last] for field in forces))
+        return forces if is_traced(forces) else jax.tree.map(np.asarray, forces), np.bool_(True)
+
+    found = refine(solve, history.rtol, _finest(shape.count * line.part.size * law.times.size, traced))
+    text = f"every element of the period of {float(shape.period):.4g} m can be touched"
+    return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, text)
+
+
+def _finest(work: int, traced: bool) -> int:
+    """The finest level that is still marched, for elements times steps times branches of the coarsest."""
+    most = 1 if traced else _FINEST
+    while most > 1 and 4.0**most * work > _WORK:
+        most -= 1
+    return most
+
+
+def describe_line(line: RoughLine) -> str:
+    """A rough line in words."""
+    text = f"{line.label}, {line.count} points, period {float(line.period):.4g} m"
+    return text if is_traced(line) else f"{text}, rms height {float(line.rms_height):.4g} m"
 
 
 def _indenter(lines: AbstractLines, history: _History) -> tuple[Levels, SlidePlan]:
@@ -193,10 +242,8 @@ def _indenter(lines: AbstractLines, history: _History) -> tuple[Levels, SlidePla
                 forces, inside, room = jax.tree.map(np.asarray, (forces, inside, room))
             return forces, inside & room
 
-        most = 1 if traced else _FINEST
-        while most > 1 and 4.0**most * count * line.part.size * max(law.times.size, 1) > _WORK:
-            most -= 1
-        found = refine(solve, history.rtol, most)
+        work = count * line.part.size * max(law.times.size, 1) * (1 if isinstance(lines, SingleLine) else count // 2)
+        found = refine(solve, history.rtol, _finest(work, traced))
         if traced or np.any(found.good) or float(reach) > 30 * float(widest):
             break
         reach = 2 * reach
@@ -224,7 +271,7 @@ def _sizes(law: Relaxation, lines: AbstractLines, control: Control, value: Any, 
     return sizes[0], jnp.maximum(*sizes)
 
 
-def _pack(history: _History, found: Levels, plan: Any, model: str, inputs: tuple[tuple[str, str], ...]) -> Slide:
+def _pack(history: _History, found: Levels, plan: Any, model: str, inputs: tuple[tuple[str, str], ...], per_length: bool) -> Slide:
     numpy = jnp if is_traced(found) else np
     if not is_traced(found) and not found.good.all():
         text = f"{int((~found.good).sum())} of {found.good.size} points did not converge to rtol={history.rtol:g}; "
@@ -250,7 +297,7 @@ def _pack(history: _History, found: Levels, plan: Any, model: str, inputs: tuple
         dissipated=shown(forces.work - forces.stored),
         error=shown(found.error),
         converged=found.good,
-        per_length=False,
+        per_length=per_length,
         model=model,
         plan=plan,
         inputs=inputs,

@@ -2,7 +2,7 @@
 
 The body stands at X along the line, at depth d. Over the element at x its surface is at
 
-    w = d + b(x - X),    b = -g(x - X) for an indenter,
+    w = d + b(x - X),    b = -g(x - X) for an indenter,    b = h(x - X) - max h for a rough line,
 
 and dw = dd + (db/dX) dX: with the force q of the elements, F_N = sum q W and F_x = sum q (db/dX) W are the forces that do
 work on d and on X, W the weight of an element. F_x is positive where it resists a motion towards +x.
@@ -18,6 +18,7 @@ from jaxtyping import Float
 
 from .._runtime import Array
 from ..mapping.lines import AbstractLines, SingleLine
+from ..mapping.rough_line import spline, spline_coefficients
 from ..mapping.shapes import AbstractShape
 
 _NOTHING = -1e3  # where the surface is beyond the end of a body: far above any rubber [m]
@@ -73,6 +74,31 @@ class Indenter(AbstractOverLine):
             slope = steepness * x / jnp.where(r > 0, r, 1.0)
         # Beyond the end of the body there is nothing to touch.
         return jnp.where(inside, self.track - g, _NOTHING), jnp.where(inside, slope, 0.0)
+
+
+class Rough(AbstractOverLine):
+    """A rough line above one period of the rubber; the weight 1/n makes means per length of all sums."""
+
+    coefficients: Float[Array, " n"]  # of its spline [m]
+    spacing: Array  # of elements and points [m]
+    highest: Array  # max h over the points [m]
+    weight: Array
+
+    @property
+    def count(self) -> int:
+        return self.coefficients.shape[0]
+
+    def rise(self, position: Array) -> Array:
+        return self.rise_and_slope(position)[0]
+
+    def rise_and_slope(self, position: Array) -> tuple[Array, Array]:
+        height, slope = spline(self.coefficients, -position / self.spacing)
+        return height - self.highest, -slope / self.spacing
+
+
+def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
+    """One element under each point of a rough line; `highest` is what the depth counts from."""
+    return Rough(spline_coefficients(height), jnp.asarray(spacing), highest, jnp.asarray(1 / height.shape[0]))
 
 
 def indenter(lines: AbstractLines, first: Any, spacing: Any, count: int, width: Any) -> Indenter:
