@@ -49,7 +49,7 @@ def refine(solve: Callable[[int], tuple[Forces, Array]], rtol: float, most: int)
         if is_traced(fine) or level >= most or bool(np.all(good)) or not bool(np.any(fits)):
             break
         coarse = fine
-    limit = Forces(*(new + (new - old) / 3 for old, new in zip(coarse, fine, strict=True)))
+    limit = type(fine)(*(new + (new - old) / 3 for old, new in zip(coarse, fine, strict=True)))
     return Levels(limit, _ratio(numpy, limit, fine.normal), error, good, level + 1)
 
 
