@@ -23,8 +23,11 @@ _HOMES = {
     "scenes.rolling": ("rolling",),
     "scenes.plan": ("plan",),
     "scenes.slide": ("slide",),
+    "scenes.drive": ("drive",),
+    "solve.dynamics": ("Mount",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
     "results.slide": ("Slide",),
+    "results.drive": ("Drive",),
 }
 _PACKAGES = ("fit",)
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}

@@ -7,6 +7,7 @@ import numpy as np
 from .figure import _new_axes, _write_title
 
 if TYPE_CHECKING:
+    from .drive import Drive
     from .slide import Slide
 
 _BLUE = "#1f5a94"
@@ -26,6 +27,24 @@ def draw_slide(result: "Slide", ax: Any, against: str, title: str | None, label:
     ax.set(xlabel=AXES[against], ylabel="Friction coefficient [-]")
     finish(ax)
     failed = int(np.sum(~fields["converged"]))
+    note = f"{failed} of {y.size} points did not converge and are left out" if failed else ""
+    if title or not beside_others:
+        _write_title(ax, title or result.heading(), result.model, note)
+    if label:
+        ax.legend(frameon=False, fontsize=8.5)
+    return ax
+
+
+def draw_history(result: "Drive", ax: Any, show: str, title: str | None, label: str | None) -> Any:
+    """One column of a motion against time; returns the Axes."""
+    fields = result.fields()
+    column, y = next((c, v) for c, v in fields.items() if c.field == show)
+    ax = _new_axes(False) if ax is None else ax
+    beside_others = ax.has_data()
+    ax.plot(result.time, y, color=None if beside_others else _BLUE, linewidth=1.3, label=label, zorder=3)
+    ax.set(xlabel=AXES["time"], ylabel=column.title[0].upper() + column.title[1:])
+    finish(ax)
+    failed = int(np.sum(~result.converged))
     note = f"{failed} of {y.size} points did not converge and are left out" if failed else ""
     if title or not beside_others:
         _write_title(ax, title or result.heading(), result.model, note)
