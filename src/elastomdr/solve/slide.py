@@ -17,7 +17,7 @@ import jax.numpy as jnp
 from jaxtyping import Float
 
 from .._runtime import Array
-from ..foundation.step import Coefficients, Elements, advance, coefficients
+from ..foundation.step import Coefficients, Elements, advance, coefficients, over_branches
 from ..material.relaxation import Relaxation
 from .over_line import AbstractOverLine
 from .passage import Control
@@ -56,7 +56,7 @@ def untouched(law: Relaxation, surface: AbstractOverLine, position: Array) -> Li
 
 def free(c: Coefficients, line: Line) -> Float[Array, " n"]:
     """u_free [m]: the displacement of each element at the end of the step that needs no force."""
-    return line.u - (c.equilibrium * line.u + jnp.sum(c.seen * line.f, axis=0)) / c.stiffness
+    return line.u - (c.equilibrium * line.u + over_branches(c.seen * line.f)) / c.stiffness
 
 
 def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) -> Array:
