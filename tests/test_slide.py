@@ -31,16 +31,16 @@ def float64():
 
 @pytest.mark.parametrize("shape", [BALL, em.Cone(0.1)], ids=["paraboloid", "cone"])
 def test_meets_steady_friction_after_dwell_jump_of_velocity_and_step_of_load(shape):
-    time = np.array([0.0, 0.5, 0.52, 0.52 + 2e-3, 0.52 + 2e-3, 0.52 + 4e-3])
-    position = np.array([0.0, 0.0, 0.01, 0.02, 0.02, 0.03])  # 0.5 m/s, then 5 m/s
+    time = np.array([0.0, 0.5, 0.54, 0.54 + 3e-3, 0.54 + 3e-3, 0.54 + 6e-3])
+    position = np.array([0.0, 0.0, 0.02, 0.035, 0.035, 0.05])  # 0.5 m/s, then 5 m/s
     load = np.array([10.0, 10.0, 10.0, 10.0, 5.0, 5.0])
-    slide = em.slide(RUBBER, shape, time=time, position=position, load=load, rtol=3e-3)
+    slide = em.slide(RUBBER, shape, time=time, position=position, load=load, rtol=1e-2)
     steady = em.friction(RUBBER, shape, velocity=[0.5, 5.0, 5.0], load=[10.0, 10.0, 5.0], average=None)
     assert slide.converged.all()
     assert slide.model == steady.model
-    np.testing.assert_allclose(slide.mu[[0, 1]], 0, atol=1e-9)
-    np.testing.assert_allclose(slide.mu[[2, 3, 5]], steady.mu, rtol=4e-3)
-    np.testing.assert_allclose(slide.depth[[2, 3, 5]], steady.depth, rtol=4e-3)
+    np.testing.assert_allclose(slide.mu[[0, 1]], 0, atol=1e-4)
+    np.testing.assert_allclose(slide.mu[[2, 3, 5]], steady.mu, rtol=1e-2)
+    np.testing.assert_allclose(slide.depth[[2, 3, 5]], steady.depth, rtol=1e-2)
     np.testing.assert_allclose(slide.normal_force, load, rtol=1e-12)
 
 
@@ -63,7 +63,7 @@ def steady_error(spacing):
     p = np.hypot(a, s) - s
     exact = (2 * modulus / radius**2) * (2 / 3 * s * (a**3 + p**3) + s**2 * p**2)
     law = Relaxation(*map(jnp.asarray, (modulus, np.zeros(0), np.zeros(0), viscosity)))
-    count = round(6e-3 / spacing)
+    count = round(8e-3 / spacing)
     steps = round(4e-3 / spacing)
     x = spacing * jnp.arange(1, steps + 1)
     surface = indenter(SingleLine(em.Paraboloid(radius)), -2e-3 + 0.3 * spacing, spacing, count, 1.0)
@@ -128,6 +128,7 @@ def test_energy_is_stored_or_lost_in_the_branches():
     law = Relaxation(*map(np.asarray, (4e6, np.array([12e6]), np.array([1e-3]), 0.0)))
     surface = rough(jnp.asarray(WAVES.height), WAVES.spacing, WAVES.highest)
     h = np.geomspace(1e-5, 1e-3, 64)
+    h[0] = 1e-15  # put down at once
     x = np.cumsum(np.full(64, 7e-6))
     depth = 1e-5 + 1e-6 * np.sin(np.arange(64.0))
     forces, _ = march(law, surface, Steps(*map(jnp.asarray, (h, x, depth))), control="depth")
@@ -187,7 +188,7 @@ def test_depth_at_a_load_is_exact(seed):
 
 def final_mu(modulus, radius, load):
     law = em.Foundation(4e6, jnp.stack([modulus]), [1e-3])
-    time = np.array([0.0, 1e-3, 3e-3])
+    time = np.array([0.0, 1e-3, 3e-3])  # at rest, then 0.5 m/s
     found = em.slide(
         law, em.Paraboloid(radius), time=time, position=np.array([0.0, 0.0, 1e-3]), load=load, elements=192, rtol=1e-1
     )

@@ -22,6 +22,7 @@ from .slide import LINE, SlidePlan, _finest, _History, _history, _sizes, describ
 from .steady import BARE, LAYER, _brief, _contact, _describe
 
 _ACROSS = 24  # elements over the contact on the coarsest level
+_FINEST = 4  # levels beyond the coarsest
 _PERIOD = 12  # steps per period of a mass on its spring and the contact, on the coarsest level
 
 
@@ -111,9 +112,11 @@ def _solve(
     tangential, normal = mounts
     gone = float(np.ptp(history.time))
     reach, spacing, widest = 0.0, None, 1.0
+    slope = body.rms_slope if isinstance(body, RoughLine) else None
     if isinstance(body, AbstractLines):
         glassy, widest = _sizes(law, body, "load", load, gone)
         reach, spacing = 2 * widest, (track.spacing if track is not None else 2 * jnp.sqrt(glassy * widest) / _ACROSS)
+        slope = body.depth(widest) / widest
         if track is not None and not traced:
             spacing = spacing / math.ceil(float(spacing) * _ACROSS / float(2 * jnp.sqrt(glassy * widest)))
     size = [0, 0]
@@ -138,7 +141,8 @@ def _solve(
             good = inside & done
             return (seen, good) if is_traced(seen) else jax.tree.map(np.asarray, (seen, good))
 
-        found = refine(solve, history.rtol, _finest(count * samples * history.time.size * law.times.size, traced))
+        work = count * samples * history.time.size * law.times.size
+        found = refine(solve, history.rtol, min(_FINEST, _finest(work, traced)), slope)
         if traced or isinstance(body, RoughLine) or np.any(found.good) or float(reach) > 30 * float(widest):
             return found, size
         reach = 2 * reach
@@ -152,7 +156,7 @@ def _samples(history: _History, spacing: Any, mounts: list[Any], law: Any) -> in
         if mount is not None:
             rate = math.sqrt(float(mount.stiffness) / float(mount.mass)) + float(mount.damping / mount.mass)
             most = max(most, _PERIOD * float(step.max()) * rate / (2 * math.pi))
-    return max(2, math.ceil(most))
+    return 2 ** math.ceil(math.log2(max(2.0, most)))  # few numbers, so that few programs are compiled
 
 
 def _surface(

@@ -67,7 +67,8 @@ def slide(
     - `time` [s], ascending, equal neighbours allowed; `position` [m] of the body at these instants.
     - `shape`: an indenter, or an `em.RoughLine`, whose load and forces are means per length of line [N/m].
     - `load` [N, or N/m], or `depth` [m]: a number, or one for each instant. `temperature` [K] is one number.
-    - `rtol`, 1e-2 to 1e-6: the error of mu to be met, relative to the largest mu of the history.
+    - `rtol`, 1e-1 to 1e-6: the error of mu to be met, relative to the largest mu of the history (or to 0.03 of the slope
+      of the body, if that is more: at rest mu is zero but for the grid).
     - `elements` of the coarser of two levels: taken under `jax.jit`, `grad` and `vmap`, where the size of the contact is
       not known beforehand (`time` must be plain numbers there).
 
@@ -187,7 +188,8 @@ def _rough(shape: RoughLine, history: _History) -> tuple[Levels, SlidePlan]:
         forces = Forces(*(field[last] for field in forces))
         return forces if is_traced(forces) else jax.tree.map(np.asarray, forces), np.bool_(True)
 
-    found = refine(solve, history.rtol, _finest(shape.count * line.part.size * law.times.size, traced))
+    work = shape.count * line.part.size * law.times.size
+    found = refine(solve, history.rtol, _finest(work, traced), shape.rms_slope)
     text = f"every element of the period of {float(shape.period):.4g} m can be touched"
     return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, text)
 
@@ -225,6 +227,7 @@ def _indenter(lines: AbstractLines, history: _History) -> tuple[Levels, SlidePla
             count = 32 * math.ceil(float(length) / spacing / 32)
             line = timeline(history.time, history.position, history.value, spacing, history.shortest, 0)
         size: list[int] = []
+        outside: list[Any] = []
 
         def solve(level: int) -> tuple[Forces, Any]:
             finer = 2**level
@@ -240,11 +243,12 @@ def _indenter(lines: AbstractLines, history: _History) -> tuple[Levels, SlidePla
             forces = Forces(*(field[last] for field in forces))
             if not is_traced(forces):
                 forces, inside, room = jax.tree.map(np.asarray, (forces, inside, room))
+                outside[:] = [not inside]
             return forces, inside & room
 
         work = count * line.part.size * max(law.times.size, 1) * (1 if isinstance(lines, SingleLine) else count // 2)
-        found = refine(solve, history.rtol, _finest(work, traced))
-        if traced or np.any(found.good) or float(reach) > 30 * float(widest):
+        found = refine(solve, history.rtol, _finest(work, traced), lines.depth(widest) / widest)
+        if traced or not any(outside) or float(reach) > 30 * float(widest):
             break
         reach = 2 * reach
     skipped = "elements that the body cannot touch are left out"

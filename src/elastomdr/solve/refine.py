@@ -14,7 +14,8 @@ import numpy as np
 from .._runtime import Array, is_traced
 from .slide import Forces
 
-_FLOOR = 1e-9  # of mu: below it friction is rounding
+_SYMMETRIC = 0.03  # of the slope of the body: mu below it counts as that, since at rest mu is zero but for the grid
+_EMPTY = 1e-12  # of the largest normal force: no contact
 
 
 class Levels(NamedTuple):
@@ -27,11 +28,11 @@ class Levels(NamedTuple):
     levels: int  # marches
 
 
-def refine(solve: Callable[[int], tuple[Forces, Array]], rtol: float, most: int) -> Levels:
+def refine(solve: Callable[[int], tuple[Any, Array]], rtol: float, most: int, slope: Any) -> Levels:
     """Halves elements and steps, `solve(level)`, up to level `most`.
 
-    Good is a point whose error of mu is below rtol times the largest mu of the history, with depth and normal force known
-    to rtol of their largest values. Under `jit` or `vmap`, where errors cannot be looked at, two levels are made.
+    Good is a point whose error of mu is below rtol times the largest mu of the history (or 0.03 `slope`, that of the body,
+    if that is more), with depth and normal force known to rtol of their largest values. Under `jit` or `vmap`, where errors cannot be looked at, two levels are made.
     """
     coarse, fits = solve(0)
     level = 0
@@ -41,7 +42,7 @@ def refine(solve: Callable[[int], tuple[Forces, Array]], rtol: float, most: int)
         numpy = jnp if is_traced(fine) else np
         mu = [_ratio(numpy, forces) for forces in (coarse, fine)]
         error = _spread(numpy, numpy.abs(mu[1] - mu[0]))
-        scale = numpy.maximum(numpy.nanmax(numpy.where(numpy.isfinite(mu[1]), numpy.abs(mu[1]), 0.0)), _FLOOR)
+        scale = numpy.maximum(numpy.nanmax(numpy.where(numpy.isfinite(mu[1]), numpy.abs(mu[1]), 0.0)), _SYMMETRIC * slope)
         sure = numpy.isfinite(fine.normal) & numpy.isfinite(fine.drag) & numpy.isfinite(fine.depth) & fits
         for old, new in ((coarse.depth, fine.depth), (coarse.normal, fine.normal)):
             sure = sure & (numpy.abs(new - old) <= rtol * numpy.max(numpy.abs(new)))
@@ -55,7 +56,8 @@ def refine(solve: Callable[[int], tuple[Forces, Array]], rtol: float, most: int)
 
 def _ratio(numpy: Any, forces: Forces, contact: Any = None) -> Any:
     """F_x/F_N, NaN without contact."""
-    touching = (forces.normal if contact is None else contact) > 0
+    normal = forces.normal if contact is None else contact
+    touching = normal > _EMPTY * numpy.max(normal)
     safe = numpy.where(touching, forces.normal, 1.0)
     return numpy.where(touching, forces.drag / safe, numpy.nan)
 
