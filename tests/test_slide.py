@@ -29,18 +29,18 @@ def float64():
 # ---------------------------------------------------------------- against steady sliding and exact creep
 
 
-@pytest.mark.parametrize("shape", [BALL, em.Cone(0.1)], ids=["paraboloid", "cone"])
-def test_meets_steady_friction_after_dwell_jump_of_velocity_and_step_of_load(shape):
+@pytest.mark.parametrize(("shape", "rtol"), [(BALL, 1e-2), (em.Cone(0.1), 5e-2)], ids=["paraboloid", "cone"])
+def test_meets_steady_friction_after_dwell_jump_of_velocity_and_step_of_load(shape, rtol):
     time = np.array([0.0, 0.5, 0.54, 0.54 + 3e-3, 0.54 + 3e-3, 0.54 + 6e-3])
     position = np.array([0.0, 0.0, 0.02, 0.035, 0.035, 0.05])  # 0.5 m/s, then 5 m/s
     load = np.array([10.0, 10.0, 10.0, 10.0, 5.0, 5.0])
-    slide = em.slide(RUBBER, shape, time=time, position=position, load=load, rtol=1e-2)
+    slide = em.slide(RUBBER, shape, time=time, position=position, load=load, rtol=rtol)
     steady = em.friction(RUBBER, shape, velocity=[0.5, 5.0, 5.0], load=[10.0, 10.0, 5.0], average=None)
     assert slide.converged.all()
     assert slide.model == steady.model
     np.testing.assert_allclose(slide.mu[[0, 1]], 0, atol=1e-4)
-    np.testing.assert_allclose(slide.mu[[2, 3, 5]], steady.mu, rtol=1e-2)
-    np.testing.assert_allclose(slide.depth[[2, 3, 5]], steady.depth, rtol=1e-2)
+    np.testing.assert_allclose(slide.mu[[2, 3, 5]], steady.mu, rtol=rtol)
+    np.testing.assert_allclose(slide.depth[[2, 3, 5]], steady.depth, rtol=rtol)
     np.testing.assert_allclose(slide.normal_force, load, rtol=1e-12)
 
 
@@ -65,12 +65,12 @@ def steady_error(spacing):
     law = Relaxation(*map(jnp.asarray, (modulus, np.zeros(0), np.zeros(0), viscosity)))
     count = round(8e-3 / spacing)
     steps = round(4e-3 / spacing)
-    x = spacing * jnp.arange(1, steps + 1)
+    x = 0.93 * spacing * jnp.arange(1, steps + 1)  # so that the edges pass through all places between two elements
     surface = indenter(SingleLine(em.Paraboloid(radius)), -2e-3 + 0.3 * spacing, spacing, count, 1.0)
     forces, _ = march(
-        law, surface, Steps(jnp.full(steps, spacing / v), x, jnp.full(steps, a**2 / radius)), control="depth"
+        law, surface, Steps(jnp.full(steps, 0.93 * spacing / v), x, jnp.full(steps, a**2 / radius)), control="depth"
     )
-    return abs(float(forces.drag[-1]) / exact - 1)
+    return abs(float(forces.drag[-64:].mean()) / exact - 1)
 
 
 def test_second_order_in_elements_and_steps():
@@ -278,6 +278,6 @@ def test_a_history_out_of_reach_is_flagged():
     """A body that is pressed past the end of its profile has no answer."""
     r = np.linspace(0, 1e-3, 9)
     with pytest.warns(em.ConvergenceWarning, match="did not converge"):
-        slide = em.slide(RUBBER, em.Profile(r, r**2 / 0.02), time=T2, position=0 * T2, load=1e3)
+        slide = em.slide(RUBBER, em.Profile(r, r**2 / 0.02), time=T2, position=0 * T2, load=1e3, rtol=1e-1)
     assert np.isnan(slide.mu).all()
     assert not slide.converged.any()

@@ -101,6 +101,11 @@ class _History(NamedTuple):
     inputs: tuple[tuple[str, str], ...]
 
     @property
+    def viscous(self) -> bool:
+        """Whether the law has a dashpot, for all that is known."""
+        return is_traced(self.law) or bool(self.law.viscosity > 0)
+
+    @property
     def shortest(self) -> float:
         """The shortest relaxation time, or retardation time of a dashpot, that can be looked at [s]."""
         times = np.diff(self.time)
@@ -183,7 +188,7 @@ def _rough(shape: RoughLine, history: _History) -> tuple[Levels, SlidePlan]:
         finer = 2**level
         steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
         surface = rough(shape._finer(finer), shape.spacing / finer, shape.highest)
-        forces, _ = march(law, surface, padded(steps), control=history.control)
+        forces, _ = march(law, surface, padded(steps), control=history.control, viscous=history.viscous)
         size[:] = surface.count, steps.h.shape[0]
         forces = Forces(*(field[last] for field in forces))
         return forces if is_traced(forces) else jax.tree.map(np.asarray, forces), np.bool_(True)
@@ -233,7 +238,7 @@ def _indenter(lines: AbstractLines, history: _History) -> tuple[Levels, SlidePla
             finer = 2**level
             steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
             surface = indenter(lines, first + 0.5 * spacing / finer, spacing / finer, count * finer, reach)
-            forces, end = march(law, surface, padded(steps), control=control)
+            forces, end = march(law, surface, padded(steps), control=control, viscous=history.viscous)
             size[:] = surface.count, steps.h.shape[0]
             # The outermost elements must never have been touched, else the body reaches further than was thought.
             u = end.u.reshape(-1, count * finer)

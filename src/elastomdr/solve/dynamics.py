@@ -28,7 +28,7 @@ from .._runtime import Array
 from ..foundation.step import coefficients
 from ..material.relaxation import Relaxation
 from .over_line import AbstractOverLine
-from .slide import Line, energy, free, press, settle, untouched
+from .slide import Line, energy, free, lag, press, settle, untouched
 
 _NEWTON = 4  # steps for the place of a body that is pulled through a spring
 _INSTANT = 1e-12  # duration of the first touch, over the shortest time
@@ -173,7 +173,8 @@ def _advance(scene: Scene, c: Any, y: Motion, before: tuple[Array, Array], after
 
     drag_mean, (_, depth) = forces(moved, guess)
     position = y.position + moved
-    rise, slope = scene.surface.rise_and_slope(position)
+    rise = scene.surface.rise(position)
+    _, slope = scene.surface.rise_and_slope(position - lag(c) * moved)
     line, work = press(c, y.line, rise, depth, weight)
     sunk, driven, damped = depth - y.depth, drag_mean * moved, jnp.zeros(())
     if along is not None:

@@ -59,6 +59,19 @@ def free(c: Coefficients, line: Line) -> Float[Array, " n"]:
     return line.u - (c.equilibrium * line.u + over_branches(c.seen * line.f)) / c.stiffness
 
 
+def lag(c: Coefficients) -> Array:
+    """How far before the end of a step its force belongs, as a part of the step: 0 without a dashpot, else up to 1/2.
+
+    With a dashpot the force is a mean over the step with the weight exp(-(h - t) K/eta) (`foundation.step.contact_step`),
+    whose centre is 1/z - 1/(exp(z) - 1) before the end, z = h K/eta. The slope of the body is taken there.
+    """
+    rate, static = c.rate[0], (c.end - c.rate)[0]
+    z = jnp.minimum(jnp.where(rate > 0, static / jnp.where(rate > 0, rate, 1.0), 700.0), 700.0)
+    safe = jnp.maximum(z, 1e-3)
+    centre = jnp.where(z > 1e-3, 1 / safe - 1 / jnp.expm1(safe), 0.5 - z / 12)
+    return jnp.where(rate > 0, centre, 0.0)
+
+
 def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) -> Array:
     """The depth d at which spring d + sum slope max(0, d - level) = force, exactly, by Newton's method from above.
 
@@ -105,15 +118,22 @@ def energy(law: Relaxation, line: Line, weight: Array) -> Array:
     return jnp.sum(weight * (0.5 * law.equilibrium * line.u**2 + line.stored))
 
 
-@functools.partial(jax.jit, static_argnames="control")
-def march(law: Relaxation, surface: AbstractOverLine, steps: Steps, *, control: Control) -> tuple[Forces, Line]:
-    """All steps from an untouched line: the forces at the end of each, and the line at the end."""
+@functools.partial(jax.jit, static_argnames=("control", "viscous"))
+def march(
+    law: Relaxation, surface: AbstractOverLine, steps: Steps, *, control: Control, viscous: bool = True
+) -> tuple[Forces, Line]:
+    """All steps from an untouched line: the forces at the end of each, and the line at the end.
+
+    `viscous=False` saves some work for a law whose viscosity is known to be zero.
+    """
     weight = jnp.asarray(surface.weight)
 
     def step(state, now: Steps):
-        line, depth, work = state
+        line, depth, work, before = state
         c = coefficients(law, now.h)
         rise, slope = surface.rise_and_slope(now.position)
+        if viscous:
+            _, slope = surface.rise_and_slope(now.position - lag(c) * (now.position - before))
         if control == "load":
             depth = settle(free(c, line) - rise, weight * c.stiffness[0], 0.0, now.value, depth)
         else:
@@ -121,16 +141,16 @@ def march(law: Relaxation, surface: AbstractOverLine, steps: Steps, *, control: 
         line, done = press(c, line, rise, depth, weight)
         work = work + done
         normal, drag = jnp.sum(weight * line.q), jnp.sum(weight * line.q * slope)
-        return (line, depth, work), Forces(depth, normal, drag, work, energy(law, line, weight))
+        return (line, depth, work, now.position), Forces(depth, normal, drag, work, energy(law, line, weight))
 
     @jax.checkpoint
     def block(state, part):
         return jax.lax.scan(step, state, part)
 
     zero = jnp.zeros(())
-    start = (untouched(law, surface, steps.position[0]), zero, zero)
+    start = (untouched(law, surface, steps.position[0]), zero, zero, steps.position[0])
     blocks = jax.tree.map(lambda x: x.reshape(-1, _BLOCK), steps)
-    (line, _, _), forces = jax.lax.scan(block, start, blocks)
+    (line, _, _, _), forces = jax.lax.scan(block, start, blocks)
     return jax.tree.map(lambda x: x.reshape(-1), forces), line
 
 
