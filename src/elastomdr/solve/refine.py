@@ -15,6 +15,7 @@ from .._runtime import Array, is_traced
 from .slide import Forces
 
 _SYMMETRIC = 0.03  # of the slope of the body: mu below it counts as that, since at rest mu is zero but for the grid
+_ROUNDING = 1e-9  # mu of a flat body
 _EMPTY = 1e-12  # of the largest normal force: no contact
 
 
@@ -42,7 +43,7 @@ def refine(solve: Callable[[int], tuple[Any, Array]], rtol: float, most: int, sl
         numpy = jnp if is_traced(fine) else np
         mu = [_ratio(numpy, forces) for forces in (coarse, fine)]
         error = _spread(numpy, numpy.abs(mu[1] - mu[0]))
-        scale = numpy.maximum(numpy.nanmax(numpy.where(numpy.isfinite(mu[1]), numpy.abs(mu[1]), 0.0)), _SYMMETRIC * slope)
+        scale = numpy.maximum(numpy.nanmax(numpy.where(numpy.isfinite(mu[1]), numpy.abs(mu[1]), 0.0)), _SYMMETRIC * slope + _ROUNDING)
         sure = numpy.isfinite(fine.normal) & numpy.isfinite(fine.drag) & numpy.isfinite(fine.depth) & fits
         for old, new in ((coarse.depth, fine.depth), (coarse.normal, fine.normal)):
             sure = sure & (numpy.abs(new - old) <= rtol * numpy.max(numpy.abs(new)))
