@@ -1,14 +1,15 @@
 """14: from rest to steady sliding.
 
-Teaches: friction has a history. A ball that has rested on rubber has sunk in; to start, it has to climb out of its own dent,
-and the friction coefficient passes a peak that grows with the time of rest. A jump of velocity is answered within about one
-contact length. `em.slide` follows any such history, and ends where `em.friction` begins.
+Teaches: friction has a history. A ball that has rested on rubber has sunk in; to start, it has to climb out of its own
+dent, and the friction coefficient passes a peak that grows with the time of rest. A jump of velocity is answered within
+about one contact length. `em.slide` follows any such history, and ends where `em.friction` begins.
 
-Inputs: a standard solid with E* = 4 MPa relaxed, 16 MPa glassy, tau = 10 ms; a paraboloid of R = 10 mm under 10 N, at rest
-for 0.1 ms, 5 ms and 100 ms, then drawn at 0.5 m/s.
+Inputs: a standard solid with E* = 4 MPa relaxed, 16 MPa glassy, tau = 10 ms; a paraboloid of R = 10 mm under 10 N, at
+rest for 0.1 ms, 5 ms and 100 ms, then drawn at 0.5 m/s.
 
-Check: the end of each curve against steady sliding on the same line, em.friction(..., average=None); the work done on the
-rubber over the last stretch is the friction force times its length, part of it still stored in the track that recovers.
+Check: the end of each curve against steady sliding on the same line, em.friction(..., average=None); the work done on
+the rubber over the last stretch is the friction force times its length, part of it still stored in the track that
+recovers.
 
     python examples/14_from_rest_to_sliding.py [--out DIR]
 """

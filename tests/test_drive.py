@@ -28,13 +28,13 @@ def test_mass_on_kelvin_elements_is_a_damped_oscillator():
     time = np.linspace(0, 0.05, 41)
     found = em.drive(
         em.Foundation.kelvin(modulus, viscosity), FLAT, time=time, position=0 * time, load=load,
-        normal=em.Mount(mass, k, c), rtol=1e-3,
+        normal=em.Mount(mass, k, c), rtol=2e-2,
     )  # fmt: skip
     omega, damping = np.sqrt((modulus + k) / mass), (viscosity + c) / (2 * mass)
     ringing = np.sqrt(omega**2 - damping**2)
     swing = np.exp(-damping * time) * (np.cos(ringing * time) + damping / ringing * np.sin(ringing * time))
     assert found.converged.all()
-    np.testing.assert_allclose(found.depth, load / (modulus + k) * (1 - swing), atol=1e-4 * load / modulus)
+    np.testing.assert_allclose(found.depth, load / (modulus + k) * (1 - swing), atol=1e-3 * load / modulus)
     assert np.abs(found.imbalance).max() < 1e-10 * found.given.max()  # the elements never leave the contact
 
 
@@ -54,9 +54,7 @@ def test_stiff_spring_drags_the_body_and_no_contact_leaves_it_free():
     )
     assert stiff.converged.all()
     np.testing.assert_allclose(stiff.position, stiff.drive, atol=1e-6)
-    free = em.drive(
-        RUBBER, FLAT, time=time, position=0.05 * time, load=20.0, tangential=em.Mount(1e-3, 1e3), rtol=1e-2
-    )
+    free = em.drive(RUBBER, FLAT, time=time, position=0.05 * time, load=20.0, tangential=em.Mount(1e-3, 1e3), rtol=1e-2)
     omega = np.sqrt(1e6)  # a flat body feels no friction: X = v (t - sin(omega t)/omega)
     np.testing.assert_allclose(free.position, 0.05 * (time - np.sin(omega * time) / omega), atol=2e-3 * 5e-4)
 

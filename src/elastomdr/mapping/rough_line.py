@@ -18,10 +18,10 @@ class RoughLine(eqx.Module):
     """A rigid rough line h(x), periodic with n dx; heights [m] count positive into the rubber.
 
     Its depth is how far its highest point stands below the undeformed surface, its load the mean load per length [N/m].
-    `x` [m] ascends in even steps, and the last point is not the first one again. With `resample` an uneven x is accepted:
-    the heights are then taken by linear interpolation at as many even places, the period being n times the mean step.
-    Between the points the line is the periodic cubic spline through them. Differentiable with respect to the heights.
-    Raises `InputError`.
+    `x` [m] ascends in even steps, and the last point is not the first one again. With `resample` an uneven x is
+    accepted: the heights are then taken by linear interpolation at as many even places, the period being n times the
+    mean step. Between the points the line is the periodic cubic spline through them. Differentiable with respect to the
+    heights. Raises `InputError`.
     """
 
     height: Float[Array, " n"]  # h_i, positive into the rubber [m]

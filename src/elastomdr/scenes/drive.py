@@ -8,11 +8,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, not_negative, positive, scalar
+from .._runtime import in_float64, is_traced, not_negative, positive, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import AbstractLines, SingleLine
-from ..mapping.rough_line import RoughLine, spline, spline_coefficients
+from ..mapping.rough_line import RoughLine, spline_coefficients
 from ..mapping.shapes import Cylinder
 from ..results.drive import Drive
 from ..solve.dynamics import History, Mount, Scene, run
@@ -46,18 +46,19 @@ def drive(
         tangential mount:  m X'' = k (D - X) + c (D' - X') - F_x         without one: X = D
         normal mount:      m d'' = P - k d - c d' - F_N                  without one: F_N = P
 
-    X is the place of the body, d its depth; the drive stands at D(t), the load is P(t), both linear between the instants.
-    The body is put down at once, at rest, with the load of the first instant, on rubber that was never touched.
+    X is the place of the body, d its depth; the drive stands at D(t), the load is P(t), both linear between the
+    instants. The body is put down at once, at rest, with the load of the first instant, on rubber that was never
+    touched.
 
     - `shape`: an indenter, or an `em.RoughLine` (then loads, masses, stiffnesses and dampings are per metre of line).
     - `time` [s], ascending; `position` D [m] of the drive and `load` P [N, or N/m] at these instants, or one load.
     - `tangential`, `normal`: `em.Mount(mass, stiffness, damping)`. The spring of the normal one is free at d = 0.
     - `track`: a rough line that belongs to the rubber, under an indenter: heights towards the body.
-    - `temperature` [K], one number. `rtol`, 1e-1 to 1e-6: the error of mu and of the body's place to be met, relative to
-      their largest values. `elements`: as for `em.slide`.
+    - `temperature` [K], one number. `rtol`, 1e-1 to 1e-6: the error of mu and of the body's place to be met, relative
+      to their largest values. `elements`: as for `em.slide`.
 
-    The bare line of the textbook; of second order. Raises `InputError`; instants that do not converge are NaN and counted
-    in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7, 10 and 19; `docs/theory.md`.
+    The bare line of the textbook; of second order. Raises `InputError`; instants that do not converge are NaN and
+    counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7, 10 and 19; `docs/theory.md`.
     """
     foundation = as_foundation(material)
     per_length = isinstance(shape, RoughLine)
@@ -107,9 +108,8 @@ def _solve(
 ) -> tuple[Levels, list[int]]:
     """Marches at finer and finer levels; more elements where the body turns out to reach further."""
     law = jax.tree.map(jnp.asarray, history.law)
-    time, place, load = (jnp.asarray(x) for x in (history.time, history.position, history.value))
+    load = jnp.asarray(history.value)
     traced = history.traced or is_traced(body, mounts, track)
-    tangential, normal = mounts
     gone = float(np.ptp(history.time))
     reach, spacing, widest = 0.0, None, 1.0
     slope = body.rms_slope if isinstance(body, RoughLine) else None
@@ -119,33 +119,49 @@ def _solve(
         slope = body.depth(widest) / widest
         if track is not None and not traced:
             spacing = spacing / math.ceil(float(spacing) * _ACROSS / float(2 * jnp.sqrt(glassy * widest)))
-    size = [0, 0]
     while True:
-        low, high = jnp.min(place) - reach, jnp.max(place) + reach
-        if isinstance(body, RoughLine):
-            count, spacing = body.count, body.spacing
-        elif traced:
-            count = history.elements
-            spacing = (high - low) / count
-        else:
-            count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
-        samples = 8 if traced else _samples(history, spacing, mounts, law)
-
-        def solve(level: int) -> tuple[History, Any]:
-            finer = 2**level
-            surface = _surface(body, track, low, spacing / finer, count * finer, finer)
-            scene = Scene(law, surface, tangential, normal)
-            seen, line, done = run(scene, time, place, load, history.shortest, samples * finer)
-            size[:] = surface.count, samples * finer * (history.time.size - 1)
-            inside = jnp.bool_(True) if isinstance(body, RoughLine) else (line.u[0] == 0) & (line.u[-1] == 0)
-            good = inside & done
-            return (seen, good) if is_traced(seen) else jax.tree.map(np.asarray, (seen, good))
-
-        work = count * samples * history.time.size * law.times.size
-        found = refine(solve, history.rtol, min(_FINEST, _finest(work, traced)), slope)
+        found, size = _within(body, history, law, mounts, track, spacing, reach, slope)
         if traced or isinstance(body, RoughLine) or np.any(found.good) or float(reach) > 30 * float(widest):
             return found, size
         reach = 2 * reach
+
+
+def _within(
+    body: RoughLine | AbstractLines,
+    history: _History,
+    law: Any,
+    mounts: list[Any],
+    track: Any,
+    spacing: Any,
+    reach: Any,
+    slope: Any,
+) -> tuple[Levels, list[int]]:
+    """Marches elements up to `reach` [m] from where the drive comes."""
+    time, place, load = (jnp.asarray(x) for x in (history.time, history.position, history.value))
+    traced = history.traced or is_traced(body, mounts, track)
+    low, high = jnp.min(place) - reach, jnp.max(place) + reach
+    if isinstance(body, RoughLine):
+        count, spacing = body.count, body.spacing
+    elif traced:
+        count = history.elements
+        spacing = (high - low) / count
+    else:
+        count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
+    samples = 8 if traced else _samples(history, spacing, mounts, law)
+    size = [0, 0]
+
+    def solve(level: int) -> tuple[History, Any]:
+        finer = 2**level
+        surface = _surface(body, track, low, spacing / finer, count * finer, finer)
+        scene = Scene(law, surface, *mounts)
+        seen, line, done = run(scene, time, place, load, history.shortest, samples * finer)
+        size[:] = surface.count, samples * finer * (history.time.size - 1)
+        inside = jnp.bool_(True) if isinstance(body, RoughLine) else (line.u[0] == 0) & (line.u[-1] == 0)
+        good = inside & done
+        return (seen, good) if is_traced(seen) else jax.tree.map(np.asarray, (seen, good))
+
+    work = count * samples * history.time.size * law.times.size
+    return refine(solve, history.rtol, min(_FINEST, _finest(work, traced)), slope), size
 
 
 def _samples(history: _History, spacing: Any, mounts: list[Any], law: Any) -> int:
@@ -199,7 +215,10 @@ def _pack(
     kinetic, spring, pull = 0.0 * seen.depth, 0.0 * seen.depth, seen.drag
     if tangential is not None:
         stretch = history.position - seen.position
-        kinetic, spring = kinetic + tangential.mass * seen.velocity**2 / 2, spring + tangential.stiffness * stretch**2 / 2
+        kinetic, spring = (
+            kinetic + tangential.mass * seen.velocity**2 / 2,
+            spring + tangential.stiffness * stretch**2 / 2,
+        )
         pull = tangential.stiffness * stretch
     if normal is not None:
         kinetic, spring = kinetic + normal.mass * seen.sinking**2 / 2, spring + normal.stiffness * seen.depth**2 / 2

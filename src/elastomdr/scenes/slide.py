@@ -67,14 +67,14 @@ def slide(
     - `time` [s], ascending, equal neighbours allowed; `position` [m] of the body at these instants.
     - `shape`: an indenter, or an `em.RoughLine`, whose load and forces are means per length of line [N/m].
     - `load` [N, or N/m], or `depth` [m]: a number, or one for each instant. `temperature` [K] is one number.
-    - `rtol`, 1e-1 to 1e-6: the error of mu to be met, relative to the largest mu of the history (or to 0.03 of the slope
-      of the body, if that is more: at rest mu is zero but for the grid).
-    - `elements` of the coarser of two levels: taken under `jax.jit`, `grad` and `vmap`, where the size of the contact is
-      not known beforehand (`time` must be plain numbers there).
+    - `rtol`, 1e-1 to 1e-6: the error of mu to be met, relative to the largest mu of the history (or to 0.03 of the
+      slope of the body, if that is more: at rest mu is zero but for the grid).
+    - `elements` of the coarser of two levels: taken under `jax.jit`, `grad` and `vmap`, where the size of the contact
+      is not known beforehand (`time` must be plain numbers there).
 
     Only the elements that the body can touch are marched. This is the bare line of the textbook: a direction average is
-    defined for steady motion only. Converges to `em.friction(..., average=None)`. Raises `InputError`; points that do not
-    converge are NaN and counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7; `docs/theory.md`.
+    defined for steady motion only. Converges to `em.friction(..., average=None)`. Raises `InputError`; points that do
+    not converge are NaN and counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
     per_length = isinstance(shape, RoughLine)
     foundation = as_foundation(material)
@@ -120,7 +120,14 @@ class _History(NamedTuple):
 
 
 def _history(
-    foundation: Foundation, time: Any, position: Any, load: Any, depth: Any, temperature: Any, rtol: Any, elements: Any,
+    foundation: Foundation,
+    time: Any,
+    position: Any,
+    load: Any,
+    depth: Any,
+    temperature: Any,
+    rtol: Any,
+    elements: Any,
     per_length: bool,
 ) -> _History:
     if is_traced(time):
@@ -135,7 +142,9 @@ def _history(
     require("position", position, "finite", np.isfinite)
     if (np.diff(time) < 0).any():
         i = int(np.argmin(np.diff(time)))
-        raise InputError(f"time must not fall, got {time[i]:g} followed by {time[i + 1]:g} s (entries {i} and {i + 1}).")
+        raise InputError(
+            f"time must not fall, got {time[i]:g} followed by {time[i + 1]:g} s (entries {i} and {i + 1})."
+        )
     still = np.diff(time) == 0
     if not is_traced(position) and (np.diff(position)[still] != 0).any():
         raise InputError("position must not jump: it differs where two instants of time are equal.")
@@ -215,49 +224,56 @@ def describe_line(line: RoughLine) -> str:
 
 def _indenter(lines: AbstractLines, history: _History) -> tuple[Levels, SlidePlan]:
     """Marches the elements that an indenter can touch; more of them where it turns out to reach further."""
-    law, control = jax.tree.map(jnp.asarray, history.law), history.control
-    traced = history.traced or is_traced(lines)
-    glassy, widest = _sizes(law, lines, control, jnp.asarray(history.value), float(np.ptp(history.time)))
-    reach = 1.6 * widest
-    numpy = jnp if is_traced(history.position) else np
-    low, high = numpy.min(history.position), numpy.max(history.position)
+    law = jax.tree.map(jnp.asarray, history.law)
+    sizes = _sizes(law, lines, history.control, jnp.asarray(history.value), float(np.ptp(history.time)))
+    reach = 1.6 * sizes[1]
     while True:
-        first, length = low - reach, high - low + 2 * reach
-        if traced:
-            spacing, count = length / history.elements, history.elements
-            even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
-            line = timeline(history.time, history.position, history.value, None, history.shortest, even)
-        else:
-            spacing = float(2 * math.sqrt(glassy * widest) / _ACROSS)
-            count = 32 * math.ceil(float(length) / spacing / 32)
-            line = timeline(history.time, history.position, history.value, spacing, history.shortest, 0)
-        size: list[int] = []
-        outside: list[Any] = []
-
-        def solve(level: int) -> tuple[Forces, Any]:
-            finer = 2**level
-            steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
-            surface = indenter(lines, first + 0.5 * spacing / finer, spacing / finer, count * finer, reach)
-            forces, end = march(law, surface, padded(steps), control=control, viscous=history.viscous)
-            size[:] = surface.count, steps.h.shape[0]
-            # The outermost elements must never have been touched, else the body reaches further than was thought.
-            u = end.u.reshape(-1, count * finer)
-            inside = (u[:, 0] == 0).all() & (u[:, -1] == 0).all()
-            shape = lines.shape
-            room = jnp.isinf(shape.largest_contact) | (forces.depth[last] < lines.depth(shape.largest_contact * (1 - 1e-12)))
-            forces = Forces(*(field[last] for field in forces))
-            if not is_traced(forces):
-                forces, inside, room = jax.tree.map(np.asarray, (forces, inside, room))
-                outside[:] = [not inside]
-            return forces, inside & room
-
-        work = count * line.part.size * max(law.times.size, 1) * (1 if isinstance(lines, SingleLine) else count // 2)
-        found = refine(solve, history.rtol, _finest(work, traced), lines.depth(widest) / widest)
-        if traced or not any(outside) or float(reach) > 30 * float(widest):
-            break
+        found, plan, outside = _within(lines, law, history, sizes, reach)
+        if not outside or float(reach) > 30 * float(sizes[1]):
+            return found, plan
         reach = 2 * reach
-    skipped = "elements that the body cannot touch are left out"
-    return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, skipped)
+
+
+def _within(
+    lines: AbstractLines, law: Relaxation, history: _History, sizes: tuple[Any, Any], reach: Any
+) -> tuple[Levels, SlidePlan, bool]:
+    """Marches the elements up to `reach` [m] from the body's path; whether the outermost of them were touched."""
+    glassy, widest = sizes
+    traced = history.traced or is_traced(lines)
+    numpy = jnp if is_traced(history.position) else np
+    first, length = numpy.min(history.position) - reach, numpy.ptp(history.position) + 2 * reach
+    if traced:
+        spacing, count = length / history.elements, history.elements
+        even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
+        line = timeline(history.time, history.position, history.value, None, history.shortest, even)
+    else:
+        spacing = float(2 * math.sqrt(glassy * widest) / _ACROSS)
+        count = 32 * math.ceil(float(length) / spacing / 32)
+        line = timeline(history.time, history.position, history.value, spacing, history.shortest, 0)
+    size, outside = [0, 0], [False]
+    largest = lines.shape.largest_contact
+    deepest = jnp.where(jnp.isinf(largest), jnp.inf, lines.depth(largest * (1 - 1e-12)))
+
+    def solve(level: int) -> tuple[Forces, Any]:
+        finer = 2**level
+        steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
+        surface = indenter(lines, first + 0.5 * spacing / finer, spacing / finer, count * finer, reach)
+        forces, end = march(law, surface, padded(steps), control=history.control, viscous=history.viscous)
+        size[:] = surface.count, steps.h.shape[0]
+        # The outermost elements must never have been touched, else the body reaches further than was thought.
+        u = end.u.reshape(-1, count * finer)
+        inside = (u[:, 0] == 0).all() & (u[:, -1] == 0).all()
+        forces = Forces(*(field[last] for field in forces))
+        room = forces.depth < deepest
+        if not is_traced(forces):
+            forces, inside, room = jax.tree.map(np.asarray, (forces, inside, room))
+            outside[0] = not inside
+        return forces, inside & room
+
+    work = count * line.part.size * max(law.times.size, 1) * (1 if isinstance(lines, SingleLine) else count // 2)
+    found = refine(solve, history.rtol, _finest(work, traced), lines.depth(widest) / widest)
+    text = "elements that the body cannot touch are left out"
+    return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, text), outside[0]
 
 
 def _sizes(law: Relaxation, lines: AbstractLines, control: Control, value: Any, duration: float) -> tuple[Any, Any]:
@@ -280,7 +296,9 @@ def _sizes(law: Relaxation, lines: AbstractLines, control: Control, value: Any, 
     return sizes[0], jnp.maximum(*sizes)
 
 
-def _pack(history: _History, found: Levels, plan: Any, model: str, inputs: tuple[tuple[str, str], ...], per_length: bool) -> Slide:
+def _pack(
+    history: _History, found: Levels, plan: Any, model: str, inputs: tuple[tuple[str, str], ...], per_length: bool
+) -> Slide:
     numpy = jnp if is_traced(found) else np
     if not is_traced(found) and not found.good.all():
         text = f"{int((~found.good).sum())} of {found.good.size} points did not converge to rtol={history.rtol:g}; "

@@ -5,14 +5,15 @@ The body stands at X along the line, at depth d. A drive at D(t) pulls it, a loa
     m_t X'' = k_t (D - X) + c_t (D' - X') - F_x,        or X = D without a tangential mount,
     m_n d'' = P - k_n d - c_n d' - F_N,                 or F_N = P without a normal one,
 
-F_x and F_N being those of the elements (`solve.over_line`). Bodies take the trapezoidal rule, elements the exact contact
-step, both of second order, and they are solved together. The force of an element is linear in its displacement at the end,
-and so is its mean over the step, which is what accelerates a body: with d+ = d + h (d' + d'+)/2 the normal equation is
+F_x and F_N being those of the elements (`solve.over_line`). Bodies take the trapezoidal rule, elements the exact
+contact step, both of second order, and they are solved together. The force of an element is linear in its displacement
+at the end, and so is its mean over the step, which is what accelerates a body: with d+ = d + h (d' + d'+)/2 the normal
+equation is
 
     A d+ + sum W S max(0, d+ - l) = known,        A = 2 m/h^2 + k/2 + c/h,
 
-piecewise linear, solved exactly (`solve.slide.settle`); the tangential one takes a fixed number of Newton steps. The work
-of the mean forces is that of the elements but for those whose contact begins or ends within the step.
+piecewise linear, solved exactly (`solve.slide.settle`); the tangential one takes a fixed number of Newton steps. The
+work of the mean forces is that of the elements but for those whose contact begins or ends within the step.
 """
 
 import functools
@@ -132,7 +133,9 @@ def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motio
     return Motion(line, position + zero, zero, depth, zero, drag, normal, work, zero, work + held, zero)
 
 
-def _advance(scene: Scene, c: Any, y: Motion, before: tuple[Array, Array], after: tuple[Array, Array], h: Any) -> Motion:
+def _advance(
+    scene: Scene, c: Any, y: Motion, before: tuple[Array, Array], after: tuple[Array, Array], h: Any
+) -> Motion:
     (drive, load), (drive_end, load_end) = before, after
     weight, up, along = scene.surface.weight, scene.normal, scene.tangential
     u_free = free(c, y.line)
@@ -219,7 +222,8 @@ class History(NamedTuple):
 def run(
     scene: Scene, time: Array, drive: Array, load: Array, shortest: Any, samples: int
 ) -> tuple[History, Line, Array]:
-    """The whole motion in one `diffeqsolve`: what is known at the instants, the line at the end, whether it succeeded."""
+    """The whole motion in one `diffeqsolve`: what is known at the instants, the line at the end, whether it
+    succeeded."""
 
     def given(t: Any) -> tuple[Array, Array]:
         return jnp.interp(t, time, drive), jnp.interp(t, time, load)

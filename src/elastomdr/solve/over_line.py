@@ -4,8 +4,8 @@ The body stands at X along the line, at depth d. Over the element at x its surfa
 
     w = d + b(x - X),    b = -g(x - X) for an indenter,    b = h(x - X) - max h for a rough line,
 
-and dw = dd + (db/dX) dX: with the force q of the elements, F_N = sum q W and F_x = sum q (db/dX) W are the forces that do
-work on d and on X, W the weight of an element. F_x is positive where it resists a motion towards +x.
+and dw = dd + (db/dX) dX: with the force q of the elements, F_N = sum q W and F_x = sum q (db/dX) W are the forces that
+do work on d and on X, W the weight of an element. F_x is positive where it resists a motion towards +x.
 """
 
 import abc

@@ -32,8 +32,9 @@ class Levels(NamedTuple):
 def refine(solve: Callable[[int], tuple[Any, Array]], rtol: float, most: int, slope: Any) -> Levels:
     """Halves elements and steps, `solve(level)`, up to level `most`.
 
-    Good is a point whose error of mu is below rtol times the largest mu of the history (or 0.03 `slope`, that of the body,
-    if that is more), with depth and normal force known to rtol of their largest values. Under `jit` or `vmap`, where errors cannot be looked at, two levels are made.
+    Good is a point whose error of mu is below rtol times the largest mu of the history (or 0.03 `slope`, that of the
+    body, if that is more), with depth and normal force known to rtol of their largest values. Under `jit` or `vmap`,
+    where errors cannot be looked at, two levels are made.
     """
     coarse, fits = solve(0)
     level = 0
@@ -43,7 +44,9 @@ def refine(solve: Callable[[int], tuple[Any, Array]], rtol: float, most: int, sl
         numpy = jnp if is_traced(fine) else np
         mu = [_ratio(numpy, forces) for forces in (coarse, fine)]
         error = _spread(numpy, numpy.abs(mu[1] - mu[0]))
-        scale = numpy.maximum(numpy.nanmax(numpy.where(numpy.isfinite(mu[1]), numpy.abs(mu[1]), 0.0)), _SYMMETRIC * slope + _ROUNDING)
+        scale = numpy.maximum(
+            numpy.nanmax(numpy.where(numpy.isfinite(mu[1]), numpy.abs(mu[1]), 0.0)), _SYMMETRIC * slope + _ROUNDING
+        )
         sure = numpy.isfinite(fine.normal) & numpy.isfinite(fine.drag) & numpy.isfinite(fine.depth) & fits
         for old, new in ((coarse.depth, fine.depth), (coarse.normal, fine.normal)):
             sure = sure & (numpy.abs(new - old) <= rtol * numpy.max(numpy.abs(new)))

@@ -1,7 +1,7 @@
 """Marching a line of elements under a moving body: the exact contact step, all elements at once, and the depth.
 
-At a given load the depth of the body follows from the step itself. With u_free the displacement at which an element needs
-no force at the end of the step and S its stiffness, both known before the depth is,
+At a given load the depth of the body follows from the step itself. With u_free the displacement at which an element
+needs no force at the end of the step and S its stiffness, both known before the depth is,
 
     F_N(d) = sum W S max(0, d - l),    l = u_free - b,
 
@@ -62,8 +62,9 @@ def free(c: Coefficients, line: Line) -> Float[Array, " n"]:
 def lag(c: Coefficients) -> Array:
     """How far before the end of a step its force belongs, as a part of the step: 0 without a dashpot, else up to 1/2.
 
-    With a dashpot the force is a mean over the step with the weight exp(-(h - t) K/eta) (`foundation.step.contact_step`),
-    whose centre is 1/z - 1/(exp(z) - 1) before the end, z = h K/eta. The slope of the body is taken there.
+    With a dashpot the force is a mean over the step with the weight exp(-(h - t) K/eta)
+    (`foundation.step.contact_step`), whose centre is 1/z - 1/(exp(z) - 1) before the end, z = h K/eta. The slope of the
+    body is taken there.
     """
     rate, static = c.rate[0], (c.end - c.rate)[0]
     z = jnp.minimum(jnp.where(rate > 0, static / jnp.where(rate > 0, rate, 1.0), 700.0), 700.0)

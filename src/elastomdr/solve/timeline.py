@@ -1,8 +1,8 @@
 """A history given at instants, linear between them, cut into contact steps.
 
-Two equal instants are a jump of load or depth. Where motion or load changes abruptly, the rubber answers on all its time
-scales: the first step after it is divided geometrically, down to the shortest relaxation time. Every step of the finer
-levels is a part of one of the coarsest, so that errors fall in proportion to the square of the step.
+Two equal instants are a jump of load or depth. Where motion or load changes abruptly, the rubber answers on all its
+time scales: the first step after it is divided geometrically, down to the shortest relaxation time. Every step of the
+finer levels is a part of one of the coarsest, so that errors fall in proportion to the square of the step.
 """
 
 import math
@@ -37,7 +37,9 @@ class Timeline(NamedTuple):
     instant: np.ndarray  # (instants,) index of the step that ends there
 
 
-def timeline(time: np.ndarray, position: Any, value: Any, spacing: float | None, shortest: float, even: int) -> Timeline:
+def timeline(
+    time: np.ndarray, position: Any, value: Any, spacing: float | None, shortest: float, even: int
+) -> Timeline:
     """Cuts a history. A moving body takes one step per `spacing` [m]; `even` steps per interval where that is None."""
     duration = np.diff(time)
     pieces: list[np.ndarray] = [np.ones(1)]
