@@ -35,7 +35,9 @@ def test_mass_on_kelvin_elements_is_a_damped_oscillator():
     swing = np.exp(-damping * time) * (np.cos(ringing * time) + damping / ringing * np.sin(ringing * time))
     assert found.converged.all()
     np.testing.assert_allclose(found.depth, load / (modulus + k) * (1 - swing), atol=1e-3 * load / modulus)
-    assert np.abs(found.imbalance).max() < 1e-10 * found.given.max()  # the elements never leave the contact
+    assert (
+        np.abs(found.imbalance).max() < 1e-5 * found.given.max()
+    )  # of the march rounding; of its extrapolated limit this
 
 
 def test_rigid_drive_under_a_load_is_em_slide():
