@@ -128,3 +128,46 @@ BAD_MATERIALS = {
     "unknown key": (("equilibrium", "equilibrum"), "Did you mean 'equilibrium'"),
     "not TOML": (("[shift]", "[shift"), "not valid TOML"),
 }
+
+INDENT = """
+title = "Pressed"
+material = "rubber.toml"
+temperature = "20 degC"
+
+[indenter]
+shape = "paraboloid"
+radius = "5 mm"
+
+[history]
+program = "triangle"
+depth = "0.1 mm"
+duration = "2 ms"
+points = 9
+
+[numerics]
+rtol = 1e-4
+"""
+
+_TRIANGLE = 'program = "triangle"\ndepth = "0.1 mm"\nduration = "2 ms"\npoints = 9'
+BAD_INDENTS = {
+    "unknown key": (("duration", "duraton"), "Did you mean 'duration'"),
+    "unknown program": (('"triangle"', '"triangel"'), "Did you mean 'triangle'"),
+    "key of another program": (("points = 9", 'frequency = "1 Hz"'), "'frequency'"),
+    "no history": ((f"[history]\n{_TRIANGLE}", ""), "[history] is missing"),
+    "depth and load": (("points = 9", 'load = "1 N"'), "either a load or a depth, got both"),
+    "neither": (('depth = "0.1 mm"', ""), "got neither"),
+    "time without a unit": (('"2 ms"', '"2"'), "with its unit"),
+    "a depth that is a force": (('"0.1 mm"', '"1 N"'), "must be a length"),
+    "lists of different length": (
+        (_TRIANGLE, 'time = ["0 s", "1 s"]\ndepth = ["0 mm", "1 mm", "0 mm"]'),
+        "same length",
+    ),
+    "descending times": ((_TRIANGLE, 'time = ["1 s", "0 s"]\ndepth = ["0 mm", "1 mm"]'), "ascending"),
+    "a load that pulls": ((_TRIANGLE, 'time = ["0 s", "1 s"]\nload = ["0 N", "-1 N"]'), "needs adhesion"),
+    "one point": (("points = 9", "points = 1"), "from 2 to"),
+    "adhesion of another kind": (('temperature = "20 degC"', 'adhesion = "1 N"'), "energy per area"),
+    "a sine that pulls": (
+        (_TRIANGLE, 'program = "sine"\nload = "1 N"\namplitude = "2 N"\nfrequency = "1 Hz"\ncycles = 2'),
+        "amplitude must not be larger",
+    ),
+}

@@ -4,7 +4,7 @@ import os
 
 
 def pytest_configure(config):
-    if hasattr(config, "workerinput") or "JAX_COMPILATION_CACHE_DIR" in os.environ:
+    if hasattr(config, "workerinput") or "JAX_COMPILATION_CACHE_DIR" in os.environ or not hasattr(config, "cache"):
         return  # workers inherit what is set here
     os.environ["JAX_COMPILATION_CACHE_DIR"] = str(config.cache.mkdir("compiled"))
     os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.3"

@@ -1,5 +1,6 @@
 """Every refusal names the argument and what is accepted; nothing that has no meaning gets a number."""
 
+import jax
 import numpy as np
 import pytest
 
@@ -23,6 +24,12 @@ CASES = {
     "poisson and bulk": (lambda: em.Prony(1.0, [], [], poisson=0.4, bulk=1e9), "exclude each other"),
     "bulk below a ninth": (lambda: em.Prony(1e6, [1e9], [1.0], kind="tensile", bulk=1e8), "ninth"),
     "kind": (lambda: em.Prony(1.0, [], [], kind="bulk"), "'shear' or 'tensile'"),
+    "name": (lambda: em.Prony(1.0, [], [], name=3), "name must be a text, got 3"),
+    "traced exponent": (
+        lambda: jax.grad(lambda n: em.PowerLaw(n, 1.0).profile_1d(1.0))(1.5),
+        "exponent must be a plain number: it is not differentiable",
+    ),
+    "profile curve": (lambda: em.Profile([0, 1, 2, 3], [0, 1, 4, 9], curve="linear"), "'spline' or 'monotone'"),
     "shift": (lambda: em.Prony(1.0, [], [], shift=0.5), "shift must be a WLF"),
     "shift table": (lambda: em.ShiftTable([300.0, 290.0], [0.0, 1.0]), "temperature must be ascending"),
     "outside the table": (lambda: em.ShiftTable([290.0, 300.0], [1.0, 0.0]).a(310.0), "within the shift table"),

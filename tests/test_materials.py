@@ -133,6 +133,9 @@ def test_named_materials():
     assert em.KelvinVoigt(2e6, 1e3).creep(2e-3) == pytest.approx((1 - np.exp(-4)) / 2e6, rel=1e-12)
     assert em.StandardSolid(1e6, 2e6, 0.1).storage(10.0) == pytest.approx(2e6)
     assert em.Maxwell(1e6, 0.1).creep(0.3) == pytest.approx(4e-6)
+    assert repr(em.WLF(8.86, 101.6, 298.15)) == "WLF(c1=8.86, c2=101.6, reference=298.15)"
+    assert repr(em.Sphere(5e-3)) == "Sphere(radius=0.005)"
+    assert "4e+06 Pa relaxed" in repr(em.half_space(em.StandardSolid(1e6, 1e6, 0.1)))
     assert "2e+06 Pa" in repr(em.StandardSolid(1e6, 1e6, 0.1, name="rubber"))
     batch = jax.tree.map(lambda x: np.stack([x, x]), em.StandardSolid(1e6, 1e6, 0.1))
     assert "a batch of shape (2,)" in repr(batch)

@@ -35,12 +35,12 @@ def test_error_covers_the_truth(problem):
 WIDE = ([3e5, 1e6, 2e6, 4e6, 1e7, 3e7], [1e2, 1.0, 1e-2, 1e-4, 1e-6, 1e-8])
 
 
-@pytest.mark.parametrize("velocity", [1e-9, 1e-5, 1e-2, 3.0, 1e3, 1e8])
-@pytest.mark.parametrize("equilibrium", [1e6, 0.0])
-def test_broad_spectrum_against_many_digits(velocity, equilibrium):
+@pytest.mark.parametrize(
+    ("equilibrium", "velocity"),
+    [(1e6, 1e-9)] + [(modulus, v) for modulus in (1e6, 0.0) for v in (1e-5, 1e-2, 3.0, 1e3, 1e8)],
+)
+def test_broad_spectrum_against_many_digits(equilibrium, velocity):
     moduli, times = WIDE[0], WIDE[1][::-1]
-    if equilibrium == 0.0 and velocity < 1e-6:
-        pytest.skip("a liquid under a load at this speed: the contact is wider than the reference's bracket")
     mu, normal, drag, a, b = prony.line(equilibrium, moduli, times, 0.01, velocity, load=1.0)
     foundation = em.Foundation(equilibrium, moduli, times)
     got = em.friction(foundation, em.Paraboloid(0.01), velocity=velocity, load=1.0, average=None, rtol=1e-10)

@@ -22,14 +22,16 @@ _HOMES = {
     "scenes.friction": ("friction",),
     "scenes.rolling": ("rolling",),
     "scenes.plan": ("plan",),
+    "scenes.indent": ("indent",),
     "scenes.slide": ("slide",),
     "scenes.drive": ("drive",),
     "solve.dynamics": ("Mount",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
+    "results.indentation": ("Indentation",),
     "results.slide": ("Slide",),
     "results.drive": ("Drive",),
 }
-_PACKAGES = ("fit",)
+_PACKAGES = ("fit", "reference")
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = ["__version__", *sorted([*_MODULE_OF, *_PACKAGES])]

@@ -2,6 +2,7 @@
 
 import functools
 import math
+import re
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
@@ -106,6 +107,28 @@ def scalar(name: str, value: Any) -> Any:
     if array.shape != ():
         raise InputError(f"{name} must be a single number, got an array of shape {array.shape}.")
     return array
+
+
+def plain(name: str, value: Any) -> float:
+    """A Python float, for what decides how a scene is computed; raises `InputError` for a value that JAX traces."""
+    if is_traced(value):
+        raise InputError(f"{name} must be a plain number: it is not differentiable, nor seen by jit and vmap.")
+    return float(scalar(name, value))
+
+
+def written(module: Any) -> str:
+    """A module as its class and its fields, numbers with six digits: what `repr` shows of shapes and shift laws."""
+    return f"{type(module).__name__}({', '.join(f'{key}={_brief(value)}' for key, value in vars(module).items())})"
+
+
+def _brief(value: Any) -> str:
+    if is_traced(value):
+        return "traced"
+    if isinstance(value, (np.ndarray, jax.Array)):
+        if value.size > 6:
+            return f"[{value.size} values]"
+        return re.sub(r"\s+", " ", np.array2string(np.asarray(value), precision=6, separator=", "))
+    return f"{value:.6g}" if isinstance(value, float) else repr(value)
 
 
 def significant(value: float, digits: int = 4) -> str:

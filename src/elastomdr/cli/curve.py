@@ -10,16 +10,17 @@ from typing import Any
 from ..errors import ConvergenceWarning, InputError
 from .cache import enable_cache
 from .main import DONE, NOT_CONVERGED
-from .scene import Scene
+from .scene import Scene, in_file
 
 
 def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> int:
     """Computes, prints and writes; returns the exit status. Nothing is written before everything is computed."""
     folder = _folder(out)
     enable_cache()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ConvergenceWarning)  # said below, in one line
-        curve = call(scene.material, scene.shape, **scene.arguments)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", ConvergenceWarning)
+        with in_file(scene.path):
+            curve = call(scene.material, scene.shape, **scene.arguments)
     notes = [("scene", scene.path.name)] + ([("title", scene.title)] if scene.title else [])
     stem = f"{scene.path.stem}-{verb}"
     files = {
@@ -31,11 +32,10 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         print(scene.title)
     print(curve.summary())
     print("wrote " + " and ".join(str(path) for path in files))
-    failed = int((~curve.converged).sum())
-    if failed:
-        points = f"{failed} of {curve.converged.size} points did not converge"
-        print(f"elastomdr: warning: {points}; their cells in the table are empty.", file=sys.stderr)
-    return NOT_CONVERGED if failed else DONE
+    for warning in said:
+        text = " ".join(str(warning.message).replace("; they are NaN", "; their cells in the table are empty").split())
+        print(f"elastomdr: warning: {text}", file=sys.stderr)
+    return DONE if curve.converged.all() else NOT_CONVERGED
 
 
 def _folder(out: str) -> Path:

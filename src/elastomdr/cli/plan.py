@@ -4,7 +4,7 @@ import argparse
 
 from .cache import enable_cache
 from .main import DONE
-from .scene import read_scene
+from .scene import in_file, read_scene
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -13,5 +13,6 @@ def run(arguments: argparse.Namespace) -> int:
     enable_cache()
     from .. import plan
 
-    print(plan(scene.material, scene.shape, **scene.arguments, quantity=arguments.quantity))
+    with in_file(scene.path):
+        print(plan(scene.material, scene.shape, **scene.arguments, quantity=arguments.quantity))
     return DONE

@@ -1,6 +1,8 @@
 """The scene file: a TOML file with unit strings becomes the arguments of `em.friction`, `em.rolling` and `em.plan`."""
 
+import contextlib
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,16 +27,23 @@ class Scene:
     arguments: dict[str, Any]  # keyword arguments: velocity, load or depth, temperature, average, rtol
 
 
+@contextlib.contextmanager
+def in_file(path: str | Path) -> Iterator[None]:
+    """Puts the file's name before whatever `InputError` its contents lead to."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{Path(path).name or path}: {error}") from error
+
+
 def read_scene(path: str) -> Scene:
     """Reads a scene file. Raises `InputError`, in one line that begins with the file's name, for whatever is wrong."""
-    file = Path(path)
-    try:
-        return _scene(file, _toml(file))
-    except InputError as error:
-        raise InputError(f"{file.name or path}: {error}") from error
+    with in_file(path):
+        return _scene(Path(path), read_toml(Path(path)))
 
 
-def _toml(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
+    """The content of a TOML file. Raises `InputError` for whatever is none."""
     try:
         with path.open("rb") as file:
             content = file.read(_MOST_BYTES + 1)
@@ -60,11 +69,12 @@ def _scene(path: Path, content: dict[str, Any]) -> Scene:
         arguments["temperature"] = top.get("temperature", one_or_more(TEMPERATURE))
     arguments |= _numerics(content.get("numerics", {}))
     shape = read_indenter(content["indenter"], path.parent)
-    material = _material(top, content.get("layer"), shape, path.parent, arguments)
+    material = read_material(top, content.get("layer"), shape, path.parent, arguments)
     return Scene(path, title, material, shape, _on_axes(arguments))
 
 
-def _material(top: Keys, layer: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Any:
+def read_material(top: Keys, layer: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Any:
+    """What `material`, `other` and [layer] stand for; may take the temperature out of the arguments."""
     from .. import Cylinder, load_material
     from .. import layer as on_layer
 

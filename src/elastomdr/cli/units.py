@@ -15,6 +15,7 @@ class Kind(NamedTuple):
     unit: str
     example: str
     usual: str = ""
+    accepted: str = "positive"  # or "of any sign"
 
 
 _LENGTHS = "m mm um nm cm km inch metre meter millimetre millimeter micrometre micrometer nanometre nanometer"
@@ -22,12 +23,19 @@ LENGTH = Kind("a length", "m", "5 mm", _LENGTHS)
 FORCE = Kind("a force", "N", "10 N", "N mN uN kN MN newton millinewton kilonewton lbf")
 VELOCITY = Kind("a velocity", "m/s", "0.1 m/s", "m/s mm/s um/s nm/s cm/s km/h m/min mm/min")
 TEMPERATURE = Kind("a temperature", "K", "20 degC", "degC degF K kelvin celsius fahrenheit")
+_TIMES = "s ms us min h day hour second minute"
+DURATION = Kind("a time", "s", "10 s", _TIMES)
+INSTANT = Kind("a time", "s", "10 s", _TIMES, "of any sign")
+DEPTH = Kind("a length", "m", "0.1 mm", _LENGTHS, "of any sign")
+PUSH = Kind("a force", "N", "10 N", FORCE.usual, "of any sign")
+FREQUENCY = Kind("a frequency", "Hz", "10 Hz", "Hz kHz mHz hertz")
+ADHESION = Kind("an energy per area", "J/m^2", "50 mJ/m^2", "J/m^2 mJ/m^2 N/m mN/m")
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 
 
 def quantity(name: str, text: Any, kind: Kind) -> float:
-    """The SI value of a text with a unit; lengths, forces and velocities must be positive.
+    """The SI value of a text with a unit; of most kinds it must be positive.
 
     Number and unit are read apart from each other, so that "-35 degC" is a temperature and not a difference of two.
     Raises `InputError`, naming the argument, for a bare number, an unknown unit, a unit of another kind, or a value
@@ -46,8 +54,8 @@ def quantity(name: str, text: Any, kind: Kind) -> float:
             f'{name} must be {kind.name} with its unit, such as "{kind.example}", got "{text}" without one.'
         )
     value = number_in(name, number, unit, kind)
-    if not (value > 0 and math.isfinite(value)):
-        accepted = "above absolute zero" if kind is TEMPERATURE else "positive"
+    if not math.isfinite(value) or (value <= 0 and kind.accepted == "positive"):
+        accepted = "above absolute zero" if kind is TEMPERATURE else kind.accepted
         raise InputError(f'{name} must be {accepted} and finite, got "{text}".')
     return value
 

@@ -60,6 +60,19 @@ class Foundation(AbstractRelaxation):
         """Maxwell elements: a spring and a dashpot in series."""
         return cls(0.0, as_float64("stiffness", stiffness)[None], as_float64("time", time)[None])
 
+    def __repr__(self) -> str:
+        unit = "Pa/m" if self.per_area else "Pa" if self.per_area is not None else "Pa or Pa/m"
+        label = f"{self.name!r}, " if self.name else ""
+        if is_traced(self) or np.ndim(self.equilibrium) or np.ndim(self.moduli) != 1:
+            return f"Foundation({label}{np.shape(self.moduli)[-1]} branches, traced or a batch)"
+        glassy = float(self.equilibrium + np.sum(self.moduli))
+        span = f", tau {self.times[0]:.3g}..{self.times[-1]:.3g} s" if self.moduli.size else ""
+        dashpot = f", viscosity {float(self.viscosity):.4g} {unit} s" if float(self.viscosity) else ""
+        return (
+            f"Foundation({label}{float(self.equilibrium):.4g} {unit} relaxed, {glassy:.4g} {unit} glassy, "
+            f"{self.moduli.size} branches{span}{dashpot})"
+        )
+
     def law(self) -> Relaxation:
         return Relaxation(self.equilibrium, self.moduli, self.times, self.viscosity)
 

@@ -84,7 +84,7 @@ def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
     moduli, times = _by_element(law.moduli), _by_element(law.times)
     equilibrium, viscosity = jnp.atleast_1d(jnp.asarray(law.equilibrium)), jnp.atleast_1d(jnp.asarray(law.viscosity))
     y = h[None] / times
-    rate, decay, mean, half = viscosity / h, jnp.exp(-y), _phi1(y), _phi2(y)
+    rate, decay, mean, half = viscosity / h, jnp.exp(-y), phi1(y), phi2(y)
     gain = moduli * mean
     static = equilibrium + jnp.sum(gain, axis=0)
     seen, stiffness = _signorini(static, viscosity, y, decay, h)
@@ -233,26 +233,26 @@ def _signorini(static: Array, viscosity: Array, y: Array, decay: Array, h: Array
     settled = ~present | (z > _SETTLED)
     lag = jnp.where(settled, viscosity / jnp.where(settled, h * static, 1.0), 0.0)  # 1/z
     z = jnp.where(settled, _SETTLED, z)
-    stiffness = jnp.where(settled, static, viscosity / h / _phi1(z))
+    stiffness = jnp.where(settled, static, viscosity / h / phi1(z))
     z, lag, settled = z[None], lag[None], settled[None]
-    early = jnp.exp(-jnp.minimum(y, z)) * _phi1(jnp.abs(z - y)) / _phi1(z)
+    early = jnp.exp(-jnp.minimum(y, z)) * phi1(jnp.abs(z - y)) / phi1(z)
     late = decay / (1 - jnp.minimum(y * lag, 0.5))  # beyond 0.5 nothing is left of the branch
     return jnp.where(settled, late, early), stiffness
 
 
-def _phi1(y: Array) -> Array:
+def phi1(y: Array) -> Array:
     """(1 - exp(-y))/y for y >= 0."""
     safe = jnp.where(y > 0, y, 1.0)
     return jnp.where(y > 0, -jnp.expm1(-safe) / safe, 1 - 0.5 * y)
 
 
-def _phi2(y: Array) -> Array:
+def phi2(y: Array) -> Array:
     """(1 - phi1(y))/y for y >= 0, by its series where the difference would lose digits."""
-    small, large = jnp.minimum(y, 1.0), jnp.maximum(y, 1.0)
+    small, large = jnp.where(y < 1, y, 1.0), jnp.where(y < 1, 1.0, y)  # not min and max: at y = 1 they halve slopes
     series = jnp.ones_like(y)
     for k in range(19, 2, -1):
         series = 1 - small / k * series
-    return jnp.where(y < 1, 0.5 * series, (1 - _phi1(large)) / large)
+    return jnp.where(y < 1, 0.5 * series, (1 - phi1(large)) / large)
 
 
 def over_branches(parts: Float[Array, "k n"]) -> Float[Array, " n"]:

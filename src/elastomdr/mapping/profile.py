@@ -37,8 +37,7 @@ class Profile(AbstractShape):
 
     r: Float[Array, " n"]  # [m]
     z: Float[Array, " n"]  # [m]
-    apex: Float[Array, "3"]  # A_0, A_1, A_2 of f' in the first interval
-    jumps: Float[Array, "2 n-2"]  # b_i and c_i at the inner points
+    pieces: Float[Array, "3 n-1"]  # f = z_i + p_1 t + p_2 t^2 + p_3 t^3, t = r - r_i
     line: Float[Array, "2 degree n-1"]  # g and dg/dx as Chebyshev series between the points
     sharp: bool = eqx.field(static=True)  # f'(0) > 0
     convex: bool = eqx.field(static=True)  # g is convex: an element that has left the contact never touches again
@@ -84,24 +83,27 @@ class Profile(AbstractShape):
                 )
             self.convex = bool((np.diff(slope) > -1e-6 * slope.max()).all())
 
+    def __repr__(self) -> str:
+        apex = "sharp" if self.sharp else "smooth"
+        return f"Profile({self.r.size} points to r={float(self.r[-1]):.6g} m, {apex} apex)"
+
     def _join(self, curve: str) -> None:
         if curve == "spline":
-            first, jumps = _spline_matrices(np.asarray(self.r), self.sharp)
-            self.apex, inner = first @ self.z, jumps @ self.z
-            self.jumps = jnp.stack([jnp.zeros_like(inner), inner])
+            self.pieces = _spline_matrices(np.asarray(self.r), self.sharp) @ self.z
         else:
-            self.apex, self.jumps = _monotone(self.r, self.z, self.sharp)
-        self.line = _line(self.r, self.apex, self.jumps)
+            self.pieces = _monotone(self.r, self.z, self.sharp)
+        self.line = _line(self.r, self.pieces)
 
     def _slopes(self) -> np.ndarray:
         """dg/dx at eight places between any two points."""
         return np.asarray(self.slope_1d(np.linspace(0.0, float(self.r[-1]), 8 * self.r.size + 1)[1:]))
 
     def _height(self, r: Array) -> Array:
-        first, knots, jumps = map(jnp.asarray, (self.apex, self.r[1:-1], self.jumps))
-        behind = jnp.maximum(r[..., None] - knots, 0.0)
-        inner = jnp.sum(jumps[0] * behind**2 / 2 + jumps[1] * behind**3 / 3, axis=-1)
-        return self._guard(r, first[0] * r + first[1] * r**2 / 2 + first[2] * r**3 / 3 + inner)
+        knots, heights, pieces = map(jnp.asarray, (self.r, self.z, self.pieces))
+        i = _interval(knots, r)
+        t = r - knots[i]
+        height = heights[i] + t * (pieces[0][i] + t * (pieces[1][i] + t * pieces[2][i])) - heights[0]
+        return self._guard(r, height)
 
     def _profile(self, x: Array) -> Array:
         x = jnp.abs(x)
@@ -121,12 +123,15 @@ class Profile(AbstractShape):
 
 @in_float64
 @jax.jit
-def _line(r: Array, apex: Array, jumps: Array) -> Float[Array, "2 degree intervals"]:
+def _line(r: Array, pieces: Array) -> Float[Array, "2 degree intervals"]:
     """Chebyshev coefficients of g and of dg/dx between the points.
 
     Each point leaves a term (x - r_i)^(1/2) or (x - r_i)^(3/2) in dg/dx, so that it is analytic in
     s = sqrt((x - r_i)/h_i + delta) on the interval behind the point; delta keeps ds/dx finite at the point itself.
     """
+    linear, square, cubic = pieces
+    apex = jnp.stack([linear[0], 2 * square[0], 3 * cubic[0]])
+    jumps = jnp.stack([2 * jnp.diff(square) - 6 * cubic[:-1] * jnp.diff(r)[:-1], 3 * jnp.diff(cubic)])
     angle = jnp.pi * (np.arange(_TERMS) + 0.5) / _TERMS
     s = _START + (_END - _START) * 0.5 * (1 - jnp.cos(angle))
     to_chebyshev = jnp.cos(np.arange(_TERMS)[:, None] * (jnp.pi - angle)) * 2 / _TERMS
@@ -142,7 +147,7 @@ def _line(r: Array, apex: Array, jumps: Array) -> Float[Array, "2 degree interva
 def _interpolated(r: Array, table: Float[Array, "degree intervals"], x: Array) -> Array:
     """A Chebyshev series of `_line` at places x >= 0, by Clenshaw's recurrence."""
     r, table = jnp.asarray(r), jnp.asarray(table)
-    interval = jnp.clip(jnp.searchsorted(r, x, side="right", method="scan") - 1, 0, table.shape[1] - 1)
+    interval = _interval(r, x)
     start, width = r[interval], (r[1:] - r[:-1])[interval]
     s = jnp.sqrt(jnp.maximum((x - start) / width, 0.0) + _DELTA)
     t = 2 * (s - _START) / (_END - _START) - 1
@@ -154,6 +159,11 @@ def _interpolated(r: Array, table: Float[Array, "degree intervals"], x: Array) -
     # A loop, not a chain of gathers: that takes a minute to compile where a scene has many calls of it.
     value, after = jax.lax.fori_loop(0, _TERMS - 1, down, (jnp.zeros_like(x), jnp.zeros_like(x)))
     return t * value - after + table[0][interval]
+
+
+def _interval(r: Array, x: Array) -> Array:
+    """The interval of `r` in which each x lies; the outer ones for what lies outside."""
+    return jnp.clip(jnp.searchsorted(r, x, side="right", method="scan") - 1, 0, r.shape[0] - 2)
 
 
 def _abel(x: Array, apex: Array, knots: Array, jumps: Array) -> tuple[Array, Array]:
@@ -174,19 +184,16 @@ def _abel(x: Array, apex: Array, knots: Array, jumps: Array) -> tuple[Array, Arr
     return g, slope + jnp.sum(b * (2 * k1 - knots * k0) + c * (3 * k2 - 4 * knots * k1 + knots**2 * k0), axis=1)
 
 
-def _spline_matrices(r: np.ndarray, sharp: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Linear maps from heights to f' = A_0 + A_1 r + A_2 r^2 in the first interval, and to its jumps c_i at inner
-    points.
-    """
+def _spline_matrices(r: np.ndarray, sharp: bool) -> Float[np.ndarray, "3 n-1 n"]:
+    """Linear map from heights to the pieces of the spline."""
     ends: Any = ("not-a-knot" if sharp else (1, np.zeros(r.size)), "not-a-knot")
-    cubic, square, linear, _ = CubicSpline(r, np.eye(r.size), bc_type=ends).c  # (intervals, n) each
-    return np.stack([linear[0], 2 * square[0], 3 * cubic[0]]), 3 * np.diff(cubic, axis=0)
+    return CubicSpline(r, np.eye(r.size), bc_type=ends).c[2::-1]
 
 
 @in_float64
 @jax.jit
-def _monotone(r: Array, z: Array, sharp: bool) -> tuple[Float[Array, "3"], Float[Array, "2 n-2"]]:
-    """f' in the first interval, and its jumps, of the cubics with weighted harmonic means of neighbouring slopes."""
+def _monotone(r: Array, z: Array, sharp: bool) -> Float[Array, "3 n-1"]:
+    """Pieces of the cubics whose slope at a point is the weighted harmonic mean of the slopes on its two sides."""
     h = jnp.diff(r)
     m = jnp.diff(z) / h  # not negative
     before, after = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
@@ -199,6 +206,4 @@ def _monotone(r: Array, z: Array, sharp: bool) -> tuple[Float[Array, "3"], Float
 
     start = jnp.where(sharp, outer(h[0], h[1], m[0], m[1]), 0.0)
     d = jnp.concatenate([start[None], inner, outer(h[-1], h[-2], m[-1], m[-2])[None]])
-    square, cubic = (3 * m - 2 * d[:-1] - d[1:]) / h, (d[:-1] + d[1:] - 2 * m) / h**2
-    bend = 2 * jnp.diff(square) - 6 * (cubic * h)[:-1]
-    return jnp.stack([d[0], 2 * square[0], 3 * cubic[0]]), jnp.stack([bend, 3 * jnp.diff(cubic)])
+    return jnp.stack([d[:-1], (3 * m - 2 * d[:-1] - d[1:]) / h, (d[:-1] + d[1:] - 2 * m) / h**2])

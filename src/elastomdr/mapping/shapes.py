@@ -12,13 +12,16 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Float
 
-from .._runtime import Array, as_float64, in_float64, positive, scalar
+from .._runtime import Array, as_float64, in_float64, plain, positive, scalar, written
 
 
 class AbstractShape(eqx.Module):
     """A rigid indenter, rising from its lowest point: `height(r)` in three dimensions, `profile_1d(x)` on the line."""
 
     label: ClassVar[str]  # what the shape is called in a sentence
+
+    def __repr__(self) -> str:
+        return written(self)
 
     @abc.abstractmethod
     def _height(self, r: Array) -> Array:
@@ -139,9 +142,8 @@ class PowerLaw(AbstractShape):
     label: ClassVar[str] = "power law"
 
     def __init__(self, exponent: Any, coefficient: Any):
-        exponent = scalar("exponent", exponent)
-        positive("exponent", exponent)
-        self.exponent = float(exponent)
+        self.exponent = plain("exponent", exponent)
+        positive("exponent", self.exponent)
         self.coefficient = scalar("coefficient", coefficient)
         positive("coefficient", self.coefficient)
 

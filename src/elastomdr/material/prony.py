@@ -57,6 +57,9 @@ class Prony(AbstractRelaxation):
         )
         if kind not in ("shear", "tensile"):
             raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
+        for argument, text in (("name", name), ("citation", citation)):
+            if not isinstance(text, str):
+                raise InputError(f"{argument} must be a text, got {text!r}.")
         if poisson is not None and bulk is not None:
             raise InputError(
                 f"poisson and bulk exclude each other (one of them is constant), got poisson={poisson} and bulk={bulk}."

@@ -73,9 +73,10 @@ class AbstractRelaxation(eqx.Module):
 
     @in_float64
     def loss_tangent(self, omega: Any) -> Array:
-        """Loss modulus over storage modulus at omega [rad/s]."""
-        value = self.complex_modulus(omega)
-        return value.imag / value.real
+        """Loss modulus over storage modulus at omega [rad/s]; infinite where nothing is stored."""
+        value = jnp.asarray(self.complex_modulus(omega))
+        elastic = value.real > 0
+        return jnp.where(elastic, value.imag / jnp.where(elastic, value.real, 1.0), jnp.inf)
 
 
 class Relaxation(AbstractRelaxation):
@@ -161,9 +162,9 @@ def to_kelvin(law: Relaxation) -> KelvinChain:
     instantaneous = xp.where(xp.asarray(law.viscosity) > 0, 0.0, 1 / xp.where(glassy > 0, glassy, 1.0))
     liquid = equilibrium == 0
     fluidity = xp.where(liquid, 1 / xp.where(liquid & (total_viscosity > 0), total_viscosity, 1.0), 0.0)
-    if weights.shape[0] == 0:
-        return KelvinChain(instantaneous, weights, times, fluidity)
     poles, strengths, present = _without_empty(times, weights)
+    if poles.shape[0] == 0:
+        return KelvinChain(instantaneous, strengths, poles, fluidity)
     roots, slope = map(xp.asarray, secular_roots(poles, strengths, equilibrium))
     there = xp.isfinite(roots) & present
     compliances = xp.where(there, 1 / (xp.where(there, roots, 1.0) * slope), 0.0)

@@ -9,7 +9,18 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array, as_float64, ascending, in_float64, is_traced, not_negative, positive, require, scalar
+from .._runtime import (
+    Array,
+    as_float64,
+    ascending,
+    in_float64,
+    is_traced,
+    not_negative,
+    positive,
+    require,
+    scalar,
+    written,
+)
 from ..errors import InputError
 
 GAS_CONSTANT = 8.31446261815324  # R [J/(mol K)], CODATA 2018 (exact)
@@ -20,6 +31,9 @@ class AbstractShift(eqx.Module):
     """A shift law; `a(T)` is tau(T)/tau(reference), so that it is 1 at the reference temperature."""
 
     reference: eqx.AbstractVar[Float[Array, ""]]  # [K]
+
+    def __repr__(self) -> str:
+        return written(self)
 
     @abc.abstractmethod
     def _log10_a(self, temperature: Array) -> Array:

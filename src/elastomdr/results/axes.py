@@ -10,9 +10,11 @@ from .._runtime import significant
 
 _ALIKE = 1e-6  # relative spread below which values count as one: a load that was asked for comes back within rounding
 _CANDIDATES = (
+    ("time", "time", "s"),
     ("velocity", "velocity", "m/s"),
     ("temperature", "temperature", "K"),
     ("normal_force", "load", "N"),
+    ("force", "load", "N"),
     ("depth", "depth", "m"),
 )
 
@@ -27,7 +29,7 @@ class Axis(NamedTuple):
 
 def dimensions(fields: Mapping[str, np.ndarray]) -> list[Axis]:
     """The axes of a result: each is named after the first quantity that changes along it and along no other."""
-    shape = np.shape(fields["velocity"])
+    shape = np.shape(next(iter(fields.values())))
     varying = {key: _varies_along(fields[key]) for key, _, _ in _CANDIDATES if key in fields}
     axes = []
     for i, length in enumerate(shape):

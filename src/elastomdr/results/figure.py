@@ -53,7 +53,7 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, labe
             ax.fill_between(x, y - e, y + e, color=colour, alpha=0.2, linewidth=0, zorder=2)
         if top is not None and x.size > 1:
             ax.plot(top.x, top.y, "o", color=colour, markersize=5.5, zorder=4)
-            if len(all_curves) == 1 and not name:
+            if len(all_curves) == 1 and not name and x[0] < x[-1]:
                 scale = np.log if against_velocity else np.asarray
                 _write_above(ax, top, text, float((scale(top.x) - scale(x[0])) / (scale(x[-1]) - scale(x[0]))))
     if against_velocity:

@@ -19,7 +19,7 @@ from ..solve.dynamics import History, Mount, Scene, run
 from ..solve.over_line import AbstractOverLine, Indenter, rough
 from ..solve.refine import Levels, refine
 from .slide import LINE, SlidePlan, _finest, _History, _history, _sizes, describe_line
-from .steady import BARE, LAYER, _brief, _contact, _describe
+from .steady import BARE, LAYER, _contact, brief, describe
 
 _ACROSS = 24  # elements over the contact on the coarsest level
 _FINEST = 4  # levels beyond the coarsest
@@ -75,7 +75,7 @@ def drive(
     mounts = [_mount(name, mount) for name, mount in (("tangential", tangential), ("normal", normal))]
     found, size = _solve(shape if lines is None else lines, history, mounts, track)
     model = LINE if per_length else LAYER if isinstance(shape, Cylinder) else BARE
-    what = describe_line(shape) if per_length else _describe(shape)
+    what = describe_line(shape) if per_length else describe(shape)
     inputs = [("material", foundation.name or "given directly"), ("shape", what)]
     inputs += [(f"{name} mount", _in_words(mount, per_length)) for name, mount in
                (("tangential", tangential), ("normal", normal)) if mount is not None]  # fmt: skip
@@ -100,7 +100,7 @@ def _mount(name: str, mount: Any) -> Mount | None:
 def _in_words(mount: Mount, per_length: bool) -> str:
     per = "/m" if per_length else ""
     values = ((mount.mass, "kg"), (mount.stiffness, "N/m"), (mount.damping, "N s/m"))
-    return ", ".join(_brief(np.asarray(v) if not is_traced(v) else v, unit + per) for v, unit in values)
+    return ", ".join(brief(np.asarray(v) if not is_traced(v) else v, unit + per) for v, unit in values)
 
 
 def _solve(

@@ -21,7 +21,7 @@ from ..solve.passage import Control, estimate_sizes
 from ..solve.refine import Levels, refine
 from ..solve.slide import Forces, march, padded
 from ..solve.timeline import cut, timeline
-from .steady import BARE, LAYER, _brief, _contact, _describe
+from .steady import BARE, LAYER, _contact, brief, describe
 
 _ACROSS = 40  # elements over the contact on the coarsest level
 _FINEST = 6  # levels beyond the coarsest
@@ -84,7 +84,7 @@ def slide(
     history = _history(foundation, time, position, load, depth, temperature, rtol, elements, per_length)
     found, plan = _rough(shape, history) if lines is None else _indenter(lines, history)
     model = LINE if per_length else LAYER if foundation.per_area or isinstance(shape, Cylinder) else BARE
-    what = describe_line(shape) if per_length else _describe(shape)
+    what = describe_line(shape) if per_length else describe(shape)
     inputs = [("material", foundation.name or "given directly"), ("shape", what), *history.inputs]
     return _pack(history, found, plan, model, tuple(inputs), per_length)
 
@@ -164,8 +164,8 @@ def _history(
     if elements is not None and (not isinstance(elements, int) or elements < 16):
         raise InputError(f"elements must be a whole number, 16 at least, got {elements!r}.")
     law = foundation.law()
-    inputs = [("time", _brief(time, "s")), ("position", _brief(position, "m"))]
-    inputs.append((control, _brief(value, ("N/m" if per_length else "N") if control == "load" else "m")))
+    inputs = [("time", brief(time, "s")), ("position", brief(position, "m"))]
+    inputs.append((control, brief(value, ("N/m" if per_length else "N") if control == "load" else "m")))
     if temperature is not None:
         if foundation.shift is None:
             raise InputError("temperature was given, but the material has no shift law; leave the temperature out.")
@@ -173,7 +173,7 @@ def _history(
         positive("temperature", kelvin)
         factor = foundation.shift.a(kelvin)
         law = Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor)
-        inputs.append(("temperature", _brief(kelvin, "K")))
+        inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     traced = is_traced(law, position, value)
     value = (jnp if traced else np).broadcast_to(value, time.shape)

@@ -84,7 +84,7 @@ def set_up(
         kelvin = as_float64("temperature", temperature)
         if foundation.shift is None:
             raise InputError(
-                f"temperature was given ({_brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift "
+                f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift "
                 "law; give the material one with shift=em.WLF(...), or leave the temperature out."
             )
         arrays.append(kelvin)
@@ -109,17 +109,17 @@ def set_up(
     reduced = flat(velocity * factor)
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
     model = LAYER if layer else AVERAGED if average == "direction" else BARE
-    name = f"{_describe(shape)} on {foundation.name or ('a layer' if layer else 'a half-space')}"
+    name = f"{describe(shape)} on {foundation.name or ('a layer' if layer else 'a half-space')}"
     plan = make_plan(
         quantity, name, model, law, lines, control, None if traced else flat(value), None if traced else reduced,
         int(np.prod(result_shape)), 1 if kelvin is None else int(np.size(kelvin)),
         average == "direction" and not layer, float(rtol), skip,
     )  # fmt: skip
-    inputs = [("material", foundation.name or "given directly"), ("shape", _describe(shape))]
-    inputs.append((control, _brief(value, "N" if control == "load" else "m")))
-    inputs.append(("velocity", _brief(velocity, "m/s")))
+    inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
+    inputs.append((control, brief(value, "N" if control == "load" else "m")))
+    inputs.append(("velocity", brief(velocity, "m/s")))
     if kelvin is not None:
-        inputs.append(("temperature", _brief(kelvin, "K")))
+        inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     broadcast = None if kelvin is None else numpy.broadcast_to(kelvin, result_shape)
     return Scene(
@@ -235,7 +235,7 @@ def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
         )
 
 
-def _describe(shape: AbstractShape) -> str:
+def describe(shape: AbstractShape) -> str:
     numbers = [
         f"{name} {float(np.asarray(x)):.6g}{_UNITS.get(name, '')}"
         for name, x in vars(shape).items()
@@ -244,7 +244,7 @@ def _describe(shape: AbstractShape) -> str:
     return ", ".join([shape.label, *numbers])
 
 
-def _brief(array: Any, unit: str) -> str:
+def brief(array: Any, unit: str) -> str:
     if is_traced(array):
         return "traced"
     array = np.asarray(array)

@@ -1,0 +1,154 @@
+"""One element under a rigid surface that moves at a constant rate for a while: contact gained, lost and free recovery,
+each at its own instant, with no time step.
+
+Between two instants the surface is at w0 + v t. What can happen, and in which order, follows from the signs of a
+viscoelastic element (derived here; a parallel dashpot changes nothing in it):
+
+- Free recovery is a sum of decaying exponentials with positive weights, since an element is only ever pushed. So the
+  gap to the surface is convex in time: the surface is met at the first root of the gap, or not at all, and Newton's
+  method from the left finds either without overshooting.
+- In contact u follows the surface and q is a closed form. Once q would be negative it stays so: contact ends at its one
+  change of sign. An element let go cannot meet the same straight path again.
+
+So each element is free for a time, in contact for a time, free for the rest; any of the three may be empty.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Bool, Float
+
+from .._runtime import Array
+from ..material.relaxation import Relaxation
+from .modes import Modes, to_branches, to_modes
+from .step import phi1, phi2
+
+_MOST = 100  # iterations in search of an instant
+_ROUNDING = 1e-15
+
+
+class Touching(NamedTuple):
+    """State of n elements: `f` where in contact, `m` where free (the other is not looked at)."""
+
+    contact: Bool[Array, " n"]
+    u: Float[Array, " n"]  # displacement [m]
+    f: Float[Array, "k n"]  # branch forces [Pa m; on a layer Pa]
+    m: Float[Array, "j n"]  # recovery modes [m]
+    work: Float[Array, " n"]  # int q du [Pa m^2; on a layer Pa m]
+
+
+def pressed(law: Relaxation, modes: Modes, w: Float[Array, " n"]) -> Touching:
+    """Elements at rest until a surface at w is pressed on them at once: glassy where w > 0, untouched elsewhere."""
+    u = jnp.maximum(w, 0.0)
+    glassy = law.equilibrium + jnp.sum(law.moduli)
+    return Touching(w > 0, u, law.moduli[:, None] * u, jnp.zeros((modes.rate.size, w.size)), 0.5 * glassy * u**2)
+
+
+def force(law: Relaxation, state: Touching, v: Any) -> Float[Array, " n"]:
+    """q of each element while the surface moves at rate v."""
+    q = law.equilibrium * state.u + law.viscosity * v + jnp.sum(state.f, axis=0)
+    return jnp.where(state.contact, q, 0.0)
+
+
+def energies(law: Relaxation, modes: Modes, state: Touching) -> tuple[Array, Array]:
+    """Elastic energy of the elements in contact, and of those that are free, each zero for the others."""
+    strength = jnp.where(law.moduli > 0, 0.5 / jnp.where(law.moduli > 0, law.moduli, 1.0), 0.0)
+    held = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
+    left = (0.5 * modes.norm * modes.rate) @ state.m**2
+    return jnp.where(state.contact, held, 0.0), jnp.where(state.contact, 0.0, left)
+
+
+def follow(law: Relaxation, modes: Modes, state: Touching, w: Float[Array, " n"], v: Any, h: Any) -> Touching:
+    """The state after a time h in which the surface moves from w to w + v h. Exact; differentiable in both modes."""
+    # Free, until it meets the surface.
+    fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h = jax.lax.stop_gradient((modes, state, w, v, h))
+    met, wait = _meeting(fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h)
+    gap, closing = _gap(modes, state, w, v, wait)
+    closing = jax.lax.stop_gradient(jnp.where(closing < 0, closing, -jnp.inf))
+    wait = jnp.where(met & ~state.contact, wait - gap / closing, jnp.where(state.contact, 0.0, h))
+    touched = state.contact | met
+    decayed = jnp.exp(-modes.rate[:, None] * wait) * state.m
+    u = jnp.where(touched, w + v * wait, jnp.sum(decayed, axis=0))
+    f = jnp.where(state.contact, state.f, to_branches(law, modes, decayed))
+
+    # In contact, until it would be pulled.
+    rest = jnp.where(touched, h - wait, 0.0)
+    fixed_law, fixed_u, fixed_f, fixed_rest = jax.lax.stop_gradient((law, u, f, rest))
+    lost, stay = _parting(fixed_law, fixed_u, fixed_f, fixed_v, fixed_rest, touched)
+    pull, falling = _pull(law, u, f, v, stay)
+    falling = jax.lax.stop_gradient(jnp.where(falling < 0, falling, -jnp.inf))
+    stay = jnp.where(lost & (stay > 0), stay - pull / falling, jnp.where(lost, 0.0, rest))
+    y = stay / law.times[:, None]
+    first, second = phi1(y), phi2(y)
+    decay = 1 - y * first
+    f_end = decay * f + law.moduli[:, None] * v * stay * first
+    u_end = jnp.where(touched, u + v * stay, u)
+    spent = 0.5 * law.equilibrium * (u_end**2 - u**2) + law.viscosity * v**2 * stay
+    spent = spent + v * stay * jnp.sum(first * f + law.moduli[:, None] * v * stay * second, axis=0)
+
+    # Free again.
+    m = jnp.where(touched, to_modes(law, modes, u_end, f_end), decayed)
+    m = jnp.where(lost, jnp.exp(-modes.rate[:, None] * (rest - stay)) * m, m)
+    contact = touched & ~lost
+    return Touching(
+        contact=contact,
+        u=jnp.where(contact, u_end, jnp.sum(m, axis=0)),
+        f=f_end,
+        m=m,
+        work=state.work + jnp.where(touched, spent, 0.0),
+    )
+
+
+def _gap(modes: Modes, state: Touching, w: Array, v: Any, t: Array) -> tuple[Array, Array]:
+    """Gap between a free element and the surface at time t, and its rate."""
+    now = jnp.exp(-modes.rate[:, None] * t) * state.m
+    return jnp.sum(now, axis=0) - (w + v * t), -jnp.sum(modes.rate[:, None] * now, axis=0) - v
+
+
+def _pull(law: Relaxation, u: Array, f: Array, v: Any, t: Array) -> tuple[Array, Array]:
+    """Force of an element that follows the surface, a time t later, and its rate."""
+    y = t / law.times[:, None]
+    first = phi1(y)
+    f = (1 - y * first) * f + law.moduli[:, None] * v * t * first
+    q = law.equilibrium * (u + v * t) + law.viscosity * v + jnp.sum(f, axis=0)
+    return q, law.equilibrium * v + jnp.sum(law.moduli[:, None] * v - f / law.times[:, None], axis=0)
+
+
+def _meeting(modes: Modes, state: Touching, w: Array, v: Any, h: Any) -> tuple[Array, Array]:
+    """Whether and when a free element meets the surface: Newton's method from the left on a convex gap."""
+    size = _ROUNDING * (jnp.abs(w) + jnp.abs(v) * h + jnp.sum(jnp.abs(state.m), axis=0))
+
+    def advance(carry: tuple) -> tuple:
+        t, met, done, count = carry
+        gap, rate = _gap(modes, state, w, v, t)
+        following = t - gap / jnp.where(rate < 0, rate, -1.0)
+        there = (gap <= size) | ((rate < 0) & (following <= t))
+        never = ~there & ((rate >= 0) | (following > h * (1 + _ROUNDING)))
+        met = jnp.where(done, met, there)
+        ends = done | there | never
+        return jnp.where(ends, t, jnp.minimum(following, h)), met, ends, count + 1
+
+    start = (jnp.zeros_like(w), jnp.zeros(w.shape, bool), state.contact, 0)
+    t, met, _, _ = jax.lax.while_loop(lambda c: ~jnp.all(c[2]) & (c[3] < _MOST), advance, start)
+    return met, t
+
+
+def _parting(law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array) -> tuple[Array, Array]:
+    """Whether and when an element in contact would be pulled: Newton's method within a bracket."""
+    end, _ = _pull(law, u, f, v, rest)
+    lost = touched & (end < 0)
+
+    def advance(carry: tuple) -> tuple:
+        t, low, high, _, count = carry
+        q, rate = _pull(law, u, f, v, t)
+        low, high = jnp.where(q > 0, t, low), jnp.where(q > 0, high, t)
+        following = t - q / jnp.where(rate < 0, rate, -1.0)
+        inside = (following > low) & (following < high) & (rate < 0) & (count % 4 < 3)
+        following = jnp.where(inside, following, 0.5 * (low + high))
+        done = ~lost | (jnp.abs(following - t) <= 4 * _ROUNDING * rest) | (high <= low * (1 + 4 * _ROUNDING))
+        return jnp.where(done, t, following), low, high, done, count + 1
+
+    start = (0.5 * rest, jnp.zeros_like(rest), rest, ~lost, 0)
+    t, *_ = jax.lax.while_loop(lambda c: ~jnp.all(c[3]) & (c[4] < _MOST), advance, start)
+    return lost, jnp.where(t <= 4 * _ROUNDING * rest, 0.0, t)

@@ -1,0 +1,6 @@
+"""Slow truths, to check the fast ones against: contacts in two and three dimensions, solved without reduction."""
+
+from .half_plane import half_plane_sliding
+from .half_space import half_space_sliding
+
+__all__ = ["half_plane_sliding", "half_space_sliding"]

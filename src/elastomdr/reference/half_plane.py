@@ -1,0 +1,147 @@
+"""Steady sliding of a cylinder on a viscoelastic half-plane (Hunter's problem), solved on a line of cells."""
+
+import functools
+import warnings
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from .._runtime import Array, in_float64, positive, scalar
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import as_foundation
+from ..mapping.shapes import Paraboloid
+from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
+from ..results.curve import Contact
+from ..results.half_plane import HalfPlaneCurve
+from .contact import grid, settle, work_against
+from .kernel import sliding_kernel, strip_cell
+from .points import broadcast
+
+MODEL = "half-plane (plane strain), cells of constant pressure (no reduction)"
+_WINDOWS = 8  # windows tried until the contact lies well inside
+
+
+class _Found(NamedTuple):
+    """One contact on one grid."""
+
+    mu: Float[Array, ""]
+    edges: Float[Array, "2"]  # trailing, leading [m]
+    settled: Array
+    inside: Array
+
+
+_FAILED = _Found(np.array(np.nan), np.full(2, np.nan), np.asarray(False), np.asarray(True))
+
+
+@in_float64
+def half_plane_sliding(
+    material: Any,
+    radius: Any,
+    *,
+    velocity: Any,
+    load_per_length: Any,
+    temperature: Any = None,
+    points: int = 1024,
+) -> HalfPlaneCurve:
+    """Friction of a long cylinder of radius R [m] in steady, frictionless sliding across its axis on a half-plane.
+
+    Plane strain; `load_per_length` in N/m. Exact but for the grid of `points` cells, see `half_space_sliding`. There is
+    no depth: displacements of a half-plane hold to a constant only. `error` is the change of mu from half as many cells
+    to all of them. Raises `InputError`; points that did not settle are NaN and counted in one `ConvergenceWarning`.
+    The problem is that of Hunter 1961, there for one relaxation time.
+    """
+    foundation = as_foundation(material)
+    if foundation.per_area:
+        raise InputError("material must be a half-space, got a layer: em.friction is exact for layers.")
+    radius = scalar("radius", radius)
+    positive("radius", radius)
+    asked = broadcast(
+        foundation, velocity=velocity, load=load_per_length, depth=None, temperature=temperature, points=points,
+        name="load_per_length",
+    )  # fmt: skip
+    law = foundation.law()
+    chain = to_kelvin(law)
+    found = [_one(float(radius), law, chain, w, v, points) for w, v in zip(asked.value, asked.velocity, strict=True)]
+    good = np.array([bool(fine.settled & coarse.settled) for fine, coarse in found])
+    if not good.all():
+        warnings.warn(
+            f"{int((~good).sum())} of {good.size} contacts did not settle; they are NaN.",
+            ConvergenceWarning,
+            stacklevel=3,
+        )
+
+    def field(values: list[Any]) -> Any:
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(asked.shape)
+
+    fine = [pair[0] for pair in found]
+    mu = field([f.mu for f in fine])
+    load = asked.value.reshape(asked.shape)
+    rows = dict(asked.inputs(foundation, Paraboloid(radius)))
+    rows["shape"] = f"cylinder, radius {float(radius):g} m"
+    return HalfPlaneCurve(
+        velocity=asked.given.reshape(asked.shape),
+        mu=mu,
+        load_per_length=load,
+        friction_per_length=mu * load,
+        contact=Contact(field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])),
+        error=field([abs(f.mu - c.mu) for f, c in found]),
+        converged=good.reshape(asked.shape),
+        temperature=asked.temperature,
+        model=MODEL,
+        plan=f"{points} cells, and half as many for the error",
+        inputs=tuple(("load per length", v.replace(" N", " N/m")) if k == "load" else (k, v) for k, v in rows.items()),
+    )
+
+
+def _one(
+    radius: float, law: Relaxation, chain: KelvinChain, load: float, velocity: float, points: int
+) -> tuple[_Found, _Found]:
+    relaxed = float(np.sqrt(4 * load * radius / (np.pi * law.equilibrium)))  # Hertz, the widest that there can be
+    window = np.array([-1.2 * relaxed, 1.2 * relaxed])
+    for lead in (0.0, 0.125, 0.25):
+        solve = functools.partial(_solve, radius, law, chain, load, velocity, lead=lead)
+        rough = solve(window, count=128)
+        for _ in range(_WINDOWS):  # a glassy contact is narrow: look closer until it fills half of the window
+            if not bool(rough.settled):
+                break
+            length = float(rough.edges[1] - rough.edges[0])
+            window, before = np.array([rough.edges[0] - 0.1 * length, rough.edges[1] + 0.1 * length]), window
+            if bool(rough.inside) and window[1] - window[0] > 0.5 * (before[1] - before[0]):
+                break
+            rough = solve(window, count=128)
+        if not bool(rough.settled):
+            continue
+        coarse, fine = solve(window, count=points // 2), solve(window, count=points)
+        if bool(coarse.settled & fine.settled & coarse.inside & fine.inside):
+            return fine, coarse
+    return _FAILED, _FAILED
+
+
+@functools.partial(jax.jit, static_argnames=("count", "lead"))
+def _solve(radius, law, chain, load, velocity, window, *, count: int, lead: float) -> _Found:
+    length = window[1] - window[0]
+    h = length / count
+    x = window[0] + h * (jnp.arange(count) + 0.5)
+
+    far = 4 * length + velocity * jnp.max(chain.times, initial=0.0)  # any will do; this keeps the kernel positive
+
+    def elastic(at):
+        return strip_cell(at[:, None], h, far)
+
+    kernel = sliding_kernel(elastic, chain, velocity, h, count, lead)
+    height = ((x - lead * h) ** 2 / (2 * radius))[:, None]
+    on = grid(kernel.displacement, law, velocity, (h, h), lead)
+    solution = settle(on, height, jnp.abs(x[:, None] - 0.5 * (window[0] + window[1])) < 0.3 * length, "load", load / h)
+    p = solution.pressure
+    slope = kernel.slope if lead == 0.0 else sliding_kernel(elastic, chain, velocity, h, count, 0.0).slope
+    mu = work_against(slope, p) * h / load
+    touching = (p > 0)[:, 0]
+    # The pressure falls as the root of the distance: its square meets zero along a line through the last two cells.
+    square = p[:, 0] ** 2
+    first, last = jnp.argmax(touching), count - 1 - jnp.argmax(touching[::-1])
+    trailing = x[first] - h * jnp.clip(square[first] / (square[first + 1] - square[first]), 0.0, 1.0)
+    leading = x[last] + h * jnp.clip(square[last] / (square[last - 1] - square[last]), 0.0, 1.0)
+    return _Found(mu, jnp.stack([trailing, leading]), solution.settled, ~(touching[0] | touching[-1]))

@@ -1,0 +1,166 @@
+"""Steady sliding on a three-dimensional viscoelastic half-space, solved on a grid of cells."""
+
+import functools
+import warnings
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from .._runtime import Array, in_float64
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import as_foundation
+from ..mapping.lines import SingleLine
+from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
+from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
+from ..results.curve import Contact, FrictionCurve
+from ..solve.passage import Control, estimate_sizes
+from .contact import grid, settle, work_against
+from .kernel import area_cell, sliding_kernel
+from .points import Points, broadcast
+
+MODEL = "half-space in three dimensions, cells of constant pressure (no reduction)"
+LEADS = (0.0, 0.125, 0.25)  # shares of a cell by which the observer is moved back where the centre does not settle
+_WINDOWS = 8  # windows tried until the contact lies well inside
+
+
+class _Found(NamedTuple):
+    """One contact on one grid."""
+
+    mu: Float[Array, ""]
+    force: Float[Array, ""]  # normal force [N]
+    depth: Float[Array, ""]  # [m]
+    edges: Float[Array, "4"]  # trailing, leading on the central line; rearmost, foremost of all [m]
+    half_width: Float[Array, ""]  # across the motion [m]
+    settled: Array
+    inside: Array  # no cell at the border of the window is in contact
+
+
+_NAN = np.array(np.nan)
+_FAILED = _Found(_NAN, _NAN, _NAN, np.full(4, np.nan), _NAN, np.asarray(False), np.asarray(True))
+
+
+@in_float64
+def half_space_sliding(
+    material: Any,
+    shape: Any,
+    *,
+    velocity: Any,
+    load: Any = None,
+    depth: Any = None,
+    temperature: Any = None,
+    points: int = 64,
+) -> FrictionCurve:
+    """Friction of a rigid axisymmetric body in steady, frictionless sliding on a half-space, in three dimensions.
+
+    Exact but for the grid: `points` by `points` cells of constant pressure over a window around the contact, with the
+    influence function of a cell that slides (`elastomdr.reference.kernel`), so that the body is alone on an infinite
+    surface and never meets its wake. The friction force is what the material dissipates. Arguments as for
+    `em.friction`; a point takes 0.1 to 1 s.
+
+    `error` is the change of mu from half as many cells to all of them. `contact` holds the edges on the central line,
+    to half a cell. Points whose contact does not settle are NaN and counted in one `ConvergenceWarning`: a single
+    relaxation time with a glassy modulus a thousand times the relaxed one, at speeds where the glassy zone at the
+    leading edge is much thinner than a cell. Raises `InputError`, also for a liquid, which has no steady state here.
+    """
+    foundation = as_foundation(material)
+    if not isinstance(shape, AbstractShape) or isinstance(shape, (Cylinder, FlatPunch)):
+        raise InputError(
+            f"shape must be an axisymmetric body with a smooth edge (em.Paraboloid, em.Sphere, em.Cone, em.PowerLaw, "
+            f"em.Profile), got {shape!r}."
+        )
+    if foundation.per_area:
+        raise InputError("material must be a half-space, got a layer: em.friction is exact for layers.")
+    law = foundation.law()
+    asked = broadcast(foundation, velocity=velocity, load=load, depth=depth, temperature=temperature, points=points)
+    chain = to_kelvin(law)
+    found = [_one(shape, law, chain, asked, i) for i in range(asked.velocity.size)]
+    good = np.array([bool(fine.settled & coarse.settled) for fine, coarse in found])
+
+    def field(values: list[Any]) -> Any:
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(asked.shape)
+
+    if not good.all():
+        warnings.warn(
+            f"{int((~good).sum())} of {good.size} contacts did not settle; they are NaN. More points resolve a thinner "
+            "glassy zone.",
+            ConvergenceWarning,
+            stacklevel=3,
+        )
+    fine = [pair[0] for pair in found]
+    return FrictionCurve(
+        velocity=asked.given.reshape(asked.shape),
+        mu=field([f.mu for f in fine]),
+        normal_force=field([f.force for f in fine]),
+        friction_force=field([f.mu * f.force for f in fine]),
+        depth=field([f.depth for f in fine]),
+        contact=Contact(field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])),
+        error=field([abs(f.mu - c.mu) for f, c in found]),
+        converged=good.reshape(asked.shape),
+        temperature=asked.temperature,
+        model=MODEL,
+        plan=f"{points} by {points} cells, and half as many for the error",
+        inputs=asked.inputs(foundation, shape),
+    )
+
+
+def _one(shape: AbstractShape, law: Relaxation, chain: KelvinChain, asked: Points, i: int) -> tuple[_Found, _Found]:
+    """A point on the full grid and on half of it."""
+    value, velocity = asked.value[i], asked.velocity[i]
+    size = estimate_sizes(law, SingleLine(shape), asked.control, asked.value[i : i + 1], asked.velocity[i : i + 1])
+    size = float(np.asarray(size)[0])
+    window = np.array([-1.6 * size, 1.6 * size, 1.6 * size])
+    for lead in LEADS:
+        solve = functools.partial(_solve, shape, law, chain, asked.control, value, velocity, lead=lead)
+        rough = solve(window, count=32)
+        for _ in range(_WINDOWS):
+            if bool(rough.inside):
+                break
+            window = 1.5 * window
+            rough = solve(window, count=32)
+        if not bool(rough.settled & rough.inside):
+            continue
+        length = float(rough.edges[3] - rough.edges[2])
+        window = np.array([rough.edges[2] - 0.1 * length, rough.edges[3] + 0.1 * length, 1.1 * rough.half_width])
+        coarse, fine = solve(window, count=asked.cells // 2), solve(window, count=asked.cells)
+        if bool(coarse.settled & fine.settled & coarse.inside & fine.inside):
+            return fine, coarse
+    return _FAILED, _FAILED
+
+
+@functools.partial(jax.jit, static_argnames=("control", "count", "lead"))
+def _solve(shape, law, chain, control: Control, value, velocity, window, *, count: int, lead: float) -> _Found:
+    """The contact in a window from window[0] to window[1] along the motion, and window[2] to either side."""
+    h, width = (window[1] - window[0]) / count, 2 * window[2] / count
+    x = window[0] + h * (jnp.arange(count) + 0.5)
+    y = width * (jnp.arange(count) - 0.5 * (count - 1))
+    across = jnp.arange(count) * width
+    kernel = sliding_kernel(lambda at: area_cell(at[:, None], across[None], h, width), chain, velocity, h, count, lead)
+    r = jnp.hypot((x - lead * h)[:, None], y[None])
+    height = shape._height(jnp.minimum(r, shape.largest_contact * (1 - 1e-9)))
+    beyond = r >= shape.largest_contact
+    height = jnp.where(beyond, 1e3 * (window[1] - window[0]), height)
+    on = grid(kernel.displacement, law, velocity, (h, width), lead)
+    start = height < jnp.quantile(height, 0.3)
+    solution = settle(on, height, start, control, value / (h * width) if control == "load" else value)
+    p = solution.pressure
+    force = jnp.sum(p) * h * width
+    slope = kernel.slope if lead == 0.0 else _centred(across, chain, velocity, h, width, count)
+    mu = work_against(slope, p) * h * width / force
+    touching = p > 0
+    line = touching[:, count // 2]
+    edges = [jnp.min(jnp.where(line, x, jnp.inf)) - h / 2, jnp.max(jnp.where(line, x, -jnp.inf)) + h / 2]
+    every = jnp.any(touching, axis=1)
+    edges += [jnp.min(jnp.where(every, x, jnp.inf)) - h / 2, jnp.max(jnp.where(every, x, -jnp.inf)) + h / 2]
+    half_width = jnp.max(jnp.where(jnp.any(touching, axis=0), jnp.abs(y), 0.0)) + width / 2
+    border = jnp.any(touching[jnp.array([0, -1])]) | jnp.any(touching[:, jnp.array([0, -1])])
+    return _Found(mu, force, solution.depth, jnp.stack(edges), half_width, solution.settled, ~border)
+
+
+def _centred(across: Array, chain: KelvinChain, velocity: Array, h: Array, width: Array, count: int) -> Array:
+    """Slope of the kernel from centre to centre, whatever the contact was solved with."""
+    return sliding_kernel(
+        lambda at: area_cell(at[:, None], across[None], h, width), chain, velocity, h, count, 0.0
+    ).slope

@@ -1,0 +1,234 @@
+"""Indentation under a history of depth or load."""
+
+import warnings
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from .._runtime import as_float64, in_float64, is_traced, positive, require, scalar
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import Foundation, as_foundation
+from ..foundation.modes import recovery_modes
+from ..mapping.disc import Disc
+from ..mapping.shapes import AbstractShape, Cylinder, PowerLaw
+from ..material.relaxation import Relaxation
+from ..results.indentation import Indentation
+from ..solve.control import Course, indent_under, indent_with_adhesion
+from .steady import brief, describe
+
+HALF_SPACE = "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
+RULE = (
+    "MDR line with adhesion: an edge lets go by its glassy energy q^2/(2 E_0) (a rule, for contact that only recedes)"
+)
+LAYER = "thin layer of independent elements (exact for the layer)"
+
+
+@in_float64
+def indent(
+    material: Any,
+    shape: Any,
+    *,
+    time: Any,
+    depth: Any = None,
+    load: Any = None,
+    adhesion: Any = None,
+    temperature: Any = None,
+    rtol: float = 1e-6,
+) -> Indentation:
+    """Indentation under any history of depth or load: contact gained, lost and regained, on a surface that remembers.
+
+    - `time` [s], ascending along the last axis; `depth` [m] or `load` [N] at these instants, linear in between. At the
+      first instant depth or load may be a step from zero, to which the material answers with its glassy modulus.
+      Leading axes are histories of their own, and all arguments broadcast.
+    - Both `depth` and `load`: where one is NaN the other rules, up to that instant from the one before.
+    - `adhesion`: work of adhesion [J/m^2]; loads may then pull. Elastic foundations: JKR, exact; touching at zero depth
+      or load. Viscoelastic: a rule for a contact that is relaxed at the first instant and then recedes, no work or
+      energy (see `elastomdr.solve.adhesion`). A load that is not carried any more is NaN.
+    - `temperature` [K], one for all, for a material with a shift law.
+    - `rtol`, 1e-2 to 1e-10: error to be met, relative to the largest force (or depth) of the history.
+
+    Exact for the half-space and for layers. A depth that is given, and a load under which the contact grows, are solved
+    without a time step; other loads by steps of second order, refined until `rtol` is met. Raises `InputError`;
+    instants that did not converge are NaN and counted in one `ConvergenceWarning`. Differentiable with respect to
+    moduli, times, geometry, time, depth and load. Source: Lee & Radok 1960; Ting 1966; Popov & Hess 2015, ch. 7;
+    `docs/theory.md`.
+    """
+    disc, foundation = contact(material, shape)
+    law, kelvin = at_temperature(foundation, temperature)
+    course = _course(law, time, depth, load, pull=adhesion is not None)
+    rtol = _tolerance(rtol)
+    if course.depth is not None and not is_traced(disc, course.depth) and np.isfinite(disc.largest) and not disc.flat:
+        deepest = float(disc.profile(disc.largest))
+        within = np.nan_to_num(course.depth)
+        accepted = f"below {deepest:.4g} m, where the contact reaches the end of the profile"
+        require("depth", within, accepted, lambda d: d < deepest)
+    gamma = None
+    if adhesion is None:
+        found = indent_under(law, recovery_modes(law), disc, course, rtol)
+    else:
+        gamma = _work_of_adhesion(law, shape, adhesion)
+        found = indent_with_adhesion(law, recovery_modes(law), disc, course, gamma)
+    traced = is_traced(found.depth, found.force)
+    numpy = jnp if traced else np
+    if not traced and not found.converged.all():
+        failed = int((~found.converged).sum())
+        text = f"{failed} of {found.converged.size} instants did not converge to rtol={rtol:g}; they are NaN."
+        if found.reason:
+            text += f" {found.reason}"
+        warnings.warn(text, ConvergenceWarning, stacklevel=3)
+    inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
+    inputs += [(name, brief(value, unit)) for name, value, unit in course.words() if value is not None]
+    if adhesion is not None:
+        inputs.append(("work of adhesion", brief(gamma, "J/m^2")))
+    if kelvin is not None:
+        inputs.append(("temperature", brief(kelvin, "K")))
+    inputs.append(("relative tolerance", f"{rtol:g}"))
+
+    def known(field: Any) -> Any:
+        return numpy.where(found.converged, field, numpy.nan)
+
+    return Indentation(
+        time=numpy.broadcast_to(course.time, found.depth.shape),
+        depth=known(found.depth),
+        force=known(found.force),
+        contact_radius=known(found.radius),
+        work=known(found.work),
+        stored=known(found.stored),
+        locked=known(found.locked),
+        dissipated=known(found.work - found.stored),
+        error=found.error,
+        converged=found.converged,
+        temperature=kelvin,
+        law=law,
+        disc=disc,
+        course=course if adhesion is None else None,
+        model=_model(law, disc, adhesion),
+        plan=found.plan,
+        inputs=tuple(inputs),
+    )
+
+
+def _model(law: Relaxation, disc: Disc, adhesion: Any) -> str:
+    base = HALF_SPACE if disc.kind == "half-space" else LAYER
+    if adhesion is None:
+        return base
+    if law.moduli.shape[0] == 0 or (not is_traced(law) and not law.moduli.any()):
+        return base.replace("exact", "JKR adhesion, exact", 1)
+    return RULE
+
+
+def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
+    """The elements of a contact, and what they are made of. Raises `InputError` for a pair that does not fit."""
+    foundation = as_foundation(material)
+    if not isinstance(shape, AbstractShape):
+        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    if isinstance(shape, Cylinder):
+        if foundation.per_area is False:
+            raise InputError(
+                "material must be a layer under a Cylinder, got a half-space: use em.layer(material, thickness, ...). "
+                "A cylinder on a half-space is no MDR problem."
+            )
+        return Disc(shape, "cylinder"), foundation
+    return Disc(shape, "layer" if foundation.per_area else "half-space"), foundation
+
+
+def at_temperature(foundation: Foundation, temperature: Any) -> tuple[Relaxation, Any]:
+    """The law with its times shifted to a temperature [K], and that temperature as an array; None leaves it."""
+    law = foundation.law()
+    if temperature is None:
+        return law, None
+    kelvin = scalar("temperature", temperature)
+    if foundation.shift is None:
+        raise InputError(
+            f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift "
+            "law; give the material one with shift=em.WLF(...), or leave the temperature out."
+        )
+    factor = foundation.shift.a(kelvin)
+    if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
+        raise InputError(
+            f"temperature must be near where the shift law was measured, got {float(kelvin):g} K, a_T = {factor:.3g}."
+        )
+    return Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor), kelvin
+
+
+def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:
+    gamma = scalar("adhesion", adhesion)
+    positive("adhesion", gamma)
+    if not is_traced(law):
+        if law.viscosity > 0:
+            raise InputError(
+                "adhesion needs a material without a parallel dashpot: its edge could never let go at once."
+            )
+        if law.equilibrium == 0:
+            raise InputError(
+                "adhesion needs a solid (equilibrium above 0): a liquid has no relaxed contact to start from."
+            )
+    if isinstance(shape, PowerLaw) and shape.exponent < 1:
+        raise InputError(f"exponent must be 1 or more with adhesion, got {shape.exponent:g}.")
+    return gamma
+
+
+def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Course:
+    """Checks a history and brings its parts to one shape. Raises `InputError`."""
+    if depth is None and load is None:
+        raise InputError("load or depth must be given, got neither.")
+    time = as_float64("time", time)
+    require("time", time, "finite", np.isfinite)
+    if time.ndim == 0 or time.shape[-1] < 2:
+        raise InputError(f"time must be a list of two instants or more, got shape {time.shape}.")
+    if not is_traced(time) and not (np.diff(time) > 0).all():
+        i = np.unravel_index(int(np.argmin(np.diff(time))), np.diff(time).shape)
+        raise InputError(f"time must be ascending, got {time[i]:g} followed by {time[(*i[:-1], i[-1] + 1)]:g}.")
+    parts: dict[str, Any] = {}
+    both = depth is not None and load is not None
+    for name, value in (("depth", depth), ("load", load)):
+        if value is None:
+            continue
+        parts[name] = as_float64(name, value)
+        signed = pull or name == "depth"
+        accepted = "finite" if signed else "zero or positive and finite (a pull needs adhesion)"
+
+        def good(x: np.ndarray, signed: bool = signed) -> Any:
+            return np.isfinite(x) & ((x >= 0) | signed)
+
+        if both and not is_traced(parts[name]):
+            given = parts[name][~np.isnan(parts[name])]
+            require(name, given, accepted, good)
+        else:
+            require(name, parts[name], accepted, good)
+    try:
+        full = np.broadcast_shapes(time.shape, *(p.shape for p in parts.values()))
+    except ValueError as error:
+        shapes = ", ".join(f"{n} {p.shape}" for n, p in (("time", time), *parts.items()))
+        raise InputError(f"time, depth and load must broadcast, got shapes {shapes}.") from error
+    if 0 in full:
+        raise InputError(f"time, depth and load must not be empty, got shape {full}.")
+    traced = is_traced(time, *parts.values())
+    numpy = jnp if traced else np
+    time, *values = (numpy.broadcast_to(a, full) for a in (time, *parts.values()))
+    parts = dict(zip(parts, values, strict=True))
+    by_depth = None
+    if both:
+        if is_traced(*parts.values()):
+            raise InputError("depth and load together must be plain numbers: where each rules is read from their NaNs.")
+        by_depth = ~np.isnan(parts["depth"])
+        if not (by_depth ^ ~np.isnan(parts["load"])).all():
+            raise InputError("depth and load: at every instant one of them must be NaN, and the other a number.")
+    course = Course(time, parts.get("depth"), parts.get("load"), by_depth)
+    if not is_traced(law, course.depth) and law.viscosity > 0 and course.depth is not None:
+        require(
+            "depth",
+            np.nan_to_num(course.depth[..., 0]),
+            "zero or negative at the first instant, since a parallel dashpot cannot be pressed down at once",
+            lambda d: d <= 0,
+        )
+    return course
+
+
+def _tolerance(rtol: Any) -> float:
+    if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
+        rtol = rtol.item()
+    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-2:
+        raise InputError(f"rtol must be a number from 1e-10 to 1e-2, got {rtol!r}.")
+    return float(rtol)

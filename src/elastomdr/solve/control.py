@@ -1,0 +1,281 @@
+"""Which way an indentation is solved: by depth, by load in closed form, or by load in steps."""
+
+import functools
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .._runtime import Array, is_traced
+from ..foundation.modes import Modes
+from ..mapping.disc import Disc
+from ..material.relaxation import Relaxation
+from .adhesion import Sticky, elastic, receding
+from .creep import Creep, creep, levels_for
+from .history import indent_by_depth, padded
+from .steps import Marched, march, places
+
+_BATCH = 64  # histories computed at once
+_LEVELS = (1, 3, 6)  # of the panels, coarse to fine
+_TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
+_ROUNDING = 1e-14
+_BLIND_STEPS = 8  # per interval, in the first of three marches whose values cannot be looked at
+_MOST_STEPS = 16384  # of a history
+_MARCHED_AT_ONCE = 8
+_KNOTS = 400  # instants to which a solved history is refined before pressures are computed from it
+STEPS = "exact contact steps at the load, extrapolated from halved steps"
+JKR = "JKR in closed form, root by root"
+STICKY = "relaxed at first, then receding by the glassy energy of the edge, in closed form"
+BY_DEPTH = "elements exact in time under the given depth, Gauss' rule between the edges of all instants"
+GROWING = "closed form of Lee and Radok: the contact only grows"
+
+
+class Course(NamedTuple):
+    """Histories of one shape (..., m): depth or load, or both with `by_depth` saying which rules at each instant."""
+
+    time: Any  # (..., m)
+    depth: Any  # None, or of the shape of `time`
+    load: Any
+    by_depth: Any
+
+    def words(self) -> list[tuple[str, Any, str]]:
+        """Name, values and unit of what was given."""
+        return [("time", self.time, "s"), ("depth", self.depth, "m"), ("load", self.load, "N")]
+
+
+class Found(NamedTuple):
+    """Solved histories, every field of their shape."""
+
+    depth: Array
+    force: Array
+    radius: Array
+    work: Array
+    stored: Array
+    locked: Array
+    error: Array  # relative to the largest force or depth
+    converged: Array
+    plan: str
+    reason: str  # why some did not converge
+
+
+def indent_under(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
+    """Solves all histories of a course."""
+    if course.load is None:
+        return _by_depth(law, modes, disc, course, rtol)
+    return _by_load(law, modes, disc, course, rtol)
+
+
+def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Course, gamma: Array) -> Found:
+    """JKR for an elastic foundation; for a viscoelastic one the rule of `solve.adhesion`."""
+    shape = course.time.shape
+    traced = is_traced(law, disc, course, gamma)
+    numpy = jnp if traced else np
+    zero = numpy.zeros(shape)
+    by_depth = course.by_depth
+    if by_depth is None:
+        by_depth = numpy.full(shape, course.load is None)
+    depth, load = (zero if part is None else numpy.nan_to_num(part) for part in (course.depth, course.load))
+    rows = tuple(a.reshape(-1, shape[-1]) for a in (course.time, depth, load, by_depth))
+    simple = law.moduli.shape[0] == 0 or (not is_traced(law) and not law.moduli.any())
+    sticky = Sticky(disc, law.equilibrium, gamma)
+    if simple:
+        out = jax.vmap(elastic, in_axes=(None, 0, 0, 0))(sticky, *rows[1:])
+        plan = JKR
+    else:
+        out = jax.vmap(receding, in_axes=(None, None, None, None, 0, 0, 0, 0))(law, modes, disc, gamma, *rows)
+        sticky = sticky._replace(gamma=gamma * (law.equilibrium + law.moduli.sum()) / law.equilibrium)
+        plan = STICKY
+    depth, force, radius, work, stored = (numpy.asarray(a).reshape(shape) for a in out)
+    if not traced:
+        for name in ("load", "depth"):
+            a, d, f = (float(x) for x in jax.jit(Sticky.breaks, static_argnums=1)(sticky, name))
+            plan += f"; breaks under falling {name} at F = {f:.6g} N, d = {d:.6g} m, a = {a:.6g} m"
+    known = numpy.isfinite(force)
+    error = numpy.where(known, _ROUNDING, numpy.nan)
+    reason = (
+        ""
+        if traced or known.all()
+        else "A load pulled the body off"
+        + ("." if simple else ", or the contact would have grown, for which there is no rule.")
+    )
+    return Found(depth, force, radius, work, stored, zero, error, known, plan, reason)
+
+
+def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
+    shape = course.time.shape
+    time, depth = (a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.depth))
+    given = (law, modes, disc, time, depth)
+    numpy = jnp if is_traced(given) else np
+    frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
+    found, levels = None, _LEVELS[1]
+    for levels in () if is_traced(frozen) else _LEVELS:
+        found, _ = over_histories(indent_by_depth, *frozen, levels=levels)
+        if not (found.error > 0.1 * rtol * abs(found.force).max(axis=-1, keepdims=True)).any():
+            break
+    if found is None or is_traced(given):
+        found, _ = over_histories(functools.partial(indent_by_depth, smooth=True), *given, levels=levels)
+    largest = abs(found.force).max(axis=-1, keepdims=True)
+    error = found.error / (largest + (largest == 0)) + _ROUNDING
+    good = numpy.isfinite(found.force) & (error <= rtol)
+    fields = (found.force, found.radius, found.work, found.stored, found.locked, error, good)
+    force, radius, work, stored, locked, error, good = (_unpadded(a, shape) for a in fields)
+    return Found(course.depth, force, radius, work, stored, locked, error, good, BY_DEPTH, "")
+
+
+def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
+    """In closed form as long as the contact grows, in steps where it does not."""
+    shape = course.time.shape
+    load = course.load
+    by_depth = np.zeros(shape, bool) if course.by_depth is None else course.by_depth
+    depth = np.zeros(shape) if course.depth is None else np.nan_to_num(course.depth)
+    load = load if course.by_depth is None else np.nan_to_num(load)
+    time, load, depth, by_depth = (a.reshape(-1, shape[-1]) for a in (course.time, load, depth, by_depth))
+    traced = is_traced(law, modes, disc, time, load)
+    numpy = jnp if traced else np
+    if course.by_depth is None:
+        fields, growing = _grown(law, modes, disc, time, load)
+        known = jax.lax.stop_gradient(growing) if traced else growing
+    else:
+        fields, known = (depth,) * 7, np.zeros(time.shape, bool)
+    # A contact under a load that never falls only grows, whatever the material.
+    simple = not is_traced(load) and course.by_depth is None and bool((np.diff(load, axis=1) >= 0).all())
+    rest = np.ones(len(time), bool) if is_traced(known) else ~np.asarray(known).all(axis=1)
+    plan = GROWING
+    if rest.any() and not simple:
+        plan = STEPS if course.by_depth is not None else f"{GROWING}; otherwise {STEPS}"
+        which = np.flatnonzero(rest)
+        stepped = _stepped(law, modes, disc, (time[which], depth[which], load[which], by_depth[which]), rtol)
+        back = np.zeros(len(time), int)
+        back[which] = np.arange(len(which))
+        fields = tuple(numpy.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True))
+    depth, force, radius, work, stored, locked, error = (a.reshape(shape) for a in fields)
+    good = numpy.isfinite(depth) & (error <= rtol)
+    reason = ""
+    if not traced and not np.isfinite(depth).all():
+        reason = f"Where no finite number came out, the contact would be wider than the {disc.shape.label} is."
+    return Found(depth, force, radius, work, stored, locked, error, good, plan, reason)
+
+
+def _grown(law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array) -> tuple[tuple[Array, ...], Array]:
+    """The closed form: depth, force, radius, work, stored, locked and error, and where the contact has only grown."""
+    numpy = jnp if is_traced(law, modes, disc, time, load) else np
+    levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
+    found: Creep = over_histories(creep, law, modes, disc, *padded(time, load), levels=levels)
+    found = jax.tree.map(lambda a: _unpadded(a, time.shape), found)
+    nothing = numpy.zeros(time.shape)
+    error = numpy.where(numpy.isfinite(found.depth), _ROUNDING, numpy.nan)
+    return (found.depth, load, found.radius, found.work, found.stored, nothing, error), found.growing
+
+
+def _stepped(
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
+    histories: tuple[Array, Array, Array, Array],  # time, depth, load, by_depth
+    rtol: float,
+    kept: int = 1,
+) -> tuple[Array, ...]:
+    """Depth, force, radius, work, stored, locked and relative error, extrapolated from marches with ever more steps.
+
+    Two limits that agree end the series; what is left of their difference in the finer one is about a sixteenth, a
+    third of it counts as the error. Under jit or vmap, where nothing can be looked at, three marches are made.
+    """
+    given = (law, modes, disc, *histories)
+    frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
+    instants = histories[0].shape[-1]
+    blind = is_traced(frozen)
+    error: Any = None
+    levels, marches, limits = max(kept, _BLIND_STEPS if blind else 4), [], []
+    while True:
+        marches.append(_marched(*(given if blind else frozen), levels=levels, kept=kept))
+        if len(marches) > 1:
+            limits.append(jax.tree.map(_extrapolated, *marches[-2:]))
+        if len(limits) > 1:
+            error = _change(limits[1].depth, limits[0].depth) + _change(limits[1].force, limits[0].force)
+            if blind or not (error > 3 * rtol).any() or 2 * levels * instants > _MOST_STEPS:
+                break
+            limits.pop(0)
+        levels *= 2
+    last = limits[-1]
+    if is_traced(given) and not blind:  # once more, with derivatives
+        coarse, fine = (_marched(*given, levels=n, kept=kept) for n in (levels // 2, levels))
+        last = jax.tree.map(_extrapolated, coarse, fine)
+    fits = jnp.where(last.fits, 1.0, jnp.nan)
+    parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked)
+    return tuple(
+        a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error / 3 + _ROUNDING)
+    )
+
+
+def _extrapolated(coarse: Array, fine: Array) -> Array:
+    return coarse & fine if fine.dtype == bool else fine + (fine - coarse) / 3
+
+
+def _change(new: Array, old: Array) -> Array:
+    """Difference of two histories, relative to the largest value of each."""
+    largest = abs(new).max(axis=-1, keepdims=True)
+    return abs(new - old) / (largest + (largest == 0))
+
+
+def _marched(law: Any, modes: Modes, disc: Disc, *histories: Array, levels: int, kept: int) -> Marched:
+    """`march` for every history; a few at once, since each takes memory for all of its elements."""
+    law, modes, disc = jax.tree.map(jnp.asarray, (law, modes, disc))
+    count = histories[0].shape[0]
+    numpy = jnp if is_traced(law, disc, *histories) else np
+    size = min(_MARCHED_AT_ONCE, 1 << (count - 1).bit_length())
+    out = []
+    for i in range(0, count, size):
+        which = np.minimum(np.arange(i, i + size), count - 1)
+        rows = [jnp.asarray(a)[which] for a in histories]
+        out.append(march(law, modes, disc, *rows, levels=levels, kept=kept))
+    return jax.tree.map(lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count], *out)
+
+
+def refined(
+    law: Relaxation, modes: Modes, disc: Disc, course: Course, depth: Array, rtol: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Time and depth of one history, between which the depth is close to linear: as given, or solved in between."""
+    if course.load is None:
+        return np.asarray(course.time), np.asarray(depth)
+    kept = 2 ** int(np.clip(np.log2(_KNOTS / len(course.time)), 0, 5))
+    part = places(kept)[1:]
+    time = np.append(course.time[0], course.time[:-1, None] + np.diff(course.time)[:, None] * part)
+    if course.by_depth is None:
+        load = np.append(course.load[0], course.load[:-1, None] + np.diff(course.load)[:, None] * part)
+        found = creep(law, modes, disc, *padded(time, load), levels=3)
+        found = jax.tree.map(lambda a: _unpadded(np.asarray(a), time.shape), found)
+        if found.growing.all():
+            return time, found.depth
+    by_depth = np.zeros(len(depth), bool) if course.by_depth is None else course.by_depth
+    given = np.zeros(len(depth)) if course.depth is None else np.nan_to_num(course.depth)
+    row = (course.time[None], given[None], np.nan_to_num(course.load)[None], by_depth[None])
+    return time, np.asarray(_stepped(law, modes, disc, row, rtol, kept)[0][0])
+
+
+def over_histories(function: Any, law: Any, modes: Any, disc: Any, *histories: Any, levels: int) -> Any:
+    """`function` for every history, in one compiled call; NumPy arrays unless traced."""
+    count = histories[0].shape[0]
+    size = min(_BATCH, 1 << (count - 1).bit_length())
+    more = -count % size
+    traced = is_traced(law, modes, disc, *histories)
+    numpy = jnp if traced else np
+    full = tuple(numpy.concatenate([h, numpy.repeat(h[:1], more, axis=0)]) if more else h for h in histories)
+    out = _mapped(law, modes, disc, *full, function=function, levels=levels, size=size)
+    return jax.tree.map(lambda a: a[:count] if traced else np.asarray(a)[:count], out)
+
+
+@functools.partial(jax.jit, static_argnames=("function", "levels", "size"))
+def _mapped(law: Any, modes: Any, disc: Any, *histories: Any, function: Any, levels: int, size: int) -> Any:
+    def one(history: tuple[Array, ...]) -> Any:
+        return function(law, modes, disc, *history, levels=levels)
+
+    if histories[0].shape[0] == size:
+        return jax.vmap(one)(histories)
+    return jax.lax.map(one, histories, batch_size=size)
+
+
+def _unpadded(a: Array, shape: tuple[int, ...]) -> Array:
+    """Back to the instants asked for: the last one, and those before the interval that was divided."""
+    kept = [*range(shape[-1] - 1), a.shape[-1] - 1]
+    return a[..., np.array(kept)].reshape(shape)

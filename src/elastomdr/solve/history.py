@@ -1,0 +1,198 @@
+"""Depth-controlled indentation under any history: every element on its own, exact in time, Gauss' rule in space.
+
+The depth is linear between instants. The elements in contact always form a disc (derived here: by the signs of a
+viscoelastic element du/dg stays between -1 and 0, so that u + g never falls with x), whose edge at every instant is a
+root in x. Between neighbouring edges force density and displacement are smooth in x: panels of Gauss' rule that end at
+all the edges sum forces and energies without an error from the moving contact. The panels narrow towards their ends as
+far as short relaxation times ask for it. Their places carry no derivative, since the sums do not depend on them.
+"""
+
+import functools
+import itertools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from .._runtime import Array, is_traced
+from ..foundation.episode import Touching, energies, follow, force, pressed
+from ..foundation.modes import Modes
+from ..mapping.disc import Disc, gauss
+from ..material.relaxation import Relaxation
+
+_COARSE = 49  # elements that bracket the edges
+_SEARCH = 8  # steps of that search
+_NODES = 6  # per panel
+_SIZES = (16, 32, 64, 104, 128, 160, 208, 256, 320, 416, 512)  # numbers of instants that are compiled
+_RATIO = 0.2  # of neighbouring panels within one that narrows
+
+
+class History(NamedTuple):
+    """An indentation at m instants."""
+
+    force: Float[Array, " m"]  # [N]
+    radius: Float[Array, " m"]  # of the contact [m]
+    work: Float[Array, " m"]  # int F dd [J]
+    stored: Float[Array, " m"]  # elastic energy of the elements in contact [J]
+    locked: Float[Array, " m"]  # elastic energy of the elements that are free [J]
+    error: Float[Array, " m"]  # of the force, estimated [N]
+
+
+class Row(NamedTuple):
+    """The elements at the last instant."""
+
+    edges: Float[Array, " panels+1"]  # [m]
+    x: Float[Array, "panels n"]  # places [m]
+    q: Float[Array, "panels n"]  # force density
+    u: Float[Array, "panels n"]  # displacement [m]
+
+
+@functools.partial(jax.jit, static_argnames=("levels", "smooth"))
+def indent_by_depth(
+    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, *, levels: int = 0, smooth: bool = False
+) -> tuple[History, Row]:
+    """Force, contact radius and energies under a depth that is linear between the m instants, depth[0] being a step.
+    `smooth` is for derivatives, which need the edges' own.
+    """
+    law, modes, disc, time, depth = jax.tree.map(jnp.asarray, (law, modes, disc, time, depth))
+    radius = _edges(law, modes, disc, time, depth, smooth)
+    edges = _divided(jnp.sort(jnp.append(radius, 0.0)), levels)
+    x, dx = gauss(edges, *np.polynomial.legendre.leggauss(_NODES))
+    weight = disc.weight(x) * dx
+    spread = jnp.asarray(_spread())
+
+    def measure(state: Touching, q: Array) -> tuple[Array, ...]:
+        held, left = energies(law, modes, state)
+        sums = [jnp.sum(weight * part) for part in (q, state.work, held, left)]
+        # What Gauss' rule with n points misses is about the 2n-th Legendre coefficient, by geometric fall of the six.
+        size = jnp.abs((weight * q).reshape(-1, _NODES) @ spread.T)
+        half, last = jnp.max(size[:, 1:3], axis=1), jnp.max(size[:, -2:], axis=1)
+        return *sums, jnp.sum(last * jnp.minimum(last / jnp.where(half > 0, half, 1.0), 1.0) ** 2)
+
+    state, q, (total, work, stored, locked, error) = _run(law, modes, disc, x, time, depth, measure)
+    rows = (-1, _NODES)
+    return History(total, radius, work, stored, locked, error), Row(
+        edges, x.reshape(rows), q.reshape(rows), state.u.reshape(rows)
+    )
+
+
+def padded(*histories: Any) -> tuple[Any, ...]:
+    """Histories with their last interval divided, so that few sizes are compiled; instants along the last axis."""
+    count = histories[0].shape[-1]
+    size = next(n for n in itertools.chain(_SIZES, itertools.count(2 * _SIZES[-1], _SIZES[-1])) if n >= count)
+    part = np.arange(1, size - count + 1) / (size - count + 1)
+
+    def pad(a: Any) -> Any:
+        numpy = jnp if is_traced(a) else np
+        inner = a[..., -2:-1] + (a[..., -1:] - a[..., -2:-1]) * part
+        return numpy.concatenate([a[..., :-1], inner, a[..., -1:]], axis=-1)
+
+    return tuple(pad(a) for a in histories)
+
+
+def _run(
+    law: Relaxation, modes: Modes, disc: Disc, x: Array, time: Array, depth: Array, measure: Callable[..., Any]
+) -> tuple[Touching, Array, Any]:
+    """Elements at x through the whole history; `measure(state, q)` is kept for every instant."""
+    g = disc.profile(x)
+    start = pressed(law, modes, depth[0] - g)
+
+    def step(state: Touching, interval: tuple[Array, Array, Array]) -> tuple[Touching, Any]:
+        d, h, v = interval
+        state = follow(law, modes, state, d - g, v, h)
+        return state, measure(state, force(law, state, v))
+
+    h = jnp.diff(time)
+    v = jnp.diff(depth) / h
+    last, kept = jax.lax.scan(step, start, (depth[:-1], h, v))
+    first = measure(start, force(law, start, 0.0))
+    return last, force(law, last, v[-1]), jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), first, kept)
+
+
+def _signed(law: Relaxation, modes: Modes, disc: Disc, x: Array, time: Array, depth: Array) -> tuple[Array, Array]:
+    """At every instant, for elements at x: the force density in contact, or minus the gap to the surface times a
+    stiffness; and whether they are free. Falls with x; the edge of the contact is where it passes zero. Shape (m, n).
+    """
+    g = disc.profile(x)
+    scale = law.equilibrium + jnp.sum(law.moduli)
+    scale = jnp.where(scale > 0, scale, law.viscosity / (time[-1] - time[0]))
+    value, free = _run(law, modes, disc, x, time, depth, lambda s, q: (jnp.where(s.contact, q, s.u + g), ~s.contact))[2]
+    return jnp.where(free, scale * (depth[:, None] - value), value), free
+
+
+def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, smooth: bool) -> Array:
+    """Radius of the contact at every instant: a search, and if `smooth` a Newton step that carries derivatives."""
+    if disc.flat:
+        _, free = _signed(law, modes, disc, jnp.zeros(1), time, depth)
+        return jnp.where(free[:, 0], 0.0, disc.shape.largest_contact)
+    radius = _search(*jax.lax.stop_gradient((law, modes, disc, time, depth)))
+    if not smooth:
+        return radius
+
+    def residual(x: Array) -> Array:
+        return jnp.diagonal(_signed(law, modes, disc, x, time, depth)[0])
+
+    off, slope = jax.jvp(residual, (radius,), (jnp.ones_like(radius),))
+    slope = jax.lax.stop_gradient(slope)
+    moved = jnp.where((slope < 0) & (radius > 0), off / jnp.where(slope < 0, slope, 1.0), 0.0)
+    return radius - (moved - jax.lax.stop_gradient(moved))
+
+
+def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
+    """Radius of the contact at every instant, by secants from both sides of the edge, where the residual has a kink."""
+    reach = disc.radius_of_depth(jnp.max(depth))
+    reach = jnp.minimum(1.02 * reach, 0.5 * reach + 0.5 * disc.largest)  # so that every edge lies inside
+    grid = reach * jnp.linspace(0.0, 1.0, _COARSE)
+    value, free = _signed(law, modes, disc, grid, time, depth)
+    count = jnp.sum(~free, axis=1)  # elements in contact, the innermost ones
+
+    def pick(i: Array) -> tuple[Array, Array]:
+        i = jnp.clip(i, 0, _COARSE - 1)
+        return grid[i], jnp.take_along_axis(value, i[:, None], axis=1)[:, 0]
+
+    def secant(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
+        rise = near[1] - far[1]
+        return near[0] - near[1] * (near[0] - far[0]) / jnp.where(rise == 0, jnp.inf, rise)
+
+    def search(_: Any, ends: tuple) -> tuple:
+        inner, inner_far, outer, outer_far = ends
+        x = 0.5 * (inner[0] + outer[0])
+        for guess in (secant(outer, outer_far), secant(inner, inner_far)):
+            x = jnp.where((guess > inner[0]) & (guess < outer[0]), guess, x)
+        value, free = (jnp.diagonal(part) for part in _signed(law, modes, disc, x, time, depth))
+
+        def choose(new: Any, old: Any, where: Array) -> Any:
+            return jax.tree.map(lambda n, o: jnp.where(where, n, o), new, old)
+
+        return (
+            choose((x, value), inner, ~free),
+            choose(inner, inner_far, ~free),
+            choose((x, value), outer, free),
+            choose(outer, outer_far, free),
+        )
+
+    ends = (pick(count - 1), pick(count - 2), pick(count), pick(count + 1))
+    inner, inner_far, outer, _ = jax.lax.fori_loop(0, _SEARCH, search, ends)
+    x = secant(inner, inner_far)
+    x = jnp.where((x >= inner[0]) & (x <= outer[0]), x, jnp.where(inner[1] > -outer[1], outer[0], inner[0]))
+    return jnp.where(count > 0, x, 0.0)
+
+
+def _divided(edges: Array, levels: int) -> Array:
+    """Each panel divided so that it narrows towards both ends, `levels` times."""
+    if levels == 0:
+        return edges
+    left = 0.5 * _RATIO ** np.arange(levels - 1, -1.0, -1)
+    fractions = np.concatenate([[0.0], left, 1 - left[-2::-1]])
+    inner = edges[:-1, None] + jnp.diff(edges)[:, None] * fractions
+    return jnp.append(inner.reshape(-1), edges[-1])
+
+
+@functools.cache
+def _spread() -> np.ndarray:
+    """From a panel's shares of an integral to the Legendre coefficients of its integrand, times the panel."""
+    nodes, _ = np.polynomial.legendre.leggauss(_NODES)
+    return np.polynomial.legendre.legvander(nodes, _NODES - 1).T * (2 * np.arange(_NODES)[:, None] + 1)

@@ -1,0 +1,209 @@
+"""Indentation under a load that lets the contact shrink, or under depth and load in turn: marched by the exact contact
+step.
+
+Each interval is divided into steps that narrow towards its ends, where the material answers fastest and where a contact
+begins or ends. In a step an
+element carries q = S (w - u_free) wherever that is positive (`foundation.step`), so that the force is a convex,
+piecewise linear function of the depth at the end of the step: Newton's method finds the depth that carries the load in
+finitely many steps. The elements are Gauss nodes on panels that end at the edges of the contact at all instants; these
+are found by marching a few times, each time on the edges of the march before. Of second order in the step; the limit is
+extrapolated from halved steps.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float
+
+from .._runtime import Array, is_traced
+from ..foundation.modes import Modes
+from ..foundation.step import Elements, advance, coefficients, phi1, rest
+from ..mapping.disc import Disc, gauss
+from ..material.relaxation import Relaxation
+
+_NODES = 3  # per panel
+_MARCHES = 4  # to find the edges
+_GRADING = 3  # power by which steps narrow
+_TIP = np.concatenate([[0.0], 0.3 ** np.arange(12.0, 0.0, -1)])
+_NEWTON = 100
+_SETTLED = 80.0  # h K/eta beyond which a dashpot sees the end of a step alone
+
+
+class Steps(NamedTuple):
+    """What rules in each of the steps of a history, and how far they are on their way to the next instant."""
+
+    h: Float[Array, " s"]  # [s]
+    part: Float[Array, " s"]  # of the interval, at the end of the step
+    first: Bool[Array, " s"]  # first step of its interval
+    by_depth: Bool[Array, " s"]
+    target: Float[Array, " s"]  # depth or load at the end of the interval
+
+
+class Marched(NamedTuple):
+    """A history at its instants, the first one included."""
+
+    depth: Float[Array, " m"]
+    force: Float[Array, " m"]
+    radius: Float[Array, " m"]
+    work: Float[Array, " m"]
+    stored: Float[Array, " m"]
+    locked: Float[Array, " m"]
+    fits: Bool[Array, " m"]  # the contact is within what the shape has
+
+
+def march(
+    law: Relaxation,
+    modes: Modes,
+    disc: Disc,
+    time: Float[Array, "b m"],
+    depth: Float[Array, "b m"],  # not looked at where the load rules
+    load: Float[Array, "b m"],  # not looked at where the depth rules
+    by_depth: Bool[Array, "b m"],
+    *,
+    levels: int,  # steps per interval
+    kept: int = 1,  # instants per interval that are kept, a divisor of `levels`
+) -> Marched:
+    """One march of b histories at a given number of steps. Differentiable in both modes."""
+    part = places(levels)
+    h = jnp.diff(time)[..., None] * np.diff(part)
+    batch, intervals, _ = h.shape
+    first = np.arange(levels) == 0
+    target = jnp.where(by_depth, depth, load)
+    steps = Steps(
+        h=h.reshape(batch, -1),
+        part=jnp.asarray(np.tile(part[1:], (batch, intervals))),
+        first=jnp.asarray(np.tile(first, (batch, intervals))),
+        by_depth=jnp.repeat(by_depth[:, 1:], levels, axis=1),
+        target=jnp.repeat(target[:, 1:], levels, axis=1),
+    )
+    reach = jax.lax.stop_gradient(_reach(modes, disc, time, depth, load, by_depth))
+    fixed = jax.lax.stop_gradient((law, disc, steps, (target[:, 0], by_depth[:, 0]), reach))
+    radius = reach[:, None] * jnp.linspace(0.0, 1.0, h[0].size + 2)[1:]
+    if is_traced(fixed):  # a loop, since there the code of every march is compiled
+        radius = jax.lax.fori_loop(0, _MARCHES - 1, lambda _, radius: _all(*fixed, radius)[1], radius)
+    else:
+        for _ in range(_MARCHES - 1):
+            radius = _all(*fixed, radius)[1]
+    sums, radius, fits = _all(law, disc, steps, (target[:, 0], by_depth[:, 0]), reach, radius)
+    every = slice(None, None, levels // kept)
+    return Marched(*(a[:, every] for a in (*sums[:2], radius, *sums[2:], fits)))
+
+
+def places(levels: int) -> np.ndarray:
+    """Divisions of [0, 1] that narrow towards both ends; those of `levels` are among those of twice as many."""
+    place = np.linspace(0.0, 1.0, levels + 1) ** _GRADING
+    return place / (place + place[::-1])
+
+
+def _once(
+    law: Relaxation, disc: Disc, steps: Steps, start: tuple[Array, Array], reach: Array, edges: Array
+) -> tuple[tuple[Array, ...], Array, Array]:
+    """(depth, force, work, stored, locked), contact radius, and whether the shape was wide enough, at every step."""
+    tip = jnp.min(jnp.where(edges > 0, edges, reach)) * _TIP  # a light load is carried near the axis
+    edges = jnp.sort(jnp.concatenate([tip, jax.lax.stop_gradient(edges)]))
+    x, dx = gauss(edges, *np.polynomial.legendre.leggauss(_NODES))
+    weight, g = disc.weight(x) * dx, disc.profile(x)
+    strength = jnp.where(law.moduli > 0, 0.5 / jnp.where(law.moduli > 0, law.moduli, 1.0), 0.0)
+
+    def measure(state: Elements, d: Array, total: Array) -> tuple[Array, ...]:
+        held = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
+        touching = state.q > 0
+        stored, locked = (jnp.sum(weight * jnp.where(is_in, held, 0.0)) for is_in in (touching, ~touching))
+        return d, total, jnp.sum(weight * state.work), stored, locked
+
+    # A step at the first instant meets a glassy foundation; a dashpot lets nothing happen at once.
+    value, depth_rules = start
+    glassy, damped = law.equilibrium + jnp.sum(law.moduli), law.viscosity > 0
+    area = jnp.where(damped, 0.0, value / jnp.where(damped, 1.0, glassy))
+    d = jnp.where(depth_rules, value, disc.depth_of_area(area))
+    u = jnp.maximum(d - g, 0.0)
+    f = law.moduli[:, None] * u
+    q = jnp.where(damped, 0.0, glassy * u)
+    branches = strength @ f**2
+    first = rest(law, x.size)._replace(
+        u=u, f=f, q=q, work=branches + 0.5 * law.equilibrium * u**2, inelastic=branches, stored=branches
+    )
+    total = jnp.where(depth_rules, jnp.sum(weight * q), value)
+
+    def step(carry: tuple, now: Steps) -> tuple[tuple, tuple]:
+        state, d, total, d_start, total_start = carry
+        d_start, total_start = jnp.where(now.first, d, d_start), jnp.where(now.first, total, total_start)
+        c = coefficients(law, now.h)
+        end = total_start + (now.target - total_start) * now.part
+        # With a dashpot q is a mean over the end of the step: the load is averaged in the same way.
+        z = now.h * (law.equilibrium + jnp.sum(c.gain)) / jnp.where(damped, law.viscosity, 1.0)
+        lag = jnp.where(damped, jnp.where(z < _SETTLED, _lag(jnp.minimum(z, _SETTLED)), 1 / z), 0.0)
+        held = c.equilibrium * state.u + jnp.sum(c.seen * state.f, axis=0)
+        found = _carrying(c.stiffness, held, g + state.u, weight, end - (end - total) * lag, d)
+        new = jnp.where(now.by_depth, d_start + (now.target - d_start) * now.part, found)
+        free = state.u - held / c.stiffness
+        state = advance(c, state, d - g, new - g)
+        force = law.equilibrium * state.u + jnp.sum(state.f, axis=0) + law.viscosity * (new - d) / now.h
+        total = jnp.where(now.by_depth, jnp.sum(weight * jnp.where(state.q > 0, force, 0.0)), end)
+        kept = measure(state, new, total), _edge(x, new - g - free, state.q > 0)
+        return (state, new, total, d_start, total_start), kept
+
+    _, (sums, radius) = jax.lax.scan(step, (first, d, total, d, total), steps)
+    radius = jnp.append(_edge(x, d - g, u > 0), radius)
+    sums = tuple(jnp.append(a, b) for a, b in zip(measure(first, d, total), sums, strict=True))
+    if disc.flat:
+        radius = jnp.where(radius > 0, disc.shape.largest_contact, 0.0)
+    return sums, jnp.minimum(radius, disc.largest), radius < disc.largest
+
+
+def _carrying(stiffness: Array, held: Array, level: Array, weight: Array, load: Array, d: Array) -> Array:
+    """The depth at which sum weight max(0, held + S (d - level)) is the load: Newton on a convex function."""
+
+    def linear(d: Array, held: Array, level: Array, weight: Array, stiffness: Array) -> tuple[Array, Array]:
+        q = held + stiffness * (d - level)
+        part = jnp.where(q > 0, weight, 0.0)
+        return jnp.sum(part * q), jnp.sum(part) * stiffness[0]
+
+    fixed = jax.lax.stop_gradient((held, level, weight, stiffness))
+    goal = jax.lax.stop_gradient(load)
+    whole = jnp.sum(fixed[2]) * fixed[3][0]
+    above = (goal - jnp.sum(fixed[2] * (fixed[0] - fixed[3] * fixed[1]))) / whole  # were every element in contact
+
+    def newton(carry: tuple) -> tuple:
+        d, _, count = carry
+        force, slope = linear(d, *fixed)
+        new = jnp.where(slope > 0, d - (force - goal) / jnp.where(slope > 0, slope, 1.0), above)
+        new = jnp.minimum(new, above)
+        return new, jnp.abs(new - d) <= 1e-15 * jnp.abs(new), count + 1
+
+    start = jax.lax.stop_gradient(d)
+    found = jax.lax.while_loop(lambda s: ~s[1] & (s[2] < _NEWTON), newton, (start, goal <= 0, 0))[0]
+    force, slope = linear(found, held, level, weight, stiffness)
+    slope = jax.lax.stop_gradient(slope)
+    found = found - jnp.where(slope > 0, (force - load) / jnp.where(slope > 0, slope, 1.0), 0.0)
+    return jnp.where(load > 0, found, jnp.min(level - held / stiffness))  # without weight it lies on the surface
+
+
+def _edge(x: Array, excess: Array, touching: Array) -> Array:
+    """Where w - u_free, which is smooth across the edge, passes zero; beyond the last node by continuation."""
+    count = jnp.sum(touching)
+    i = jnp.clip(count - 1, 0, x.size - 2)
+    low, high = excess[i], excess[i + 1]
+    fall = jnp.where(low > high, low - high, jnp.inf)
+    return jnp.where(count > 0, jnp.maximum(x[i] + (x[i + 1] - x[i]) * low / fall, 0.0), 0.0)
+
+
+def _lag(z: Array) -> Array:
+    """Mean of (h - t)/h under the weight exp(-(h - t) z/h): 1/z - 1/(exp(z) - 1)."""
+    small, large = jnp.where(z < 0.1, z, 0.1), jnp.where(z < 0.1, 0.1, z)
+    return jnp.where(z < 0.1, 0.5 - small / 12 + small**3 / 720 - small**5 / 30240, 1 / large - 1 / jnp.expm1(large))
+
+
+@jax.jit
+def _reach(modes: Modes, disc: Disc, time: Array, depth: Array, load: Array, by_depth: Array) -> Array:
+    """A radius that no contact of a history exceeds: that of the largest load, kept, or of the largest depth."""
+    span = (time[:, -1] - time[:, 0])[:, None]
+    creep = modes.instantaneous + jnp.sum(modes.gain * span * phi1(modes.rate * span), axis=1)
+    largest = [jnp.max(jnp.where(rules, value, 0.0), axis=1) for rules, value in ((~by_depth, load), (by_depth, depth))]
+    radii = disc.radius_of_area(creep * largest[0]), disc.radius_of_depth(largest[1])
+    return jnp.maximum(*(jnp.where(radius < disc.largest, radius, disc.largest) for radius in radii))
+
+
+_all = jax.jit(jax.vmap(_once, in_axes=(None, None, 0, 0, 0, 0)))

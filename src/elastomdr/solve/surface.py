@@ -1,0 +1,94 @@
+"""Back to three dimensions: pressure and displacement over the radius, from the elements of the line.
+
+p(r) = -(1/pi) int_r^inf q'(x)/sqrt(x^2 - r^2) dx and u(r) = (2/pi) int_0^r u(x)/sqrt(r^2 - x^2) dx (Popov & Hess 2015,
+ch. 3). On every panel q and u are the polynomials through their Gauss nodes; with x = sqrt(r^2 + t^2), or x = r sin(t),
+the weights are smooth, and Gauss' rule does the rest, panel by panel.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from .._runtime import Array
+from ..foundation.modes import Modes
+from ..mapping.disc import Disc
+from ..material.relaxation import Relaxation
+from .control import over_histories
+from .history import indent_by_depth, padded
+
+_LEVELS = 1  # of the panels
+_POINTS, _WEIGHTS = legendre.leggauss(12)
+
+
+class Surface(NamedTuple):
+    """Legendre series on panels of the line, of q and u."""
+
+    edges: np.ndarray  # (panels + 1,) [m]
+    q: np.ndarray  # (panels, n) coefficients
+    u: np.ndarray  # (panels, n)
+    jump: np.ndarray  # places where q falls to zero at once: the edge of a flat punch [m], and by how much
+    local: bool  # a layer: pressure and displacement are those of the element
+
+    def pressure(self, r: np.ndarray) -> np.ndarray:
+        """p [Pa] at radii r [m], any shape."""
+        if self.local:
+            return _value(self.edges, self.q, r)
+        slope = legendre.legder(self.q, axis=1) * (2 / np.diff(self.edges))[:, None]
+        total = np.zeros(r.shape)
+        for left, right, series in zip(self.edges[:-1], self.edges[1:], slope, strict=True):
+            low = np.maximum(left, r)
+            t0 = np.sqrt(np.maximum((low - r) * (low + r), 0.0))
+            t1 = np.sqrt(np.maximum((right - r) * (right + r), 0.0))
+            half = np.where(right > r, 0.5 * (t1 - t0), 0.0)[..., None]
+            t = t0[..., None] + half * (1 + _POINTS)
+            x = np.sqrt(r[..., None] ** 2 + t**2)
+            inner = legendre.legval(np.clip(2 * (x - left) / (right - left) - 1, -1, 1), series)
+            total -= np.sum(half * _WEIGHTS * inner / np.where(x > 0, x, 1.0), axis=-1) / np.pi
+        edge, fall = self.jump
+        outside = (edge - r) * (edge + r)
+        with np.errstate(divide="ignore"):
+            return total + np.where(outside > 0, fall / np.pi / np.sqrt(np.where(outside > 0, outside, 1.0)), 0.0)
+
+    def displacement(self, r: np.ndarray) -> np.ndarray:
+        """u [m] at radii r [m], any shape."""
+        if self.local:
+            return _value(self.edges, self.u, r)
+        total = np.zeros(r.shape)
+        safe = np.where(r > 0, r, 1.0)
+        for left, right, series in zip(self.edges[:-1], self.edges[1:], self.u, strict=True):
+            t0, t1 = np.arcsin(np.minimum(left / safe, 1.0)), np.arcsin(np.minimum(right / safe, 1.0))
+            half = 0.5 * (t1 - t0)[..., None]
+            x = safe[..., None] * np.sin(t0[..., None] + half * (1 + _POINTS))
+            inner = legendre.legval(np.clip(2 * (x - left) / (right - left) - 1, -1, 1), series)
+            total += 2 / np.pi * np.sum(half * _WEIGHTS * inner, axis=-1)
+        return np.where(r > 0, total, _value(self.edges, self.u, np.zeros(r.shape)))
+
+
+def surface_at(law: Relaxation, modes: Modes, disc: Disc, time: np.ndarray, depth: np.ndarray, at: float) -> Surface:
+    """The line at one instant of a history, from all that happened before it."""
+    at = max(
+        at, time[0] + 1e-14 * (time[-1] - time[0])
+    )  # what a step at the first instant leaves is looked at after it
+    before = time < at
+    t, d = padded(np.append(time[before], at), np.append(depth[before], np.interp(at, time, depth)))
+    history, row = over_histories(indent_by_depth, law, modes, disc, t[None], d[None], levels=_LEVELS)
+    edges, q, u = row.edges[0], row.q[0], row.u[0]
+    wide = np.diff(edges) > 1e-13 * max(edges[-1], 1e-300)
+    nodes, weights = legendre.leggauss(q.shape[1])
+    to_series = (legendre.legvander(nodes, q.shape[1] - 1) * weights[:, None]).T * (
+        np.arange(q.shape[1])[:, None] + 0.5
+    )
+    kept = np.concatenate([[0.0], edges[1:][wide]])
+    radius = float(history.radius[0, -1])
+    jump = np.array([radius, float(q[0, 0])]) if disc.flat and radius > 0 else np.zeros(2)
+    return Surface(kept, q[wide] @ to_series.T, u[wide] @ to_series.T, jump, disc.kind != "half-space")
+
+
+def _value(edges: np.ndarray, series: np.ndarray, x: Array) -> np.ndarray:
+    """A panel-wise series at x, zero beyond the last panel."""
+    if len(series) == 0:
+        return np.zeros(np.shape(x))
+    i = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(series) - 1)
+    place = np.clip(2 * (x - edges[i]) / (edges[i + 1] - edges[i]) - 1, -1, 1)
+    return np.where(x <= edges[-1], legendre.legval(place, np.moveaxis(series[i], -1, 0), tensor=False), 0.0)

@@ -1,0 +1,75 @@
+"""Friction under JAX's transformations: gradients in both modes against central differences, jit and vmap."""
+
+import jax
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+FOUNDATION = em.Foundation(1e6, [4e6], [1e-3])
+PARAMETERS = {
+    "equilibrium": 5e5,
+    "moduli": np.array([1e7, 3e6]),
+    "times": np.array([1e-5, 1e-2]),
+    "geometry": 1.0,
+    "load": 2.0,
+    "velocity": 0.3,
+    "temperature": 300.0,
+}
+PARAMETERS = {name: np.asarray(value) for name, value in PARAMETERS.items()}  # Python numbers would compile anew
+SCALED = {
+    "paraboloid": lambda x: em.Paraboloid(5e-3 * x),
+    "sphere": lambda x: em.Sphere(5e-3 * x),
+}
+
+
+def _mu(p, shape, average, rtol=1e-8):
+    shift = em.WLF(8.86, 101.6, 293.15)
+    material = em.Prony(p["equilibrium"], p["moduli"], p["times"], bulk=2e9, shift=shift)
+    return em.friction(
+        material,
+        SCALED[shape](p["geometry"]),
+        velocity=p["velocity"],
+        load=p["load"],
+        temperature=p["temperature"],
+        average=average,
+        rtol=rtol,
+    ).mu
+
+
+@pytest.mark.parametrize(("shape", "average"), [("paraboloid", "direction"), ("sphere", None)])
+def test_gradients_in_both_modes_against_differences(shape, average):
+    def value(parameters):
+        return _mu(parameters, shape, average)
+
+    def moved(name, i, step):
+        array = PARAMETERS[name].copy()
+        array.reshape(-1)[i] += step
+        return {**PARAMETERS, name: array}
+
+    with jax.enable_x64(True):
+        both = jax.jit(jax.value_and_grad(value))
+        along = jax.jit(lambda direction: jax.jvp(value, (PARAMETERS,), (direction,))[1])
+        reverse = both(PARAMETERS)[1]
+        nothing = jax.tree.map(lambda x: np.zeros(np.shape(x)), PARAMETERS)
+        for name, given in PARAMETERS.items():
+            for i, scale in enumerate(np.reshape(given, -1)):
+                h = 1e-4 * scale
+                near, far = ([float(both(moved(name, i, s * step))[0]) for s in (1, -1)] for step in (h, 2 * h))
+                difference = (8 * (near[0] - near[1]) - (far[0] - far[1])) / (12 * h) * scale
+                one = np.zeros(np.shape(given))
+                one.reshape(-1)[i] = scale
+                forward = float(along({**nothing, name: one}))
+                backward = float(np.reshape(np.asarray(reverse[name]), -1)[i]) * scale
+                for derivative in (forward, backward):
+                    np.testing.assert_allclose(derivative, difference, rtol=1e-5, atol=1e-9, err_msg=name)
+
+
+def test_jit_and_vmap():
+    def mu(velocity):
+        return em.friction(FOUNDATION, em.Paraboloid(5e-3), velocity=velocity, load=1.0, average=None, skip=False).mu
+
+    velocity = np.array([0.01, 1.0])
+    with jax.enable_x64(True):
+        np.testing.assert_allclose(jax.jit(mu)(velocity), mu(velocity), rtol=1e-12)
+        np.testing.assert_allclose(jax.vmap(mu)(velocity), mu(velocity), rtol=1e-12)

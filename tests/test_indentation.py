@@ -1,0 +1,476 @@
+"""Indentation: exact answers, slow independent routes, invariants, derivatives, refusals."""
+
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+import elastomdr as em
+from elastomdr.foundation.episode import energies, follow, force, pressed
+from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
+from elastomdr.foundation.step import contact_step, rest
+from elastomdr.mapping.disc import Disc
+from elastomdr.mapping.shapes import Paraboloid, PowerLaw, Sphere
+from elastomdr.material.relaxation import Relaxation
+from elastomdr.solve.control import _marched
+
+from .problems.indentation import PROBLEMS, TIMES
+
+SOLID = em.Foundation(1.0, [3.0], [0.5])
+BALL = em.Paraboloid(1.0)
+TWICE = np.interp(TIMES, [0, 0.5, 1.0, 1.1, 1.4, 2.0], [0, 0.01, 0.004, 0.006, 0.012, 0.012])  # shrinks, grows again
+PULSES = np.interp(TIMES, [0, 0.5, 1.0, 1.25, 2.0], [0, 3e-3, 0, 0, 3e-3])  # a load that goes to zero and returns
+
+
+@pytest.fixture(autouse=True)
+def float64():
+    with jax.enable_x64(True):
+        yield
+
+
+# ---------------------------------------------------------------- exact answers
+
+
+@pytest.mark.parametrize("problem", PROBLEMS, ids=lambda p: p.name)
+def test_exact_answer(problem):
+    result = problem.solve()
+    for field, values in problem.expected.items():
+        for i, value in values.items():
+            got = float(getattr(result, field)[i])
+            scale = np.nanmax(np.abs(getattr(result, field)))
+            np.testing.assert_allclose(got, value, rtol=problem.rtol, atol=1e-9 * scale * (value == 0), err_msg=field)
+
+
+def test_error_covers_the_truth():
+    problem = PROBLEMS[0]
+    result = problem.solve()
+    for i, value in problem.expected["force"].items():
+        assert abs(result.force[i] - value) <= result.error[i] * result.force.max()
+
+
+# ---------------------------------------------------------------- one element, against an integrator with events
+
+
+def _one_element(law, corners):
+    """u, q, work and heat of one element along a surface with the given corners (t, w): scipy, event by event."""
+    modulus, weights, times = float(law.equilibrium), law.moduli, law.times
+    glassy = modulus + weights.sum()
+    state, touching = np.zeros(1 + len(weights) + 2), False  # u, f, work, heat
+    for (t0, w0), (t1, w1) in pairwise(corners):
+        v, now = (w1 - w0) / (t1 - t0), t0
+
+        def rates(t, y, v=v, touching=False):
+            f = y[1:-2]
+            speed = v if touching else (f / times).sum() / glassy
+            q = modulus * y[0] + f.sum()
+            return np.concatenate([[speed], weights * speed - f / times, [q * speed, (f**2 / weights / times).sum()]])
+
+        def meets(t, y, w0=w0, t0=t0, v=v):
+            return y[0] - (w0 + v * (t - t0))
+
+        def pulls(t, y):
+            return modulus * y[0] + y[1:-2].sum()
+
+        while now < t1 * (1 - 1e-14):
+            event = pulls if touching else meets
+            event.terminal, event.direction = True, -1
+            if not touching and meets(now, state) <= 1e-13 and rates(now, state)[0] < v:
+                touching = True
+                continue
+            solution = solve_ivp(
+                lambda t, y, on=touching: rates(t, y, touching=on),
+                (now, t1),
+                state,
+                "DOP853",
+                rtol=1e-12,
+                atol=1e-15,
+                events=event,
+            )
+            now, state = solution.t[-1], solution.y[:, -1]
+            touching = touching != (solution.status == 1)
+    return state[0], (modulus * state[0] + state[1:-2].sum()) * touching, state[-2], state[-1]
+
+
+CORNERS = [(0.0, -0.2), (1.0, 1.0), (1.4, -0.2), (1.7, -0.2), (2.4, 0.8), (3.0, 0.75), (3.2, 0.5), (4.0, 0.3)]
+BRANCHES = Relaxation(*map(np.asarray, (1.0, [3.0, 1.0, 0.5], [0.05, 0.5, 4.0], 0.0)))
+
+
+def test_one_element_through_contact_recovery_and_renewed_contact():
+    modes = recovery_modes(BRANCHES)
+    state = pressed(BRANCHES, modes, jnp.array([CORNERS[0][1]]))
+    seen = []
+    for (t0, w0), (t1, w1) in pairwise(CORNERS):
+        v = (w1 - w0) / (t1 - t0)
+        state = follow(BRANCHES, modes, state, jnp.array([w0]), v, t1 - t0)
+        seen.append(bool(state.contact[0]))
+    assert sum(np.diff(np.array([False, *seen], int)) == 1) == 2  # touched twice
+    held, left = energies(BRANCHES, modes, state)
+    u, q, work, heat = _one_element(BRANCHES, CORNERS)
+    np.testing.assert_allclose(
+        [state.u[0], force(BRANCHES, state, v)[0], state.work[0]], [u, q, work], rtol=1e-9, atol=1e-11
+    )
+    # Energy audit: the heat is the integrator's own sum over the dashpots.
+    np.testing.assert_allclose(heat, state.work[0] - held[0] - left[0], rtol=1e-8)
+
+
+def test_contact_step_converges_to_the_exact_element():
+    """Slope 2 of the step method against the element solved without steps."""
+    modes = recovery_modes(BRANCHES)
+    corners = CORNERS[:6]
+    exact = pressed(BRANCHES, modes, jnp.array([corners[0][1]]))
+    for (t0, w0), (t1, w1) in pairwise(corners):
+        exact = follow(BRANCHES, modes, exact, jnp.array([w0]), (w1 - w0) / (t1 - t0), t1 - t0)
+    target = force(BRANCHES, exact, 0.0)[0]
+    counts = np.array([3000, 12000, 48000])
+    law = jax.tree.map(jnp.asarray, BRANCHES)
+
+    @jax.jit
+    def marched(w, h):
+        state, _ = jax.lax.scan(lambda s, e: (contact_step(law, s, *e, h), None), rest(law, 1), (w[:-1], w[1:]))
+        return state.q[0]
+
+    errors = []
+    for n in counts:
+        t = np.linspace(0, corners[-1][0], n + 1)
+        errors.append(abs(marched(np.interp(t, *np.transpose(corners))[:, None], t[1]) - target))
+    slope = np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert -2.6 < slope < -1.5
+    assert errors[-1] < 1e-7 * target
+
+
+def test_modes_and_branches_are_inverse():
+    liquid = Relaxation(np.asarray(0.0), BRANCHES.moduli, BRANCHES.times, BRANCHES.viscosity)
+    damped = Relaxation(BRANCHES.equilibrium, BRANCHES.moduli, BRANCHES.times, np.asarray(0.3))
+    for law in (BRANCHES, liquid, damped):
+        modes = recovery_modes(law)
+        m = np.random.default_rng(1).uniform(0, 1, (modes.rate.size, 5))
+        f = to_branches(law, modes, m)
+        rate = -(modes.rate[:, None] * m).sum(0)
+        np.testing.assert_allclose(law.equilibrium * m.sum(0) + f.sum(0) + law.viscosity * rate, 0, atol=1e-12)
+        np.testing.assert_allclose(to_modes(law, modes, m.sum(0), f), m, rtol=1e-11)
+
+
+# ---------------------------------------------------------------- whole contacts, against each other
+
+
+def test_renewed_contact_against_elements_summed_slowly():
+    """The sum over many elements, each marched in 4000 steps: force while shrinking, growing again, and held."""
+    result = em.indent(SOLID, BALL, time=TIMES, depth=TWICE)
+    assert result.converged.all()
+    assert (np.diff(result.contact_radius) < 0).any()
+    law = jax.tree.map(jnp.asarray, SOLID.law())
+    x, dx = np.polynomial.legendre.leggauss(400)
+    reach = float(np.sqrt(TWICE.max()))
+    x, dx = reach * (x + 1) / 2, reach * dx / 2
+    t = np.linspace(0, 2, 4001)
+    w = np.interp(t, TIMES, TWICE)
+
+    def step(state, d):
+        state = contact_step(law, state, d[0] - x**2, d[1] - x**2, t[1])
+        return state, 2 * jnp.sum(dx * state.q)
+
+    _, slow = jax.jit(lambda w: jax.lax.scan(step, rest(law, x.size), (w[:-1], w[1:])))(w)
+    np.testing.assert_allclose(result.force[1:], np.interp(TIMES[1:], t[1:], slow), atol=3e-5 * result.force.max())
+
+
+def test_work_is_the_integral_of_force_over_depth():
+    """Gauss' rule in time over the closed force, interval by interval of a history without a kink."""
+    nodes, weights = np.polynomial.legendre.leggauss(5)
+    corners = np.array([0, 0.02, 0.05, 0.12, 0.25, 0.5, 1.0, 1.1])
+    inner = corners[:-1, None] + np.diff(corners)[:, None] * (nodes + 1) / 2
+    time = np.sort(np.concatenate([corners, inner.ravel()]))
+    depth = np.interp(time, [0, 1, 1.2], [0, 0.01, 0.009])
+    result = em.indent(SOLID, BALL, time=time, depth=depth, rtol=1e-9)
+    got = result.force[np.isin(time, inner)].reshape(inner.shape)
+    rate = np.where(corners[:-1] < 1, 0.01, -0.005)
+    summed = np.cumsum((got @ weights) * np.diff(corners) / 2 * rate)
+    # The first two intervals hold the root with which a contact begins.
+    got = np.diff(result.work[np.isin(time, corners)])[2:]
+    np.testing.assert_allclose(got, np.diff(summed)[1:], rtol=1e-8)
+    np.testing.assert_allclose(result.work, result.stored + result.dissipated, rtol=1e-14)
+    assert (result.locked <= result.dissipated * (1 + 1e-12) + 1e-20).all()
+
+
+def test_creep_in_closed_form_against_its_own_depth():
+    """The depth that comes out under a load, given back as a depth, needs that load, and stores the same energy."""
+    time = np.append(0.0, np.geomspace(1e-3, 5.0, 100))
+    crept = em.indent(SOLID, BALL, time=time, load=3e-3)
+    pressed_again = em.indent(SOLID, BALL, time=time, depth=crept.depth)
+    np.testing.assert_allclose(pressed_again.force, 3e-3, rtol=1e-3)
+    np.testing.assert_allclose(pressed_again.contact_radius, crept.contact_radius, rtol=1e-9)
+    for field in ("work", "stored"):
+        np.testing.assert_allclose(getattr(pressed_again, field), getattr(crept, field), rtol=1e-3)
+    # Under a dead load the work is the load times the way.
+    np.testing.assert_allclose(np.diff(crept.work), 3e-3 * np.diff(crept.depth), rtol=1e-8, atol=1e-16)
+
+
+@pytest.mark.parametrize("viscosity", [0.0, 0.2])
+def test_load_in_steps_converges_and_meets_the_closed_form(viscosity):
+    foundation = em.Foundation(1.0, [3.0], [0.5], viscosity)
+    result = em.indent(foundation, BALL, time=TIMES, load=PULSES, rtol=1e-5)
+    assert result.converged.all()
+    np.testing.assert_allclose(result.force, PULSES, rtol=1e-14)
+    law = foundation.law()
+    rows = [a[None] for a in (TIMES, 0 * TIMES, PULSES, np.zeros(TIMES.shape, bool))]
+    marches = [_marched(law, recovery_modes(law), Disc(BALL, "half-space"), *rows, levels=n, kept=1) for n in (8, 16)]
+    errors = [np.abs(m.depth[0] - result.depth).max() for m in marches]
+    assert -2.6 < np.log2(errors[1] / errors[0]) < -1.6
+    # Where the contact is wider than ever before, its history is forgotten: the closed form holds again (Ting 1966).
+    last = float(_lee_radok_depth(law, TIMES, PULSES))
+    np.testing.assert_allclose(result.depth[-1], last, rtol=2e-6)
+    assert result.contact_radius[-1] > result.contact_radius[:-1].max()
+
+
+def _lee_radok_depth(law, time, load):
+    """d from A(t) = int J(t-s) dF(s), by quadrature over the piecewise linear load; A = (4/3) d^(3/2) for R = 1."""
+    foundation = em.Foundation(law.equilibrium, law.moduli, law.times, law.viscosity)
+    area = 0.0
+    for i in range(len(time) - 1):
+        rate = (load[i + 1] - load[i]) / (time[i + 1] - time[i])
+        area += rate * quad(lambda s: float(foundation.creep(time[-1] - s)), time[i], time[i + 1], epsabs=0)[0]
+    return (0.75 * area) ** (2 / 3)
+
+
+def test_depth_and_load_in_turn():
+    depth = np.where(TIMES <= 1.0, 0.01 * TIMES, np.nan)
+    load = np.where(TIMES <= 1.0, np.nan, 1e-3)
+    result = em.indent(SOLID, BALL, time=TIMES, depth=depth, load=load, rtol=1e-5)
+    assert result.converged.all()
+    np.testing.assert_allclose(result.force[4], 0.00337335122148522, rtol=1e-5)
+    np.testing.assert_allclose(result.depth[:5], depth[:5], rtol=1e-14)
+    np.testing.assert_allclose(result.force[5:], 1e-3, rtol=1e-14)
+    # A half with the depth given throughout, at the depths that were found, carries nearly the same.
+    np.testing.assert_allclose(em.indent(SOLID, BALL, time=TIMES, depth=result.depth).force[-1], 1e-3, rtol=0.02)
+
+
+def test_many_histories_are_the_single_ones():
+    peaks = np.array([[0.5], [1.0], [2.0]])
+    many = em.indent(SOLID, BALL, time=TIMES, depth=peaks * TWICE)
+    for i, peak in enumerate(peaks[:, 0]):
+        np.testing.assert_allclose(
+            many.force[i], em.indent(SOLID, BALL, time=TIMES, depth=peak * TWICE).force, rtol=1e-9
+        )
+    # A paraboloid has one length: forces at depths d go as d^(3/2).
+    np.testing.assert_allclose(many.force[2], many.force[0] * 8, rtol=1e-8, atol=1e-15)
+
+
+# ---------------------------------------------------------------- back to three dimensions
+
+
+def test_surface_of_an_elastic_contact_is_hertz():
+    result = em.indent(em.Foundation(1.0, [], []), BALL, time=TIMES, depth=0.01 * TIMES / 2)
+    r = np.linspace(0, 0.18, 10)
+    a = 0.1
+    np.testing.assert_allclose(
+        result.pressure(r, 2.0), 2 / np.pi * np.sqrt(np.maximum(a**2 - r**2, 0)), rtol=1e-9, atol=1e-12
+    )
+    s = np.maximum(r, a)
+    outside = ((2 * a**2 - s**2) * np.arcsin(a / s) + a * np.sqrt(s**2 - a**2)) / np.pi
+    np.testing.assert_allclose(result.displacement(r, 2.0), np.where(r < a, 0.01 - r**2 / 2, outside), rtol=1e-9)
+
+
+def test_pressure_carries_the_force_and_contact_follows_the_body():
+    result = em.indent(SOLID, BALL, time=TIMES, depth=TWICE)
+    for i in (5, 9):
+        t, a = TIMES[i], result.contact_radius[i]
+        s, ds = np.polynomial.legendre.leggauss(60)
+        r = a * np.sin(np.pi / 4 * (1 + s))  # 2 pi r dr, with r = a sin
+        carried = np.pi / 4 * ds * 2 * np.pi * r * np.sqrt(a**2 - r**2) @ result.pressure(r, t)
+        np.testing.assert_allclose(carried, result.force[i], rtol=1e-5)
+        r = np.linspace(0, 0.999 * a, 7)
+        np.testing.assert_allclose(result.displacement(r, t), TWICE[i] - r**2 / 2, rtol=1e-8)
+        assert (result.pressure(np.linspace(1.001, 3, 5) * a, t) == 0).all()
+        assert (result.displacement(np.array([1.1, 1.5]) * a, t) > TWICE[i] - (np.array([1.1, 1.5]) * a) ** 2 / 2).all()
+
+
+def test_imprint_stays_and_recovers():
+    result = PROBLEMS[0].solve()
+    imprint = result.displacement(np.array([0.0, 0.05]), 1.6), result.displacement(np.array([0.0, 0.05]), 2.0)
+    assert (imprint[0] > imprint[1]).all()
+    assert (imprint[1] > 0).all()
+    assert (result.pressure(np.array([0.0, 0.05]), 1.6) == 0).all()
+
+
+# ---------------------------------------------------------------- stiff and degenerate
+
+
+@pytest.mark.parametrize("fast", [1e-9, 1e-12])
+def test_a_branch_much_faster_than_the_steps(fast):
+    plain = em.indent(SOLID, BALL, time=TIMES, depth=TWICE)
+    more = em.indent(em.Foundation(1.0, [5.0, 3.0], [fast, 0.5]), BALL, time=TIMES, depth=TWICE)
+    assert more.converged.all()
+    np.testing.assert_allclose(more.force, plain.force, atol=1e3 * fast * plain.force.max())
+
+
+def test_a_liquid_keeps_its_imprint_and_is_touched_everywhere_at_once():
+    # A dashpot alone does not recover: the surface comes back to an imprint of its own shape.
+    depth = np.interp(TIMES, [0, 0.5, 1.0, 1.4, 2.0], [0, 0.01, 0.0, 0.01, 0.02])
+    result = em.indent(em.Foundation(0.0, [], [], 2.0), BALL, time=TIMES, depth=depth)
+    assert result.converged.all()
+    speed = np.diff(depth) / np.diff(TIMES)
+    rising = (speed > 0) & ((depth[1:] <= 0.01) & (TIMES[1:] <= 0.5) | (depth[1:] > 0.01))
+    expected = 2 * 2.0 * speed * np.sqrt(np.maximum(depth[1:], 0))  # F = 2 a eta v
+    np.testing.assert_allclose(result.force[1:][rising], expected[rising], rtol=1e-9)
+    np.testing.assert_allclose(result.force[1:][speed <= 0], 0, atol=1e-15)
+
+
+def test_zero_load_and_negative_depth_touch_nothing():
+    nothing = em.indent(SOLID, BALL, time=TIMES, load=0.0)
+    away = em.indent(SOLID, BALL, time=TIMES, depth=-0.01)
+    for result in (nothing, away):
+        assert result.converged.all()
+        for field in ("force", "contact_radius", "work", "dissipated"):
+            assert (getattr(result, field) == 0).all()
+    assert (nothing.depth == 0).all()
+
+
+def test_a_flat_punch_under_any_load():
+    punch = em.FlatPunch(0.1)
+    crept = em.indent(SOLID, punch, time=TIMES, load=PULSES)
+    assert crept.converged.all()
+    again = em.indent(SOLID, punch, time=TIMES, depth=0.01 + 0 * TIMES)
+    np.testing.assert_allclose(again.force, 0.2 * 0.01 * SOLID.relaxation(TIMES), rtol=1e-12)
+    np.testing.assert_allclose(again.contact_radius, 0.1)
+    step = em.indent(SOLID, punch, time=TIMES, load=1e-3)
+    np.testing.assert_allclose(step.depth, 1e-3 / 0.2 * SOLID.creep(TIMES), rtol=1e-12)
+
+
+def test_layer_profile_and_cylinder():
+    layer = em.Foundation(2e9, [], [], per_area=True)
+    ball = em.indent(layer, em.Paraboloid(0.5), time=TIMES, depth=5e-5 * TIMES)
+    np.testing.assert_allclose(ball.force[-1], np.pi * 2e9 * (1e-4) ** 2 * 0.5, rtol=1e-9)  # pi k R d^2
+    roll = em.indent(layer, em.Cylinder(0.5, 2.0), time=TIMES, load=5e2 * TIMES)
+    a = (1e3 * 3 * 0.5 / (2 * 2e9 * 2.0)) ** (1 / 3)  # F = 2 k L a^3/(3 R)
+    np.testing.assert_allclose(roll.contact_radius[-1], a, rtol=1e-12)
+    r = np.linspace(0, 2e-2, 30)
+    spline = em.indent(SOLID, em.Profile(r, r**2 / 0.02), time=[0.0, 1.0], load=[1e-4, 1e-4])
+    exact = em.indent(SOLID, em.Paraboloid(0.01), time=[0.0, 1.0], load=[1e-4, 1e-4])
+    np.testing.assert_allclose(spline.depth, exact.depth, rtol=1e-9)
+
+
+def test_a_sphere_pressed_to_its_equator():
+    with pytest.warns(em.ConvergenceWarning, match="wider than the sphere"):
+        result = em.indent(SOLID, em.Sphere(0.01), time=TIMES, load=1e-3 * np.arange(10.0))
+    assert np.isnan(result.depth[~result.converged]).all()
+    assert result.converged[0]
+    assert not result.converged[-1]
+    with pytest.raises(em.InputError, match="depth must be below"):
+        em.indent(SOLID, em.Sphere(0.01), time=TIMES, depth=1.0)
+
+
+@pytest.mark.parametrize("shape", [Sphere(0.01), PowerLaw(3.0, 20.0), Paraboloid(0.02)])
+@pytest.mark.parametrize("kind", ["half-space", "layer"])
+def test_area_and_energy_against_quadrature(shape, kind):
+    disc, a = Disc(shape, kind), 0.007
+    g = float(disc.profile(jnp.asarray(a)))
+
+    def integral(power):
+        def integrand(x):
+            return float(disc.weight(jnp.asarray(x))) * (g - float(disc.profile(jnp.asarray(x)))) ** power
+
+        return quad(integrand, 0, a, epsabs=0, epsrel=1e-10)[0]
+
+    np.testing.assert_allclose(disc.area(jnp.asarray(a)), integral(1), rtol=1e-9)
+    np.testing.assert_allclose(disc.energy(jnp.asarray(a)), integral(2) / 2, rtol=1e-9)
+    np.testing.assert_allclose(disc.radius_of_area(disc.area(jnp.asarray(a))), a, rtol=1e-13)
+    np.testing.assert_allclose(disc.radius_of_depth(jnp.asarray(g)), a, rtol=1e-13)
+
+
+# ---------------------------------------------------------------- derivatives
+
+
+def _directional(function, point, rtol):
+    """Forward derivative in one direction against central differences of two steps."""
+    way = np.array([0.7, -0.4, 0.5, 0.3, 0.6])[: point.size] * point
+    got = jax.jvp(function, (point,), (way,))[1]
+    slow = [
+        (np.asarray(function(point + h * way)) - np.asarray(function(point - h * way))) / (2 * h) for h in (2e-4, 1e-4)
+    ]
+    expected = slow[1] + (slow[1] - slow[0]) / 3
+    for row, wanted in zip(got, expected, strict=True):
+        np.testing.assert_allclose(row, wanted, rtol=rtol, atol=rtol * np.abs(wanted).max())
+
+
+def test_derivatives_under_a_depth():
+    def call(p):
+        foundation = em.Foundation(p[0], p[1:2], p[2:3])
+        result = em.indent(foundation, em.Paraboloid(p[3]), time=TIMES, depth=p[4] * TWICE)
+        return jnp.stack([result.force, result.contact_radius, result.dissipated])
+
+    _directional(call, np.array([1.0, 3.0, 0.5, 1.0, 1.0]), 1e-6)
+
+
+def test_derivatives_under_a_growing_load():
+    def call(p):
+        foundation = em.Foundation(p[0], p[1:2], p[2:3])
+        result = em.indent(foundation, em.Paraboloid(p[3]), time=TIMES, load=3e-3 * (1 + TIMES))
+        return jnp.stack([result.depth, result.contact_radius, result.dissipated])
+
+    point = np.array([1.0, 3.0, 0.5, 1.0])
+    _directional(call, point, 1e-7)
+    way = np.array([0.7, -0.4, 0.5, 0.3]) * point
+    back = jax.grad(lambda p: call(p)[0, -1])(point)
+    np.testing.assert_allclose(back @ way, jax.jvp(call, (point,), (way,))[1][0, -1], rtol=1e-10)
+
+
+def test_derivatives_under_a_falling_load():
+    load = np.interp(TIMES, [0, 0.5, 1.0, 2.0], [0, 3e-3, 1e-3, 2e-3])
+
+    def call(p):
+        foundation = em.Foundation(p[0], p[1:2], p[2:3])
+        return em.indent(foundation, em.Paraboloid(p[3]), time=TIMES, load=load, rtol=1e-4).depth[None]
+
+    _directional(call, np.array([1.0, 3.0, 0.5, 1.0]), 1e-5)
+
+
+def test_derivatives_with_adhesion():
+    def call(p):
+        result = em.indent(
+            em.Foundation(p[0], [], []), em.Paraboloid(p[1]), time=TIMES, load=p[3] * PULSES, adhesion=p[2]
+        )
+        return jnp.stack([result.depth, result.contact_radius])
+
+    _directional(call, np.array([1e6, 0.01, 0.05, 1.0]), 1e-7)
+
+
+# ---------------------------------------------------------------- refusals
+
+BAD = {
+    "neither": ({}, "load or depth must be given"),
+    "one instant": ({"time": [1.0], "depth": [0.1]}, "two instants"),
+    "descending": ({"time": [1.0, 0.0], "depth": 0.1}, "time must be ascending, got 1 followed by 0"),
+    "pulling": ({"load": [0.0, -1.0]}, "load must be zero or positive.*adhesion.*-1"),
+    "infinite depth": ({"depth": [0.0, np.inf]}, "depth must be finite, got inf"),
+    "shapes": ({"depth": [0.0, 1.0, 2.0]}, "must broadcast"),
+    "both everywhere": ({"depth": [0.0, 1.0], "load": [0.0, 1.0]}, "one of them must be NaN"),
+    "rtol": ({"depth": [0.0, 1e-3], "rtol": 1e-13}, "rtol must be"),
+    "no shift law": ({"depth": [0.0, 1e-3], "temperature": 300.0}, "no shift law"),
+    "negative adhesion": ({"depth": [0.0, 1e-3], "adhesion": -1.0}, "adhesion must be positive"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_refuses(name):
+    arguments, message = BAD[name]
+    with pytest.raises(em.InputError, match=message):
+        em.indent(SOLID, BALL, **{"time": [0.0, 1.0], **arguments})
+
+
+def test_refuses_what_has_no_answer():
+    with pytest.raises(em.InputError, match="dashpot cannot be pressed down at once"):
+        em.indent(em.Foundation(1.0, [], [], 1.0), BALL, time=[0.0, 1.0], depth=[1e-3, 1e-3])
+    with pytest.raises(em.InputError, match="adhesion needs a solid"):
+        em.indent(em.Foundation(0.0, [1.0], [1.0]), BALL, time=[0.0, 1.0], depth=0.0, adhesion=0.1)
+    with pytest.warns(em.ConvergenceWarning, match="pulled the body off"):
+        off = em.indent(
+            em.Foundation(1e6, [], []), em.Paraboloid(0.01), time=[0.0, 1.0], load=[0.0, -1.0], adhesion=0.05
+        )
+    assert np.isnan(off.depth[1])
+    result = PROBLEMS[0].solve()
+    with pytest.raises(em.InputError, match="time must be within the history"):
+        result.pressure(0.0, 3.0)
+    assert "contact radius [m]" in result.columns()
+    assert "dissipated" in result.summary()

@@ -1,0 +1,110 @@
+"""The slow truths: half-plane and half-space against exact and independent answers, and what they say of the line."""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.reference import half_plane_sliding, half_space, half_space_sliding
+
+STIFF = em.Foundation(4e6, [36e6], [1e-3])
+BALL, LOAD = em.Paraboloid(0.01), 10.0
+
+# Hunter's cylinder on a standard solid, plane strain: mu, leading and trailing edge. The exact solution is a 2 by 2
+# linear system in Bessel functions once the half-width is known (Hunter 1961); R = 10 mm, 2 kN/m.
+HUNTER = {
+    0.05: (0.040127887943461976, 0.002511954564153908, 0.002086623350717033),
+    1.0: (0.0811896667194903, 0.0015935402658255984, 0.00012869848555041363),
+    50.0: (0.0038997155366004388, 0.0008354906088109923, 0.0007603612813419032),
+}
+# Three-dimensional spectral solutions of a paraboloid on a standard solid by another code, periodic: E_1/E_inf, v, mu
+# and its uncertainty.
+BOUNDARY_ELEMENTS = [
+    (0.5, 1.0, 0.02444, 0.0075),
+    (0.5, 15.0, 0.00769, 0.0075),
+    (3.0, 0.1, 0.02643, 0.0075),
+    (3.0, 1.0, 0.07147, 0.0075),
+    (3.0, 10.0, 0.01475, 0.0075),
+    (9.0, 0.1, 0.06731, 0.015),
+    (9.0, 1.0, 0.071, 0.015),
+]
+
+
+def test_hunter():
+    velocity = np.array(list(HUNTER))
+    exact = np.array(list(HUNTER.values())).T
+    got = half_plane_sliding(STIFF, 0.01, velocity=velocity, load_per_length=2e3, points=512)
+    np.testing.assert_allclose(got.mu, exact[0], rtol=5e-5)
+    assert (np.abs(got.mu - exact[0]) <= got.error).all()
+    cell = 1.2 * (got.contact.leading + got.contact.trailing) / 512
+    assert (np.abs(got.contact.leading - exact[1]) < cell).all()
+    assert (np.abs(got.contact.trailing - exact[2]) < cell).all()
+    peak = half_plane_sliding(STIFF, 0.01, velocity=0.34053658255287605, load_per_length=2e3, points=512)
+    np.testing.assert_allclose(peak.mu, 0.12187256930406094, rtol=2e-5)
+    assert "2000 N/m" in peak.summary()
+
+
+@pytest.mark.parametrize(("ratio", "velocity", "mu", "rtol"), BOUNDARY_ELEMENTS)
+def test_another_boundary_element_code(ratio, velocity, mu, rtol):
+    got = half_space_sliding(em.Foundation(4e6, [4e6 * ratio], [1e-3]), BALL, velocity=velocity, load=LOAD)
+    assert got.converged
+    np.testing.assert_allclose(got.mu, mu, rtol=rtol)
+    np.testing.assert_allclose(got.normal_force, LOAD, rtol=1e-9)
+
+
+def test_hertz_and_low_speed():
+    elastic = em.Foundation(4e6, [0.0], [1e-3])
+    radius = (0.75 * LOAD * 0.01 / 4e6) ** (1 / 3)
+    hertz = half_space_sliding(elastic, BALL, velocity=1.0, load=LOAD)
+    np.testing.assert_allclose(hertz.depth, radius**2 / 0.01, rtol=1e-3)
+    assert hertz.mu == 0
+    by_depth = half_space_sliding(elastic, BALL, velocity=1.0, depth=radius**2 / 0.01)
+    np.testing.assert_allclose(by_depth.normal_force, LOAD, rtol=1e-3)
+    # mu = v sum(E_k tau_k)/(E_inf R), down to a loss of 1e-9 of what is stored
+    velocity = np.array([1e-6, 1e-4])
+    slow = half_space_sliding(em.Foundation(4e6, [12e6], [1e-3]), BALL, velocity=velocity, load=LOAD)
+    np.testing.assert_allclose(slow.mu, velocity * 12e6 * 1e-3 / (4e6 * 0.01), rtol=0.01)
+
+
+def test_direction_average_on_a_broad_spectrum():
+    """Nine decades of relaxation times, glassy over relaxed modulus 1000."""
+    moduli = 10 ** (-0.33 * np.arange(10))
+    broad = em.Foundation(4e6, 4e9 * moduli / moduli.sum(), 10.0 ** np.arange(-8, 2))
+    velocity = np.array([1e-4, 1e-1, 1e2])
+    truth = half_space_sliding(broad, BALL, velocity=velocity, load=LOAD)
+    assert truth.converged.all()
+    scene = {"velocity": velocity, "load": LOAD, "rtol": 1e-4}
+    average, line = em.friction(broad, BALL, **scene), em.friction(broad, BALL, average=None, **scene)
+    np.testing.assert_allclose(average.mu, truth.mu, rtol=0.02)
+    assert (line.mu / truth.mu > 1.3).all()
+
+
+def test_what_is_not_resolved_is_flagged(monkeypatch):
+    # One relaxation time and a modulus that rises by 1000 within v tau = 1e-5 m at the leading edge.
+    monkeypatch.setattr(half_space, "LEADS", (0.0,))
+    with pytest.warns(em.ConvergenceWarning, match="1 of 1 contacts did not settle"):
+        got = half_space_sliding(em.Foundation(4e6, [4e9], [1e-3]), BALL, velocity=1e-2, load=LOAD)
+    assert np.isnan(got.mu)
+    assert not got.converged
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: half_space_sliding(STIFF, em.FlatPunch(1.0), velocity=1.0, load=1.0), "shape must be an axisym"),
+        (lambda: half_space_sliding(STIFF, BALL, velocity=1.0), "load or depth must be given.*neither"),
+        (lambda: half_space_sliding(STIFF, BALL, velocity=1.0, load=1.0, points=33), "points must be an even"),
+        (lambda: half_space_sliding(STIFF, BALL, velocity=-1.0, load=1.0), "velocity must be positive"),
+        (lambda: half_space_sliding(STIFF, BALL, velocity=[1.0, 2.0], load=[1.0, 2.0, 3.0]), "must broadcast"),
+        (lambda: half_space_sliding(STIFF, BALL, velocity=1.0, load=1.0, temperature=300.0), "no shift law"),
+        (lambda: half_space_sliding(em.Maxwell(1e6, 1.0), BALL, velocity=1.0, load=1.0), "must be a solid"),
+        (lambda: half_plane_sliding(STIFF, -1.0, velocity=1.0, load_per_length=1.0), "radius must be positive"),
+        (lambda: half_plane_sliding(STIFF, 1.0, velocity=1.0, load_per_length=0.0), "load_per_length must be positive"),
+        (
+            lambda: half_plane_sliding(em.Foundation(1.0, [], [], per_area=True), 1.0, velocity=1.0, load_per_length=1),
+            "must be a half-space",
+        ),
+    ],
+)
+def test_refusals(call, said):
+    with pytest.raises(em.InputError, match=said):
+        call()
