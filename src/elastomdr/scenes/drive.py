@@ -17,9 +17,10 @@ from ..mapping.shapes import Cylinder
 from ..results.drive import Drive
 from ..solve.dynamics import History, Mount, Scene, run
 from ..solve.over_line import AbstractOverLine, Indenter, rough
-from ..solve.refine import Levels, refine
-from .slide import LINE, SlidePlan, _finest, _History, _history, _sizes, describe_line
-from .steady import BARE, LAYER, _contact, brief, describe
+from ..solve.refine import Levels, finest, refine
+from ..solve.sizes import contact_sizes
+from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
+from .steady import BARE, LAYER, brief, contact, describe
 
 _ACROSS = 24  # elements over the contact on the coarsest level
 _FINEST = 4  # levels beyond the coarsest
@@ -66,10 +67,10 @@ def drive(
         raise InputError("track must be an em.RoughLine under an indenter; under a rough line there is no track.")
     if per_length and foundation.per_area:
         raise InputError("material must be a half-space under a RoughLine, got a layer: give the material itself.")
-    lines = None if per_length else _contact(foundation, shape)[0]
+    lines = None if per_length else contact(foundation, shape)[0]
     if lines is not None and not isinstance(lines, SingleLine):
         raise InputError("material must be a half-space under this shape; on a layer em.drive takes an em.Cylinder.")
-    history = _history(foundation, time, position, load, None, temperature, rtol, elements, per_length)
+    history = given_history(foundation, time, position, load, None, temperature, rtol, elements, per_length)
     if (np.diff(history.time) <= 0).any():
         raise InputError("time must ascend without repeats: bodies with a mass have no jumps.")
     mounts = [_mount(name, mount) for name, mount in (("tangential", tangential), ("normal", normal))]
@@ -104,7 +105,7 @@ def _in_words(mount: Mount, per_length: bool) -> str:
 
 
 def _solve(
-    body: RoughLine | AbstractLines, history: _History, mounts: list[Any], track: RoughLine | None
+    body: RoughLine | AbstractLines, history: GivenHistory, mounts: list[Any], track: RoughLine | None
 ) -> tuple[Levels, list[int]]:
     """Marches at finer and finer levels; more elements where the body turns out to reach further."""
     law = jax.tree.map(jnp.asarray, history.law)
@@ -114,7 +115,7 @@ def _solve(
     reach, spacing, widest = 0.0, None, 1.0
     slope = body.rms_slope if isinstance(body, RoughLine) else None
     if isinstance(body, AbstractLines):
-        glassy, widest = _sizes(law, body, "load", load, gone)
+        glassy, widest = contact_sizes(law, body, "load", load, gone)
         reach, spacing = 2 * widest, (track.spacing if track is not None else 2 * jnp.sqrt(glassy * widest) / _ACROSS)
         slope = body.depth(widest) / widest
         if track is not None and not traced:
@@ -128,7 +129,7 @@ def _solve(
 
 def _within(
     body: RoughLine | AbstractLines,
-    history: _History,
+    history: GivenHistory,
     law: Any,
     mounts: list[Any],
     track: Any,
@@ -161,10 +162,10 @@ def _within(
         return (seen, good) if is_traced(seen) else jax.tree.map(np.asarray, (seen, good))
 
     work = count * samples * history.time.size * law.times.size
-    return refine(solve, history.rtol, min(_FINEST, _finest(work, traced)), slope), size
+    return refine(solve, history.rtol, min(_FINEST, finest(work, traced)), slope), size
 
 
-def _samples(history: _History, spacing: Any, mounts: list[Any], law: Any) -> int:
+def _samples(history: GivenHistory, spacing: Any, mounts: list[Any], law: Any) -> int:
     """Contact steps between two instants: none moves further than an element, and a mass on its spring is followed."""
     step = np.diff(history.time)
     most = float((np.abs(np.diff(history.position)) / float(spacing)).max())
@@ -199,7 +200,7 @@ def _heights(track: RoughLine, x: Any) -> Any:
 
 
 def _pack(
-    history: _History, found: Levels, mounts: list[Any], plan: Any, model: str, inputs: Any, per_length: bool
+    history: GivenHistory, found: Levels, mounts: list[Any], plan: Any, model: str, inputs: Any, per_length: bool
 ) -> Drive:
     traced = is_traced(found)
     numpy = jnp if traced else np

@@ -16,6 +16,8 @@ from .slide import Forces
 
 _SYMMETRIC = 0.03  # of the slope of the body: mu below it counts as that, since at rest mu is zero but for the grid
 _ROUNDING = 1e-9  # mu of a flat body
+_FINEST = 6  # levels beyond the coarsest
+_WORK = 3e10  # elements times steps times branches of a march that is still made
 _EMPTY = 1e-12  # of the largest normal force: no contact
 
 
@@ -56,6 +58,14 @@ def refine(solve: Callable[[int], tuple[Any, Array]], rtol: float, most: int, sl
         coarse = fine
     limit = type(fine)(*(new + (new - old) / 3 for old, new in zip(coarse, fine, strict=True)))
     return Levels(limit, _ratio(numpy, limit, fine.normal), error, good, level + 1)
+
+
+def finest(work: int, traced: bool) -> int:
+    """The finest level that is still marched, for elements times steps times branches of the coarsest."""
+    most = 1 if traced else _FINEST
+    while most > 1 and 4.0**most * work > _WORK:
+        most -= 1
+    return most
 
 
 def _ratio(numpy: Any, forces: Forces, contact: Any = None) -> Any:
