@@ -31,7 +31,7 @@ TRACK = em.RoughLine(X, sum(AMPLITUDE * np.cos(2 * np.pi * k * X / PERIOD + PHAS
 
 def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    time = np.linspace(0, 4 * PERIOD / VELOCITY, 257)
+    time = np.linspace(0, 3 * PERIOD / VELOCITY, 193)
     arguments = {"time": time, "position": VELOCITY * time, "load": LOAD, "track": TRACK, "rtol": 3e-2}
     heavy = em.drive(RUBBER, BALL, normal=em.Mount(MASS), **arguments)
     light = em.drive(RUBBER, BALL, **arguments)

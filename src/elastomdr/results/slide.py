@@ -66,11 +66,14 @@ class Slide(AbstractResult):
         known = np.flatnonzero(np.isfinite(self.mu))
         if known.size:
             top, last = known[np.abs(self.mu[known]).argmax()], known[-1]
-            at = f"{significant(self.mu[top])} at {significant(self.time[top])} s"
-            yield "result", f"largest mu = {at}, last {significant(self.mu[last])} at {significant(self.time[last])} s"
+            at = f"{significant(float(self.mu[top]))} at {significant(float(self.time[top]))} s"
+            yield (
+                "result",
+                f"largest mu = {at}, last {significant(float(self.mu[last]))} at {significant(float(self.time[last]))} s",
+            )
             unit = "J/m" if self.per_length else "J"
             done = ", ".join(f"{k} {significant(getattr(self, k)[last])} {unit}" for k in ("work", "dissipated"))
-            yield "energy", f"{done}, stored {significant(self.stored[last])} {unit}"
+            yield "energy", f"{done}, stored {significant(float(self.stored[last]))} {unit}"
         failed = int(np.sum(~self.converged))
         points = f"{self.converged.size}, {'all converged' if not failed else f'{failed} did not converge'}"
         if np.isfinite(self.error).any():

@@ -55,8 +55,8 @@ def drive(
     - `time` [s], ascending; `position` D [m] of the drive and `load` P [N, or N/m] at these instants, or one load.
     - `tangential`, `normal`: `em.Mount(mass, stiffness, damping)`. The spring of the normal one is free at d = 0.
     - `track`: a rough line that belongs to the rubber, under an indenter: heights towards the body.
-    - `temperature` [K], one number. `rtol`, 1e-1 to 1e-6: the error of mu and of the body's place to be met, relative
-      to their largest values. `elements`: as for `em.slide`.
+    - `temperature` [K], one number. `rtol`, 1e-1 to 1e-6: the error of mu, depth and normal force to be
+      met, relative to their largest values; the place of the body is not looked at. `elements`: as for `em.slide`.
 
     The bare line of the textbook; of second order. Raises `InputError`; instants that do not converge are NaN and
     counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7, 10 and 19; `docs/theory.md`.
@@ -82,7 +82,8 @@ def drive(
                (("tangential", tangential), ("normal", normal)) if mount is not None]  # fmt: skip
     if track is not None:
         inputs.append(("track", describe_line(track)))
-    plan = SlidePlan(*size, int(history.law.times.size), found.levels, "elements that cannot be touched are left out")
+    left_out = "elements that cannot be touched are left out"
+    plan = SlidePlan(size[0], size[1], int(history.law.times.size), found.levels, left_out)
     return _pack(history, found, mounts, plan, model, tuple([*inputs, *history.inputs]), per_length)
 
 
@@ -185,7 +186,8 @@ def _surface(
     height: Any = jnp.zeros(())
     if track is not None:
         height = _heights(track, x)
-    return Indenter(body.shape, x, None, spacing * body.weight(jnp.ones(1))[0, 0], height)
+    weight = spacing * body.weight(jnp.ones(1))[0, 0]
+    return Indenter(shape=body.shape, x=x, y=None, weight=weight, track=height)
 
 
 def _heights(track: RoughLine, x: Any) -> Any:

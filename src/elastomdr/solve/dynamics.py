@@ -69,7 +69,10 @@ class Motion(NamedTuple):
 
 
 class DriveTerm(diffrax.AbstractTerm):
-    """Drive and load, `given(t)` = (D [m], P [N]): the term that `CoupledStep` solves. It is no vector field."""
+    """Drive and load, `given(t)` = (D [m], P [N]): the term that `CoupledStep` solves.
+
+    It is no vector field: `vf` is what is given, `contr` what is given at both ends of a step.
+    """
 
     given: Callable[[Any], tuple[Array, Array]]
 
@@ -80,7 +83,7 @@ class DriveTerm(diffrax.AbstractTerm):
         return self.given(t0), self.given(t1)
 
     def prod(self, vf: Any, control: Any) -> Motion:
-        raise NotImplementedError("DriveTerm is no vector field: solve it with CoupledStep.")
+        raise NotImplementedError("DriveTerm is a constraint, not a vector field: solve it with CoupledStep.")
 
 
 class CoupledStep(diffrax.AbstractSolver):
@@ -107,7 +110,8 @@ class CoupledStep(diffrax.AbstractSolver):
             c = coefficients(scene.law, h)
 
             def one(state: Motion, ends: Any) -> tuple[Motion, None]:
-                return _advance(scene, c, state, *ends, h), None
+                before, after = ends
+                return _advance(scene, c, state, before, after, h), None
 
             ends = [tuple(part[at] for part in given) for at in (slice(None, -1), slice(1, None))]
             return jax.lax.scan(one, start, tuple(ends))[0]
@@ -251,6 +255,7 @@ def run(
         max_steps=time.shape[0] - 1,
         throw=False,
     )  # fmt: skip
-    history, line = solution.ys
-    line = jax.tree.map(lambda saved: saved[-1], line)
+    saved: Any = solution.ys
+    history, line = saved
+    line = jax.tree.map(lambda last: last[-1], line)
     return history, line, solution.result == diffrax.RESULTS.successful

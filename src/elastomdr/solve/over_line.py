@@ -105,9 +105,10 @@ def indenter(lines: AbstractLines, first: Any, spacing: Any, count: int, width: 
     """Elements at `first` + i `spacing`, i < `count`, under an indenter; on a layer also across, up to `width`."""
     x, zero = first + spacing * jnp.arange(count), jnp.zeros(())
     if isinstance(lines, SingleLine):
-        return Indenter(lines.shape, x, None, spacing * lines.weight(jnp.ones(1))[0, 0], zero)
+        weight = spacing * lines.weight(jnp.ones(1))[0, 0]
+        return Indenter(shape=lines.shape, x=x, y=None, weight=weight, track=zero)
     strips = -(-count // 2)
     across = width / strips
     y = (jnp.arange(strips) + 0.5) * across
     x, y = (part.reshape(-1) for part in jnp.broadcast_arrays(x[None], y[:, None]))
-    return Indenter(lines.shape, x, y, 2 * spacing * across, zero)
+    return Indenter(shape=lines.shape, x=x, y=y, weight=2 * spacing * across, track=zero)
