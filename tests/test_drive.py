@@ -35,18 +35,17 @@ def test_mass_on_kelvin_elements_is_a_damped_oscillator():
     swing = np.exp(-damping * time) * (np.cos(ringing * time) + damping / ringing * np.sin(ringing * time))
     assert found.converged.all()
     np.testing.assert_allclose(found.depth, load / (modulus + k) * (1 - swing), atol=1e-3 * load / modulus)
-    assert (
-        np.abs(found.imbalance).max() < 1e-5 * found.given.max()
-    )  # of the march rounding; of its extrapolated limit this
+    # Rounding in each march; of the limit extrapolated from two, whose squares are not, about (error of d')^2/3.
+    assert np.abs(found.imbalance).max() < 1e-5 * found.given.max()
 
 
 def test_rigid_drive_under_a_load_is_em_slide():
     time = np.linspace(0, 0.02, 9)
-    arguments = {"time": time, "position": 0.05 * time, "load": 20.0, "rtol": 1e-3}
+    arguments = {"time": time, "position": 0.05 * time, "load": 20.0, "rtol": 1e-2}
     slide, drive = em.slide(RUBBER, WAVY, **arguments), em.drive(RUBBER, WAVY, **arguments)
     assert drive.converged.all()
-    np.testing.assert_allclose(drive.mu[2:], slide.mu[2:], rtol=3e-3)
-    np.testing.assert_allclose(drive.depth[2:], slide.depth[2:], rtol=1e-3)
+    np.testing.assert_allclose(drive.mu[2:], slide.mu[2:], rtol=1e-2)
+    np.testing.assert_allclose(drive.depth[2:], slide.depth[2:], rtol=1e-2)
 
 
 def test_stiff_spring_drags_the_body_and_no_contact_leaves_it_free():
@@ -78,8 +77,8 @@ def ball(samples, spacing):
 
 
 def test_second_order_and_energy_balance():
-    sizes = 2 ** np.arange(4)
-    ends, missing = zip(*(ball(int(16 * s), 8e-5 / s) for s in sizes), strict=True)
+    sizes = 2 ** np.arange(3)
+    ends, missing = zip(*(ball(int(32 * s), 4e-5 / s) for s in sizes), strict=True)
     change = np.abs(np.diff(ends, axis=0)).max(axis=0) / np.abs(ends[-1])
     assert (change < 0.05).all()
     last = np.abs(ends[-1] - ends[-2]) / np.abs(ends[-1])

@@ -29,25 +29,24 @@ def float64():
 # ---------------------------------------------------------------- against steady sliding and exact creep
 
 
-@pytest.mark.parametrize(("shape", "rtol"), [(BALL, 1e-2), (em.Cone(0.1), 5e-2)], ids=["paraboloid", "cone"])
-def test_meets_steady_friction_after_dwell_jump_of_velocity_and_step_of_load(shape, rtol):
+def test_meets_steady_friction_after_dwell_jump_of_velocity_and_step_of_load():
     time = np.array([0.0, 0.5, 0.54, 0.54 + 3e-3, 0.54 + 3e-3, 0.54 + 6e-3])
     position = np.array([0.0, 0.0, 0.02, 0.035, 0.035, 0.05])  # 0.5 m/s, then 5 m/s
     load = np.array([10.0, 10.0, 10.0, 10.0, 5.0, 5.0])
-    slide = em.slide(RUBBER, shape, time=time, position=position, load=load, rtol=rtol)
-    steady = em.friction(RUBBER, shape, velocity=[0.5, 5.0, 5.0], load=[10.0, 10.0, 5.0], average=None)
+    slide = em.slide(RUBBER, BALL, time=time, position=position, load=load, rtol=1e-2)
+    steady = em.friction(RUBBER, BALL, velocity=[0.5, 5.0, 5.0], load=[10.0, 10.0, 5.0], average=None)
     assert slide.converged.all()
     assert slide.model == steady.model
     np.testing.assert_allclose(slide.mu[[0, 1]], 0, atol=1e-4)
-    np.testing.assert_allclose(slide.mu[[2, 3, 5]], steady.mu, rtol=rtol)
-    np.testing.assert_allclose(slide.depth[[2, 3, 5]], steady.depth, rtol=rtol)
+    np.testing.assert_allclose(slide.mu[[2, 3, 5]], steady.mu, rtol=1e-2)
+    np.testing.assert_allclose(slide.depth[[2, 3, 5]], steady.depth, rtol=1e-2)
     np.testing.assert_allclose(slide.normal_force, load, rtol=1e-12)
 
 
 def test_dwell_is_the_exact_creep_of_a_paraboloid():
     """a^3 = (3/4) R F J(t), d = a^2/R, at every time after the load is put on."""
     time = np.concatenate([[0.0], np.geomspace(1e-5, 10, 13)])
-    slide = em.slide(RUBBER, BALL, time=time, position=0 * time, load=10.0)
+    slide = em.slide(RUBBER, BALL, time=time, position=0 * time, load=10.0, rtol=1e-2)
     exact = (0.75 * 0.01 * 10 * RUBBER.creep(time)) ** (2 / 3) / 0.01
     assert slide.converged.all()
     np.testing.assert_allclose(slide.depth, exact, rtol=1e-3)
@@ -71,10 +70,11 @@ def steady_error(spacing, exact):
 
 
 def test_second_order_in_elements_and_steps():
-    spacing = 4e-3 / np.array([256, 512, 1024])
+    spacing = 4e-3 / np.array([128, 256, 512, 1024])
     law = em.Foundation(4e6, [12e6], [1e-3])
     exact = float(em.friction(law, BALL, velocity=1.0, depth=1e-4, average=None).friction_force)
     slope = np.polyfit(np.log(spacing), np.log([steady_error(s, exact) for s in spacing]), 1)[0]
+    # The factor of h^2 depends on where the edges fall between elements: single levels gain 1.6 to 2.9, all of them 2.0.
     assert 1.6 < slope < 2.5
 
 
@@ -100,7 +100,7 @@ def test_full_contact_is_the_closed_form():
     """F_x per length = sum (1/2) A^2 k E''(k v), the mean force E_inf times the mean displacement."""
     v, k = 0.02, 2 * np.pi / float(WAVES.period)
     time = np.linspace(0, 0.8, 5)
-    slide = em.slide(RUBBER, WAVES, time=time, position=v * time, depth=1e-5, rtol=1e-3)
+    slide = em.slide(RUBBER, WAVES, time=time, position=v * time, depth=1e-5, rtol=1e-2)
     exact = sum(0.5 * a**2 * m * k * RUBBER.loss(m * k * v) for a, m in MODES)
     assert slide.converged.all()
     np.testing.assert_allclose(slide.friction_force[-1], exact, rtol=1e-4)
@@ -131,7 +131,7 @@ def test_energy_is_stored_or_lost_in_the_branches():
     x = np.cumsum(np.full(64, 7e-6))
     depth = 1e-5 + 1e-6 * np.sin(np.arange(64.0))
     forces, _ = march(law, surface, Steps(*map(jnp.asarray, (h, x, depth))), control="depth")
-    u = np.stack([np.zeros(96), *(d + surface.rise(jnp.asarray(p)) for d, p in zip(depth, x, strict=True))])
+    u = np.stack([np.zeros(96), *(depth[:, None] + jax.jit(jax.vmap(surface.rise))(jnp.asarray(x)))])
     lost = branch_losses((h, u, 12e6, 1e-3))
     np.testing.assert_allclose(forces.work[-1] - forces.stored[-1], lost, rtol=0, atol=1e-8 * float(forces.work[-1]))
 
@@ -141,7 +141,7 @@ def test_zero_load_and_renewed_contact_everywhere_at_once():
     flat = em.RoughLine(POINTS, 0 * POINTS)
     law = em.Foundation(1e6, [4e6], [1e-2])
     time = np.array([0.0, 0.01, 0.01, 0.02, 0.02, 0.03])
-    slide = em.slide(law, flat, time=time, position=0 * time, load=[8.0, 8.0, 0.0, 0.0, 8.0, 8.0])
+    slide = em.slide(law, flat, time=time, position=0 * time, load=[8.0, 8.0, 0.0, 0.0, 8.0, 8.0], rtol=1e-2)
     # At the load: u = F J(t); the load is taken off and put on again, all by superposition of creep.
     creep = law.creep(np.maximum(time, 0))
     one, two = law.creep(np.maximum(time - 0.01, 0)), law.creep(np.maximum(time - 0.02, 0))

@@ -66,11 +66,9 @@ class Slide(AbstractResult):
         known = np.flatnonzero(np.isfinite(self.mu))
         if known.size:
             top, last = known[np.abs(self.mu[known]).argmax()], known[-1]
-            at = f"{significant(float(self.mu[top]))} at {significant(float(self.time[top]))} s"
-            yield (
-                "result",
-                f"largest mu = {at}, last {significant(float(self.mu[last]))} at {significant(float(self.time[last]))} s",
-            )
+            values = (self.mu[top], self.time[top], self.mu[last], self.time[last])
+            most, when, end, then = (significant(float(value)) for value in values)
+            yield "result", f"largest mu = {most} at {when} s, last {end} at {then} s"
             unit = "J/m" if self.per_length else "J"
             done = ", ".join(f"{k} {significant(getattr(self, k)[last])} {unit}" for k in ("work", "dissipated"))
             yield "energy", f"{done}, stored {significant(float(self.stored[last]))} {unit}"
