@@ -15,6 +15,7 @@ _HOMES = {
     "material.library": ("materials", "load_material", "save_material"),
     "mapping.shapes": ("Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Cylinder"),
     "mapping.profile": ("Profile",),
+    "mapping.rough_line": ("RoughLine",),
     "foundation.law": ("Foundation", "half_space", "layer"),
     "foundation.step": ("ContactStep",),
     "solve.plan": ("Plan",),
@@ -22,14 +23,13 @@ _HOMES = {
     "scenes.rolling": ("rolling",),
     "scenes.plan": ("plan",),
     "scenes.indent": ("indent",),
-    "results.indentation": ("Indentation",),
-    "scenes.impact": ("impact",),
-    "scenes.shear": ("shear",),
-    "scenes.traction": ("traction",),
+    "scenes.slide": ("slide",),
+    "scenes.drive": ("drive",),
+    "solve.dynamics": ("Mount",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
-    "results.impact": ("Impact",),
-    "results.shear": ("Shear",),
-    "results.traction": ("Traction",),
+    "results.indentation": ("Indentation",),
+    "results.slide": ("Slide",),
+    "results.drive": ("Drive",),
 }
 _PACKAGES = ("fit", "reference")
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}

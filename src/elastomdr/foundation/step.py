@@ -22,6 +22,7 @@ from jaxtyping import Float
 from .._runtime import Array
 from ..material.relaxation import AbstractRelaxation
 
+_WRITTEN_OUT = 32  # branches up to which sums over them are
 _SETTLED = 80.0  # z = h K/eta from which exp(-z/2) is below rounding: the dashpot has settled within the step
 
 
@@ -106,14 +107,14 @@ def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
 def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> Elements:
     """`contact_step` with its coefficients at hand."""
     u, f = state.u, state.f
-    held = c.equilibrium * u + jnp.sum(c.seen * f, axis=0)  # force if u stays where it is
+    held = c.equilibrium * u + over_branches(c.seen * f)  # force if u stays where it is
     recovery, pushed = -held / c.stiffness, w_end - u
     contact = pushed > recovery
     free = ~contact & (state.q <= 0)
     change = jnp.where(contact, pushed, recovery)
     end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
     f_end = c.decay * f + c.gain * change
-    stored = jnp.sum(c.energy * f_end**2, axis=0)
+    stored = over_branches(c.energy * f_end**2)
     work, impulse, kept = _integrals(c, state, change, pushed, free)
     # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
     # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
@@ -135,7 +136,7 @@ def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> E
 
 def _integrals(c: Coefficients, state: Elements, change: Array, pushed: Array, free: Array) -> tuple[Array, ...]:
     """int (q - E_inf u) du and int q dt over a step, and the fraction of the step that the element was in contact."""
-    u, faded = state.u, jnp.sum(c.mean * state.f, axis=0)
+    u, faded = state.u, over_branches(c.mean * state.f)
     drag, spring = faded + c.drag * change, c.equilibrium * (u + 0.5 * change)
 
     # The straight path is exact where the element follows the surface, or is pushed down by it. Where following the
@@ -144,7 +145,7 @@ def _integrals(c: Coefficients, state: Elements, change: Array, pushed: Array, f
     bend = pushed - state.velocity * c.h
     bend = jnp.where(jnp.abs(bend) < jnp.abs(pushed), bend, 0.0)
     mean = c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed
-    last = c.equilibrium * u + jnp.sum(c.decay * state.f, axis=0) + c.end * pushed + 0.5 * c.rate * bend
+    last = c.equilibrium * u + over_branches(c.decay * state.f) + c.end * pushed + 0.5 * c.rate * bend
     first = jnp.maximum(2 * mean - last, 0.0)
     lost = ~free & (last < 0)
     kept = jnp.where(lost, first / jnp.where(lost, first - last, 1.0), jnp.where(free, 0.0, 1.0))
@@ -252,6 +253,16 @@ def phi2(y: Array) -> Array:
     for k in range(19, 2, -1):
         series = 1 - small / k * series
     return jnp.where(y < 1, 0.5 * series, (1 - phi1(large)) / large)
+
+
+def over_branches(parts: Float[Array, "k n"]) -> Float[Array, " n"]:
+    """Sum over the branches; written out, since compiled reductions over the slow axis take several times as long."""
+    if not 0 < parts.shape[0] <= _WRITTEN_OUT:
+        return jnp.sum(parts, axis=0)
+    total = parts[0]
+    for part in parts[1:]:
+        total = total + part
+    return total
 
 
 def _by_element(branches: Array) -> Array:

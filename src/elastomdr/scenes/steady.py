@@ -63,7 +63,7 @@ def set_up(
     average: str | None, rtol: float, skip: bool,
 ) -> Scene:  # fmt: skip
     """Checks the arguments and plans the scene. Raises `InputError` for whatever has no meaning."""
-    lines, foundation = _contact(material, shape)
+    lines, foundation = contact(material, shape)
     if pressure is not None:
         raise InputError(
             f"pressure belongs to a rough surface; a {shape.label} takes load or depth, got pressure={pressure}."
@@ -212,7 +212,8 @@ def _sunk(scene: Scene) -> str:
     return f"{text}."
 
 
-def _contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
+def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
+    """The lines of a sliding contact, and what they are made of. Raises `InputError` for a pair that does not fit."""
     foundation = as_foundation(material)
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")

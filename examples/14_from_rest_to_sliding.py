@@ -1,0 +1,71 @@
+"""14: from rest to steady sliding.
+
+Teaches: friction has a history. A ball that has rested on rubber has sunk in; to start, it has to climb out of its own
+dent, and the friction coefficient passes a peak that grows with the time of rest. A jump of velocity is answered within
+about one contact length. `em.slide` follows any such history, and ends where `em.friction` begins.
+
+Inputs: a standard solid with E* = 4 MPa relaxed, 16 MPa glassy, tau = 10 ms; a paraboloid of R = 10 mm under 10 N, at
+rest for 0.1 ms, 5 ms and 100 ms, then drawn at 0.5 m/s.
+
+Check: the end of each curve against steady sliding on the same line, em.friction(..., average=None); the work done on
+the rubber over the last stretch is the friction force times its length, part of it still stored in the track that
+recovers.
+
+    python examples/14_from_rest_to_sliding.py [--out DIR]
+"""
+
+import argparse
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import elastomdr as em
+
+RUBBER = em.Foundation(4e6, [12e6], [1e-2])
+BALL = em.Paraboloid(0.01)
+LOAD, VELOCITY, WAY = 10.0, 0.5, 16e-3  # N, m/s, m
+RESTS = (1e-4, 5e-3, 0.1)  # s
+
+
+def main(out: Path) -> None:
+    out.mkdir(parents=True, exist_ok=True)
+    steady = em.friction(RUBBER, BALL, velocity=VELOCITY, load=LOAD, average=None)
+    way = np.linspace(0, WAY, 97)
+
+    figure, ax = plt.subplots(figsize=(7.2, 4.2), layout="constrained")
+    slides = []
+    for rest, colour in zip(RESTS, ("#7fb3d8", "#3a7fb5", "#123f66"), strict=True):
+        time = np.concatenate([[0.0], rest + way / VELOCITY])
+        position = np.concatenate([[0.0], way])
+        slides.append(em.slide(RUBBER, BALL, time=time, position=position, load=LOAD, rtol=3e-3))
+        ax.plot(1e3 * way, slides[-1].mu[1:], color=colour, label=f"after {1e3 * rest:g} ms at rest")
+    ax.axhline(steady.mu, color="#a03030", linestyle="--", linewidth=1, label="steady: em.friction, bare line")
+    ax.set(xlabel="Way [mm]", ylabel="Friction coefficient [-]", ylim=(0, None))
+    ax.set_title("Paraboloid of 10 mm radius under 10 N, started at 0.5 m/s\nbare MDR line", fontsize=10)
+    ax.grid(color="#dddddd")
+    ax.set_axisbelow(True)
+    ax.legend(frameon=False)
+    figure.savefig(out / "14_from_rest_to_sliding.png", dpi=150)
+    plt.close(figure)
+
+    check(slides, steady)
+
+
+def check(slides: list[em.Slide], steady: em.FrictionCurve) -> None:
+    for rest, slide in zip(RESTS, slides, strict=True):
+        peak, end = slide.mu.max(), slide.mu[-1]
+        print(f"rest {rest:7.4f} s: peak mu {peak:.4f}, end {end:.5f}, steady {float(steady.mu):.5f}")
+        assert slide.converged.all(), "every instant must converge"
+        assert abs(end / steady.mu - 1) < 5e-3, "every start must end in steady sliding"
+        done = slide.work[-1] - slide.work[-13]
+        gone = slide.position[-1] - slide.position[-13]
+        assert abs(done / (steady.friction_force * gone) - 1) < 1e-2, "the work is that of the friction force"
+    peaks = [slide.mu.max() for slide in slides]
+    assert peaks[0] < peaks[1] < peaks[2], "the longer the rest, the higher the peak"
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=Path(), help="folder for the figure (default: this one)")
+    main(parser.parse_args().out)

@@ -1,0 +1,129 @@
+"""A rough line: heights at even spacing, periodic, joined by a cubic spline."""
+
+from typing import Any, ClassVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from .._runtime import Array, as_float64, ascending, in_float64, is_traced, require
+from ..errors import InputError
+
+_EVEN = 1e-6  # unevenness of x, relative to its spacing, that counts as rounding
+
+
+class RoughLine(eqx.Module):
+    """A rigid rough line h(x), periodic with n dx; heights [m] count positive into the rubber.
+
+    Its depth is how far its highest point stands below the undeformed surface, its load the mean load per length [N/m].
+    `x` [m] ascends in even steps, and the last point is not the first one again. With `resample` an uneven x is
+    accepted: the heights are then taken by linear interpolation at as many even places, the period being n times the
+    mean step. Between the points the line is the periodic cubic spline through them. Differentiable with respect to the
+    heights. Raises `InputError`.
+    """
+
+    height: Float[Array, " n"]  # h_i, positive into the rubber [m]
+    spacing: Float[Array, ""]  # dx [m]
+    label: ClassVar[str] = "rough line"
+
+    @in_float64
+    def __init__(self, x: Any, height: Any, *, resample: bool = False):
+        x, height = as_float64("x", x), as_float64("height", height)
+        if x.ndim != 1 or x.shape != height.shape or x.shape[0] < 4:
+            raise InputError(
+                "x and height must be lists of the same length with four points at least, "
+                f"got shapes {x.shape} and {height.shape}."
+            )
+        if is_traced(x):
+            raise InputError("x must be plain numbers: a RoughLine is differentiable in its heights.")
+        require("x", x, "finite", np.isfinite)
+        require("height", height, "finite", np.isfinite)
+        ascending("x", x)
+        n = x.shape[0]
+        spacing = (x[-1] - x[0]) / (n - 1)
+        even = x[0] + spacing * np.arange(n)
+        if np.abs(x - even).max() > _EVEN * spacing:
+            if not resample:
+                worst = float(np.abs(np.diff(x) / spacing - 1).max())
+                raise InputError(
+                    f"x must be evenly spaced, got steps that differ by up to {100 * worst:.2g} % from their mean; "
+                    "resample=True takes the heights at even places, by linear interpolation."
+                )
+            height = (jnp if is_traced(height) else np).interp(even, x, height)
+        self.height = height
+        self.spacing = np.asarray(spacing)
+
+    @property
+    def count(self) -> int:
+        """Number of points n."""
+        return self.height.shape[0]
+
+    @property
+    def period(self) -> Array:
+        """n dx [m]."""
+        return self.count * self.spacing
+
+    @property
+    def x(self) -> Float[Array, " n"]:
+        """Places of the points [m], from 0."""
+        return np.arange(self.count) * self.spacing
+
+    @property
+    def highest(self) -> Array:
+        """The highest of the points [m], from which a depth counts."""
+        return self.height.max()
+
+    @property
+    def rms_height(self) -> Array:
+        """Root of the mean square of the heights about their mean [m]."""
+        return self.height.std()
+
+    @property
+    @in_float64
+    def rms_slope(self) -> Array:
+        """Root of the mean square slope of the spline at its points."""
+        slope = spline(spline_coefficients(jnp.asarray(self.height)), jnp.zeros(()))[1] / self.spacing
+        return jnp.sqrt(jnp.mean(slope**2))
+
+    @in_float64
+    def finer(self, factor: int) -> "RoughLine":
+        """The same spline through `factor` times as many points."""
+        return _of_heights(self._finer(factor), self.spacing / factor)
+
+    def _finer(self, factor: int) -> Float[Array, " m"]:
+        coefficients = spline_coefficients(jnp.asarray(self.height))
+        parts = [spline(coefficients, jnp.asarray(j / factor))[0] for j in range(factor)]
+        return jnp.stack(parts, axis=1).reshape(-1)
+
+
+def _of_heights(height: Array, spacing: Array) -> RoughLine:
+    blank = RoughLine(np.arange(4.0), np.zeros(4))
+    return eqx.tree_at(lambda line: (line.height, line.spacing), blank, (height, spacing))
+
+
+def spline_coefficients(height: Float[Array, " n"]) -> Float[Array, " n"]:
+    """B-spline coefficients c of the periodic cubic spline: (c_{i-1} + 4 c_i + c_{i+1})/6 = h_i."""
+    angle = 2 * jnp.pi * np.arange(height.shape[0] // 2 + 1) / height.shape[0]
+    return jnp.fft.irfft(jnp.fft.rfft(height) * 3 / (2 + jnp.cos(angle)), n=height.shape[0])
+
+
+def spline(coefficients: Float[Array, " n"], shift: Array) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
+    """The spline and its derivative per spacing at the places i + shift, i = 0 ... n-1, in units of the spacing.
+
+    All places lie equally far between two points, so that the four weights are common to all of them.
+    """
+    n = coefficients.shape[0]
+    whole = jnp.floor(shift)
+    t = shift - whole
+    start = jnp.mod(whole.astype(jnp.int64) - 1, n)
+    wrapped = jnp.concatenate([coefficients, coefficients, coefficients[:3]])
+    near = jax.lax.dynamic_slice(wrapped, (start,), (n + 3,))  # the first place needs four from `start` on
+    u = 1 - t
+    value = (u**3 / 6, (4 - 6 * t**2 + 3 * t**3) / 6, (4 - 6 * u**2 + 3 * u**3) / 6, t**3 / 6)
+    slope = (-(u**2) / 2, (3 * t**2 - 4 * t) / 2, (4 * u - 3 * u**2) / 2, t**2 / 2)
+    height, steepness = jnp.zeros(n), jnp.zeros(n)
+    for m in range(4):
+        height, steepness = height + value[m] * near[m : m + n], steepness + slope[m] * near[m : m + n]
+    return height, steepness

@@ -1,0 +1,60 @@
+"""Figures of histories: a friction coefficient, or forces and motion, against time."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .figure import _new_axes, _write_title
+
+if TYPE_CHECKING:
+    from .drive import Drive
+    from .slide import Slide
+
+_BLUE = "#1f5a94"
+_VISIBLE = 0.004  # part of the figure's height from which an error band can be seen
+AXES = {"time": "Time [s]", "position": "Position [m]"}
+
+
+def draw_slide(result: "Slide", ax: Any, against: str, title: str | None, label: str | None) -> Any:
+    """mu against time or position, its estimated error as a band where it can be seen; returns the Axes."""
+    fields = {column.key: value for column, value in result.fields().items()}
+    ax = _new_axes(False) if ax is None else ax
+    beside_others = ax.has_data()
+    x, y, error = fields[against], fields["mu"], fields["error"]
+    line = ax.plot(x, y, color=None if beside_others else _BLUE, linewidth=1.6, label=label, zorder=3)
+    if (error > _VISIBLE * np.nanmax(np.abs(y), initial=0.0)).any():
+        ax.fill_between(x, y - error, y + error, color=line[0].get_color(), alpha=0.2, linewidth=0, zorder=2)
+    ax.set(xlabel=AXES[against], ylabel="Friction coefficient [-]")
+    finish(ax)
+    failed = int(np.sum(~fields["converged"]))
+    note = f"{failed} of {y.size} points did not converge and are left out" if failed else ""
+    if title or not beside_others:
+        _write_title(ax, title or result.heading(), result.model, note)
+    if label:
+        ax.legend(frameon=False, fontsize=8.5)
+    return ax
+
+
+def draw_history(result: "Drive", ax: Any, show: str, title: str | None, label: str | None) -> Any:
+    """One column of a motion against time; returns the Axes."""
+    fields = result.fields()
+    column, y = next((c, v) for c, v in fields.items() if c.field == show)
+    ax = _new_axes(False) if ax is None else ax
+    beside_others = ax.has_data()
+    ax.plot(result.time, y, color=None if beside_others else _BLUE, linewidth=1.3, label=label, zorder=3)
+    ax.set(xlabel=AXES["time"], ylabel=column.title[0].upper() + column.title[1:])
+    finish(ax)
+    failed = int(np.sum(~result.converged))
+    note = f"{failed} of {y.size} points did not converge and are left out" if failed else ""
+    if title or not beside_others:
+        _write_title(ax, title or result.heading(), result.model, note)
+    if label:
+        ax.legend(frameon=False, fontsize=8.5)
+    return ax
+
+
+def finish(ax: Any) -> None:
+    """Grid behind the curves, two spines."""
+    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
+    ax.set_axisbelow(True)
+    ax.spines[["top", "right"]].set_visible(False)

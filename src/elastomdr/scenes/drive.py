@@ -1,0 +1,250 @@
+"""Coupled dynamics: a body on springs and dampers, driven over rubber, in one solve with its contact."""
+
+import math
+import warnings
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .._runtime import in_float64, is_traced, not_negative, positive, scalar
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import as_foundation
+from ..mapping.lines import AbstractLines, SingleLine
+from ..mapping.rough_line import RoughLine, spline_coefficients
+from ..mapping.shapes import Cylinder
+from ..results.drive import Drive
+from ..solve.dynamics import History, Mount, Scene, run
+from ..solve.over_line import AbstractOverLine, Indenter, rough
+from ..solve.refine import Levels, finest, refine
+from ..solve.sizes import contact_sizes
+from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
+from .steady import BARE, LAYER, brief, contact, describe
+
+_ACROSS = 24  # elements over the contact on the coarsest level
+_FINEST = 4  # levels beyond the coarsest
+_PERIOD = 12  # steps per period of a mass on its spring and the contact, on the coarsest level
+
+
+@in_float64
+def drive(
+    material: Any,
+    shape: Any,
+    *,
+    time: Any,
+    position: Any,
+    load: Any,
+    tangential: Mount | None = None,
+    normal: Mount | None = None,
+    track: RoughLine | None = None,
+    temperature: Any = None,
+    rtol: float = 1e-2,
+    elements: int | None = None,
+) -> Drive:
+    """Motion of a body that is driven over rubber through springs and dampers, together with its contact.
+
+        tangential mount:  m X'' = k (D - X) + c (D' - X') - F_x         without one: X = D
+        normal mount:      m d'' = P - k d - c d' - F_N                  without one: F_N = P
+
+    X is the place of the body, d its depth; the drive stands at D(t), the load is P(t), both linear between the
+    instants. The body is put down at once, at rest, with the load of the first instant, on rubber that was never
+    touched.
+
+    - `shape`: an indenter, or an `em.RoughLine` (then loads, masses, stiffnesses and dampings are per metre of line).
+    - `time` [s], ascending; `position` D [m] of the drive and `load` P [N, or N/m] at these instants, or one load.
+    - `tangential`, `normal`: `em.Mount(mass, stiffness, damping)`. The spring of the normal one is free at d = 0.
+    - `track`: a rough line that belongs to the rubber, under an indenter: heights towards the body.
+    - `temperature` [K], one number. `rtol`, 1e-1 to 1e-6: the error of mu, depth and normal force to be
+      met, relative to their largest values; the place of the body is not looked at. `elements`: as for `em.slide`.
+
+    The bare line of the textbook; of second order. Raises `InputError`; instants that do not converge are NaN and
+    counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7, 10 and 19; `docs/theory.md`.
+    """
+    foundation = as_foundation(material)
+    per_length = isinstance(shape, RoughLine)
+    if track is not None and (per_length or not isinstance(track, RoughLine)):
+        raise InputError("track must be an em.RoughLine under an indenter; under a rough line there is no track.")
+    if per_length and foundation.per_area:
+        raise InputError("material must be a half-space under a RoughLine, got a layer: give the material itself.")
+    lines = None if per_length else contact(foundation, shape)[0]
+    if lines is not None and not isinstance(lines, SingleLine):
+        raise InputError("material must be a half-space under this shape; on a layer em.drive takes an em.Cylinder.")
+    history = given_history(foundation, time, position, load, None, temperature, rtol, elements, per_length)
+    if (np.diff(history.time) <= 0).any():
+        raise InputError("time must ascend without repeats: bodies with a mass have no jumps.")
+    mounts = [_mount(name, mount) for name, mount in (("tangential", tangential), ("normal", normal))]
+    found, size = _solve(shape if lines is None else lines, history, mounts, track)
+    model = LINE if per_length else LAYER if isinstance(shape, Cylinder) else BARE
+    what = describe_line(shape) if per_length else describe(shape)
+    inputs = [("material", foundation.name or "given directly"), ("shape", what)]
+    inputs += [(f"{name} mount", _in_words(mount, per_length)) for name, mount in
+               (("tangential", tangential), ("normal", normal)) if mount is not None]  # fmt: skip
+    if track is not None:
+        inputs.append(("track", describe_line(track)))
+    left_out = "elements that cannot be touched are left out"
+    plan = SlidePlan(size[0], size[1], int(history.law.times.size), found.levels, left_out)
+    return _pack(history, found, mounts, plan, model, tuple([*inputs, *history.inputs]), per_length)
+
+
+def _mount(name: str, mount: Any) -> Mount | None:
+    if mount is None:
+        return None
+    if not isinstance(mount, Mount):
+        raise InputError(f"{name} must be an em.Mount(mass, stiffness, damping), got {mount!r}.")
+    mass, stiffness, damping = (scalar(f"{name} {k}", getattr(mount, k)) for k in ("mass", "stiffness", "damping"))
+    positive(f"{name} mass", mass)
+    not_negative(f"{name} stiffness", stiffness)
+    not_negative(f"{name} damping", damping)
+    return Mount(mass, stiffness, damping)
+
+
+def _in_words(mount: Mount, per_length: bool) -> str:
+    per = "/m" if per_length else ""
+    values = ((mount.mass, "kg"), (mount.stiffness, "N/m"), (mount.damping, "N s/m"))
+    return ", ".join(brief(np.asarray(v) if not is_traced(v) else v, unit + per) for v, unit in values)
+
+
+def _solve(
+    body: RoughLine | AbstractLines, history: GivenHistory, mounts: list[Any], track: RoughLine | None
+) -> tuple[Levels, list[int]]:
+    """Marches at finer and finer levels; more elements where the body turns out to reach further."""
+    law = jax.tree.map(jnp.asarray, history.law)
+    load = jnp.asarray(history.value)
+    traced = history.traced or is_traced(body, mounts, track)
+    gone = float(np.ptp(history.time))
+    reach, spacing, widest = 0.0, None, 1.0
+    slope = body.rms_slope if isinstance(body, RoughLine) else None
+    if isinstance(body, AbstractLines):
+        glassy, widest = contact_sizes(law, body, "load", load, gone)
+        reach, spacing = 2 * widest, (track.spacing if track is not None else 2 * jnp.sqrt(glassy * widest) / _ACROSS)
+        slope = body.depth(widest) / widest
+        if track is not None and not traced:
+            spacing = spacing / math.ceil(float(spacing) * _ACROSS / float(2 * jnp.sqrt(glassy * widest)))
+    while True:
+        found, size = _within(body, history, law, mounts, track, spacing, reach, slope)
+        if traced or isinstance(body, RoughLine) or np.any(found.good) or float(reach) > 30 * float(widest):
+            return found, size
+        reach = 2 * reach
+
+
+def _within(
+    body: RoughLine | AbstractLines,
+    history: GivenHistory,
+    law: Any,
+    mounts: list[Any],
+    track: Any,
+    spacing: Any,
+    reach: Any,
+    slope: Any,
+) -> tuple[Levels, list[int]]:
+    """Marches elements up to `reach` [m] from where the drive comes."""
+    time, place, load = (jnp.asarray(x) for x in (history.time, history.position, history.value))
+    traced = history.traced or is_traced(body, mounts, track)
+    low, high = jnp.min(place) - reach, jnp.max(place) + reach
+    if isinstance(body, RoughLine):
+        count, spacing = body.count, body.spacing
+    elif traced:
+        count = history.elements
+        spacing = (high - low) / count
+    else:
+        count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
+    samples = 8 if traced else _samples(history, spacing, mounts, law)
+    size = [0, 0]
+
+    def solve(level: int) -> tuple[History, Any]:
+        finer = 2**level
+        surface = _surface(body, track, low, spacing / finer, count * finer, finer)
+        scene = Scene(law, surface, *mounts)
+        seen, line, done = run(scene, time, place, load, history.shortest, samples * finer)
+        size[:] = surface.count, samples * finer * (history.time.size - 1)
+        inside = jnp.bool_(True) if isinstance(body, RoughLine) else (line.u[0] == 0) & (line.u[-1] == 0)
+        good = inside & done
+        return (seen, good) if is_traced(seen) else jax.tree.map(np.asarray, (seen, good))
+
+    work = count * samples * history.time.size * law.times.size
+    return refine(solve, history.rtol, min(_FINEST, finest(work, traced)), slope), size
+
+
+def _samples(history: GivenHistory, spacing: Any, mounts: list[Any], law: Any) -> int:
+    """Contact steps between two instants: none moves further than an element, and a mass on its spring is followed."""
+    step = np.diff(history.time)
+    most = float((np.abs(np.diff(history.position)) / float(spacing)).max())
+    for mount in mounts:
+        if mount is not None:
+            rate = math.sqrt(float(mount.stiffness) / float(mount.mass)) + float(mount.damping / mount.mass)
+            most = max(most, _PERIOD * float(step.max()) * rate / (2 * math.pi))
+    return 2 ** math.ceil(math.log2(max(2.0, most)))  # few numbers, so that few programs are compiled
+
+
+def _surface(
+    body: RoughLine | AbstractLines, track: RoughLine | None, low: Any, spacing: Any, count: int, finer: int
+) -> AbstractOverLine:
+    if isinstance(body, RoughLine):
+        return rough(body._finer(finer), body.spacing / finer, body.highest)
+    x = low + spacing * (jnp.arange(count) + 0.5)
+    height: Any = jnp.zeros(())
+    if track is not None:
+        height = _heights(track, x)
+    weight = spacing * body.weight(jnp.ones(1))[0, 0]
+    return Indenter(shape=body.shape, x=x, y=None, weight=weight, track=height)
+
+
+def _heights(track: RoughLine, x: Any) -> Any:
+    """Heights of the track at the places x, counted from its highest point."""
+    coefficients = spline_coefficients(jnp.asarray(track.height))
+    whole = jnp.floor(x / track.spacing)
+    t = x / track.spacing - whole
+    i = whole.astype(jnp.int64)
+    weights = ((1 - t) ** 3 / 6, (4 - 6 * t**2 + 3 * t**3) / 6, (4 - 6 * (1 - t) ** 2 + 3 * (1 - t) ** 3) / 6, t**3 / 6)
+    total = sum(w * coefficients[jnp.mod(i + m - 1, track.count)] for m, w in enumerate(weights))
+    return total - track.highest
+
+
+def _pack(
+    history: GivenHistory, found: Levels, mounts: list[Any], plan: Any, model: str, inputs: Any, per_length: bool
+) -> Drive:
+    traced = is_traced(found)
+    numpy = jnp if traced else np
+    if not traced and not found.good.all():
+        text = f"{int((~found.good).sum())} of {found.good.size} instants did not converge to rtol={history.rtol:g}; "
+        warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
+
+    def shown(field: Any) -> Any:
+        return numpy.where(found.good, field, numpy.nan)
+
+    seen: Any = found.forces
+    tangential, normal = mounts
+    kinetic, spring, pull = 0.0 * seen.depth, 0.0 * seen.depth, seen.drag
+    if tangential is not None:
+        stretch = history.position - seen.position
+        kinetic, spring = (
+            kinetic + tangential.mass * seen.velocity**2 / 2,
+            spring + tangential.stiffness * stretch**2 / 2,
+        )
+        pull = tangential.stiffness * stretch
+    if normal is not None:
+        kinetic, spring = kinetic + normal.mass * seen.sinking**2 / 2, spring + normal.stiffness * seen.depth**2 / 2
+    given = seen.driven + seen.pressed
+    return Drive(
+        time=history.time,
+        drive=history.position,
+        position=shown(seen.position),
+        velocity=shown(seen.velocity),
+        depth=shown(seen.depth),
+        mu=shown(found.mu),
+        normal_force=shown(seen.normal),
+        friction_force=shown(seen.drag),
+        pull=shown(pull),
+        given=shown(given),
+        kinetic=shown(kinetic),
+        stored=shown(seen.stored + spring),
+        dissipated=shown(seen.work - seen.stored + seen.damped),
+        imbalance=shown(given - kinetic - spring - seen.work - seen.damped),
+        error=shown(found.error),
+        converged=found.good,
+        per_length=per_length,
+        model=model,
+        plan=plan,
+        inputs=inputs,
+    )

@@ -1,0 +1,183 @@
+"""Transient sliding of one body: from rest, with jumps of velocity and load."""
+
+import math
+import warnings
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .._runtime import in_float64, is_traced
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import as_foundation
+from ..mapping.lines import AbstractLines, SingleLine
+from ..mapping.rough_line import RoughLine
+from ..mapping.shapes import Cylinder
+from ..material.relaxation import Relaxation
+from ..results.slide import Slide
+from ..solve.over_line import indenter, rough
+from ..solve.refine import Levels, finest, refine
+from ..solve.sizes import contact_sizes
+from ..solve.slide import Forces, march, padded
+from ..solve.timeline import cut, timeline
+from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
+from .steady import BARE, LAYER, contact, describe
+
+_ACROSS = 40  # elements over the contact on the coarsest level
+
+
+@in_float64
+def slide(
+    material: Any,
+    shape: Any,
+    *,
+    time: Any,
+    position: Any,
+    load: Any = None,
+    depth: Any = None,
+    temperature: Any = None,
+    rtol: float = 1e-3,
+    elements: int | None = None,
+) -> Slide:
+    """Sliding of a body over rubber at rest, through any history of position and load, or of position and depth.
+
+    The history is linear between the instants. At the first one the body is put down, at once, with the load or depth
+    given there, on rubber that was never touched; where two instants are equal, load or depth jump.
+
+    - `time` [s], ascending, equal neighbours allowed; `position` [m] of the body at these instants.
+    - `shape`: an indenter, or an `em.RoughLine`, whose load and forces are means per length of line [N/m].
+    - `load` [N, or N/m], or `depth` [m]: a number, or one for each instant. `temperature` [K] is one number.
+    - `rtol`, 1e-1 to 1e-6: the error of mu to be met, relative to the largest mu of the history (or to 0.03 of the
+      slope of the body, if that is more: at rest mu is zero but for the grid).
+    - `elements` of the coarser of two levels: taken under `jax.jit`, `grad` and `vmap`, where the size of the contact
+      is not known beforehand (`time` must be plain numbers there).
+
+    Only the elements that the body can touch are marched. This is the bare line of the textbook: a direction average is
+    defined for steady motion only. Converges to `em.friction(..., average=None)`. Raises `InputError`; points that do
+    not converge are NaN and counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7; `docs/theory.md`.
+    """
+    per_length = isinstance(shape, RoughLine)
+    foundation = as_foundation(material)
+    if per_length and foundation.per_area:
+        raise InputError("material must be a half-space under a RoughLine, got a layer: give the material itself.")
+    lines = None if per_length else contact(foundation, shape)[0]
+    history = given_history(foundation, time, position, load, depth, temperature, rtol, elements, per_length)
+    found, plan = _rough(shape, history) if lines is None else _indenter(lines, history)
+    model = LINE if per_length else LAYER if foundation.per_area or isinstance(shape, Cylinder) else BARE
+    what = describe_line(shape) if per_length else describe(shape)
+    inputs = [("material", foundation.name or "given directly"), ("shape", what), *history.inputs]
+    return _pack(history, found, plan, model, tuple(inputs), per_length)
+
+
+def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
+    """Marches one period under a rough line."""
+    law = jax.tree.map(jnp.asarray, history.law)
+    traced = history.traced or is_traced(shape)
+    even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
+    spacing = None if is_traced(history.position, history.value) else float(shape.spacing)
+    line = timeline(history.time, history.position, history.value, spacing, history.shortest, even)
+    size: list[int] = []
+
+    def solve(level: int) -> tuple[Forces, Any]:
+        finer = 2**level
+        steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
+        surface = rough(shape._finer(finer), shape.spacing / finer, shape.highest)
+        forces, _ = march(law, surface, padded(steps), control=history.control, viscous=history.viscous)
+        size[:] = surface.count, steps.h.shape[0]
+        forces = Forces(*(field[last] for field in forces))
+        return forces if is_traced(forces) else jax.tree.map(np.asarray, forces), np.bool_(True)
+
+    work = shape.count * line.part.size * law.times.size
+    found = refine(solve, history.rtol, finest(work, traced), shape.rms_slope)
+    text = f"every element of the period of {float(shape.period):.4g} m can be touched"
+    return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, text)
+
+
+def _indenter(lines: AbstractLines, history: GivenHistory) -> tuple[Levels, SlidePlan]:
+    """Marches the elements that an indenter can touch; more of them where it turns out to reach further."""
+    law = jax.tree.map(jnp.asarray, history.law)
+    sizes = contact_sizes(law, lines, history.control, jnp.asarray(history.value), float(np.ptp(history.time)))
+    reach = 1.6 * sizes[1]
+    while True:
+        found, plan, outside = _within(lines, law, history, sizes, reach)
+        if not outside or float(reach) > 30 * float(sizes[1]):
+            return found, plan
+        reach = 2 * reach
+
+
+def _within(
+    lines: AbstractLines, law: Relaxation, history: GivenHistory, sizes: tuple[Any, Any], reach: Any
+) -> tuple[Levels, SlidePlan, bool]:
+    """Marches the elements up to `reach` [m] from the body's path; whether the outermost of them were touched."""
+    glassy, widest = sizes
+    traced = history.traced or is_traced(lines)
+    numpy = jnp if is_traced(history.position) else np
+    first, length = numpy.min(history.position) - reach, numpy.ptp(history.position) + 2 * reach
+    if traced:
+        spacing, count = length / history.elements, history.elements
+        even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
+        line = timeline(history.time, history.position, history.value, None, history.shortest, even)
+    else:
+        spacing = float(2 * math.sqrt(glassy * widest) / _ACROSS)
+        count = 32 * math.ceil(float(length) / spacing / 32)
+        line = timeline(history.time, history.position, history.value, spacing, history.shortest, 0)
+    size, outside = [0, 0], [False]
+    largest = lines.shape.largest_contact
+    deepest = jnp.where(jnp.isinf(largest), jnp.inf, lines.depth(largest * (1 - 1e-12)))
+
+    def solve(level: int) -> tuple[Forces, Any]:
+        finer = 2**level
+        steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
+        surface = indenter(lines, first + 0.5 * spacing / finer, spacing / finer, count * finer, reach)
+        forces, end = march(law, surface, padded(steps), control=history.control, viscous=history.viscous)
+        size[:] = surface.count, steps.h.shape[0]
+        # The outermost elements must never have been touched, else the body reaches further than was thought.
+        u = end.u.reshape(-1, count * finer)
+        inside = (u[:, 0] == 0).all() & (u[:, -1] == 0).all()
+        forces = Forces(*(field[last] for field in forces))
+        room = forces.depth < deepest
+        if not is_traced(forces):
+            forces, inside, room = jax.tree.map(np.asarray, (forces, inside, room))
+            outside[0] = not inside
+        return forces, inside & room
+
+    work = count * line.part.size * max(law.times.size, 1) * (1 if isinstance(lines, SingleLine) else count // 2)
+    found = refine(solve, history.rtol, finest(work, traced), lines.depth(widest) / widest)
+    text = "elements that the body cannot touch are left out"
+    return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, text), outside[0]
+
+
+def _pack(
+    history: GivenHistory, found: Levels, plan: Any, model: str, inputs: tuple[tuple[str, str], ...], per_length: bool
+) -> Slide:
+    numpy = jnp if is_traced(found) else np
+    if not is_traced(found) and not found.good.all():
+        text = f"{int((~found.good).sum())} of {found.good.size} points did not converge to rtol={history.rtol:g}; "
+        warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
+
+    def shown(field: Any) -> Any:
+        return numpy.where(found.good, field, numpy.nan)
+
+    forces = found.forces
+    gone = np.diff(history.time)
+    speed = numpy.where(gone > 0, numpy.diff(history.position) / np.where(gone > 0, gone, 1.0), 0.0)
+    velocity = numpy.concatenate([numpy.zeros(1), speed])
+    return Slide(
+        time=history.time,
+        position=history.position,
+        velocity=velocity,
+        mu=shown(found.mu),
+        normal_force=shown(forces.normal),
+        friction_force=shown(forces.drag),
+        depth=shown(forces.depth),
+        work=shown(forces.work),
+        stored=shown(forces.stored),
+        dissipated=shown(forces.work - forces.stored),
+        error=shown(found.error),
+        converged=found.good,
+        per_length=per_length,
+        model=model,
+        plan=plan,
+        inputs=inputs,
+    )

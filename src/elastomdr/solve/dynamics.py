@@ -1,0 +1,261 @@
+"""Masses on springs and dampers coupled to a line of elements: one step for bodies and contact, as a `diffrax` solver.
+
+The body stands at X along the line, at depth d. A drive at D(t) pulls it, a load P(t) presses it:
+
+    m_t X'' = k_t (D - X) + c_t (D' - X') - F_x,        or X = D without a tangential mount,
+    m_n d'' = P - k_n d - c_n d' - F_N,                 or F_N = P without a normal one,
+
+F_x and F_N being those of the elements (`solve.over_line`). Bodies take the trapezoidal rule, elements the exact
+contact step, both of second order, and they are solved together. The force of an element is linear in its displacement
+at the end, and so is its mean over the step, which is what accelerates a body: with d+ = d + h (d' + d'+)/2 the normal
+equation is
+
+    A d+ + sum W S max(0, d+ - l) = known,        A = 2 m/h^2 + k/2 + c/h,
+
+piecewise linear, solved exactly (`solve.slide.settle`); the tangential one takes a fixed number of Newton steps. The
+work of the mean forces is that of the elements but for those whose contact begins or ends within the step.
+"""
+
+import functools
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
+
+import diffrax
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+
+from .._runtime import Array
+from ..foundation.step import coefficients
+from ..material.relaxation import Relaxation
+from .over_line import AbstractOverLine
+from .slide import Line, energy, free, lag, press, settle, untouched
+
+_NEWTON = 4  # steps for the place of a body that is pulled through a spring
+_INSTANT = 1e-12  # duration of the first touch, over the shortest time
+
+
+class Mount(eqx.Module):
+    """A mass m [kg] on a spring k [N/m] and a damper c [N s/m] beside it; per metre of line under a rough line."""
+
+    mass: Any
+    stiffness: Any = 0.0
+    damping: Any = 0.0
+
+
+class Scene(NamedTuple):
+    """What stays the same during the motion."""
+
+    law: Relaxation
+    surface: AbstractOverLine
+    tangential: Mount | None
+    normal: Mount | None
+
+
+class Motion(NamedTuple):
+    """Bodies and elements at one instant, and the work done since the start."""
+
+    line: Line
+    position: Array  # X [m]
+    velocity: Array  # X' [m/s]
+    depth: Array  # d [m]
+    sinking: Array  # d' [m/s]
+    drag: Array  # F_x [N]
+    normal: Array  # F_N [N]
+    work: Array  # of the contact forces on the elements [J]
+    driven: Array  # of the drive [J]
+    pressed: Array  # of the load [J]
+    damped: Array  # lost in the dampers [J]
+
+
+class DriveTerm(diffrax.AbstractTerm):
+    """Drive and load, `given(t)` = (D [m], P [N]): the term that `CoupledStep` solves.
+
+    It is no vector field: `vf` is what is given, `contr` what is given at both ends of a step.
+    """
+
+    given: Callable[[Any], tuple[Array, Array]]
+
+    def vf(self, t: Any, y: Motion, args: Scene) -> tuple[Array, Array]:
+        return self.given(t)
+
+    def contr(self, t0: Any, t1: Any, **kwargs: Any) -> tuple[Any, Any]:
+        return self.given(t0), self.given(t1)
+
+    def prod(self, vf: Any, control: Any) -> Motion:
+        raise NotImplementedError("DriveTerm is a constraint, not a vector field: solve it with CoupledStep.")
+
+
+class CoupledStep(diffrax.AbstractSolver):
+    """Advances bodies and elements together, `samples` equal contact steps in one step of the solver; second order."""
+
+    samples: int = 1
+    term_structure: ClassVar = DriveTerm
+    interpolation_cls: ClassVar[Callable[..., diffrax.LocalLinearInterpolation]] = diffrax.LocalLinearInterpolation
+
+    def order(self, terms: Any) -> int:
+        return 2
+
+    def init(self, terms: Any, t0: Any, t1: Any, y0: Motion, args: Scene) -> None:
+        return None
+
+    def step(
+        self, terms: Any, t0: Any, t1: Any, y0: Motion, args: Scene, solver_state: None, made_jump: Any
+    ) -> tuple[Motion, None, dict[str, Motion], None, diffrax.RESULTS]:
+        times = t0 + (t1 - t0) * jnp.linspace(0.0, 1.0, self.samples + 1)
+        given = jax.vmap(lambda t: terms.vf(t, y0, args))(times)
+
+        @jax.checkpoint
+        def block(scene: Scene, start: Motion, given: Any, h: Array) -> Motion:
+            c = coefficients(scene.law, h)
+
+            def one(state: Motion, ends: Any) -> tuple[Motion, None]:
+                before, after = ends
+                return _advance(scene, c, state, before, after, h), None
+
+            ends = [tuple(part[at] for part in given) for at in (slice(None, -1), slice(1, None))]
+            return jax.lax.scan(one, start, tuple(ends))[0]
+
+        y1 = block(args, y0, given, (t1 - t0) / self.samples)
+        return y1, None, {"y0": y0, "y1": y1}, None, diffrax.RESULTS.successful
+
+    def func(self, terms: Any, t0: Any, y0: Motion, args: Scene) -> Any:
+        return terms.vf(t0, y0, args)
+
+
+def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motion:
+    """The body at rest, put down at once with its load on rubber that was never touched."""
+    c = coefficients(scene.law, _INSTANT * shortest)
+    rise, slope = scene.surface.rise_and_slope(position)
+    line, weight = untouched(scene.law, scene.surface, position), scene.surface.weight
+    spring = 0.0 if scene.normal is None else scene.normal.stiffness
+    depth = settle(free(c, line) - rise, weight * c.stiffness[0], spring, load, jnp.zeros(()))
+    line, work = press(c, line, rise, depth, weight)
+    zero = jnp.zeros(())
+    normal, drag = jnp.sum(weight * line.q), jnp.sum(weight * line.q * slope)
+    held = spring * depth**2 / 2
+    return Motion(line, position + zero, zero, depth, zero, drag, normal, work, zero, work + held, zero)
+
+
+def _advance(
+    scene: Scene, c: Any, y: Motion, before: tuple[Array, Array], after: tuple[Array, Array], h: Any
+) -> Motion:
+    (drive, load), (drive_end, load_end) = before, after
+    weight, up, along = scene.surface.weight, scene.normal, scene.tangential
+    u_free = free(c, y.line)
+    # Mean force of an element over the step, if it follows the surface: mean S (w+ - idle).
+    mean = (0.5 * c.equilibrium + c.drag)[0]
+    idle = y.line.u - (c.equilibrium * y.line.u + jnp.sum(c.mean * y.line.f, axis=0)) / mean
+
+    def depth_at(rise: Array, guess: Array) -> Array:
+        if up is None:
+            return settle(u_free - rise, weight * c.stiffness[0], 0.0, load_end, guess)
+        inertia = 2 * up.mass / h**2 + up.stiffness / 2 + up.damping / h
+        known = 2 * up.mass * y.sinking / h + (load + load_end) / 2 - up.stiffness * y.depth
+        return settle(idle - rise, weight * mean, inertia, known + inertia * y.depth, guess)
+
+    def forces(moved: Array, guess: Array) -> tuple[Array, tuple[Array, Array]]:
+        """Mean F_x of the step in which the body moves so far; mean F_N, and the depth at the end."""
+        rise = scene.surface.rise(y.position + moved)
+        _, slope = scene.surface.rise_and_slope(y.position + moved / 2)
+        depth = depth_at(rise, guess)
+        q = weight * mean * jnp.maximum(depth + rise - idle, 0.0)
+        return jnp.sum(q * slope), (jnp.sum(q), depth)
+
+    guess = y.depth + h * y.sinking
+    if along is None:
+        moved = drive_end - y.position
+    else:
+        inertia = 2 * along.mass / h**2 + along.stiffness / 2 + along.damping / h
+        pull = along.stiffness * ((drive + drive_end) / 2 - y.position) + along.damping * (drive_end - drive) / h
+        known = 2 * along.mass * y.velocity / h + pull
+        moved = h * y.velocity
+        for _ in range(_NEWTON):
+            drag, steepness, (_, guess) = jax.jvp(
+                functools.partial(forces, guess=guess), (moved,), (jnp.ones_like(moved),), has_aux=True
+            )
+            # Where the contact pulls ahead the more the body moves, the tangent is not taken below half the inertia.
+            tangent = inertia + jnp.maximum(steepness, -0.5 * inertia)
+            moved = moved - (inertia * moved + drag - known) / tangent
+
+    drag_mean, (_, depth) = forces(moved, guess)
+    position = y.position + moved
+    rise = scene.surface.rise(position)
+    _, slope = scene.surface.rise_and_slope(position - lag(c) * moved)
+    line, work = press(c, y.line, rise, depth, weight)
+    sunk, driven, damped = depth - y.depth, drag_mean * moved, jnp.zeros(())
+    if along is not None:
+        stretch = along.stiffness * ((drive + drive_end) / 2 - y.position - moved / 2)
+        slip = drive_end - drive - moved
+        driven = (stretch + along.damping * slip / h) * (drive_end - drive)
+        damped = along.damping * slip**2 / h
+    if up is not None:
+        damped = damped + up.damping * sunk**2 / h
+    return Motion(
+        line=line,
+        position=position,
+        velocity=moved / h if along is None else 2 * moved / h - y.velocity,
+        depth=depth,
+        sinking=sunk / h if up is None else 2 * sunk / h - y.sinking,
+        drag=jnp.sum(weight * line.q * slope),
+        normal=jnp.sum(weight * line.q),
+        work=y.work + work,
+        driven=y.driven + driven,
+        pressed=y.pressed + (load + load_end) / 2 * sunk,
+        damped=y.damped + damped,
+    )
+
+
+class History(NamedTuple):
+    """What a motion leaves behind at each instant; the first three are what `solve.refine` looks at."""
+
+    depth: Array
+    normal: Array
+    drag: Array
+    position: Array
+    velocity: Array
+    sinking: Array
+    work: Array
+    stored: Array
+    driven: Array
+    pressed: Array
+    damped: Array
+
+
+@eqx.filter_jit
+def run(
+    scene: Scene, time: Array, drive: Array, load: Array, shortest: Any, samples: int
+) -> tuple[History, Line, Array]:
+    """The whole motion in one `diffeqsolve`: what is known at the instants, the line at the end, whether it
+    succeeded."""
+
+    def given(t: Any) -> tuple[Array, Array]:
+        return jnp.interp(t, time, drive), jnp.interp(t, time, load)
+
+    def seen(t: Any, y: Motion, args: Scene) -> History:
+        return History(
+            y.depth, y.normal, y.drag, y.position, y.velocity, y.sinking, y.work,
+            energy(args.law, y.line, args.surface.weight), y.driven, y.pressed, y.damped,
+        )  # fmt: skip
+
+    start = put_down(scene, drive[0], load[0], shortest)
+    solution = diffrax.diffeqsolve(
+        DriveTerm(given),
+        CoupledStep(samples),
+        t0=time[0],
+        t1=time[-1],
+        dt0=None,
+        y0=start,
+        args=scene,
+        stepsize_controller=diffrax.StepTo(ts=time),
+        saveat=diffrax.SaveAt(subs=[
+            diffrax.SubSaveAt(t0=True, steps=True, fn=seen),
+            diffrax.SubSaveAt(t1=True, fn=lambda t, y, args: y.line),
+        ]),
+        max_steps=time.shape[0] - 1,
+        throw=False,
+    )  # fmt: skip
+    saved: Any = solution.ys
+    history, line = saved
+    line = jax.tree.map(lambda last: last[-1], line)
+    return history, line, solution.result == diffrax.RESULTS.successful

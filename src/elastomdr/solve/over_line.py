@@ -1,0 +1,114 @@
+"""A rigid body above elements at fixed material points: where its surface is, and what it does to each of them.
+
+The body stands at X along the line, at depth d. Over the element at x its surface is at
+
+    w = d + b(x - X),    b = -g(x - X) for an indenter,    b = h(x - X) - max h for a rough line,
+
+and dw = dd + (db/dX) dX: with the force q of the elements, F_N = sum q W and F_x = sum q (db/dX) W are the forces that
+do work on d and on X, W the weight of an element. F_x is positive where it resists a motion towards +x.
+"""
+
+import abc
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Float
+
+from .._runtime import Array
+from ..mapping.lines import AbstractLines, SingleLine
+from ..mapping.rough_line import spline, spline_coefficients
+from ..mapping.shapes import AbstractShape
+
+_NOTHING = -1e3  # where the surface is beyond the end of a body: far above any rubber [m]
+
+
+class AbstractOverLine(eqx.Module):
+    """A rigid surface above n elements."""
+
+    weight: eqx.AbstractVar[Array]  # of an element's force in the total, scalar or (n,)
+
+    @property
+    @abc.abstractmethod
+    def count(self) -> int:
+        """Number of elements n."""
+
+    @abc.abstractmethod
+    def rise(self, position: Array) -> Float[Array, " n"]:
+        """b [m], the surface over each element when the body stands at X [m] with d = 0."""
+
+    @abc.abstractmethod
+    def rise_and_slope(self, position: Array) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
+        """b [m] and db/dX."""
+
+
+class Indenter(AbstractOverLine):
+    """An indenter above the line of a half-space, or above the strips of a layer; `weight` is dx, or dx dy.
+
+    `track` is b of a rough track fixed to the line [m], added to that of the body: zero where the line is smooth.
+    """
+
+    shape: AbstractShape
+    x: Float[Array, " n"]  # places of the elements [m]
+    y: Float[Array, " n"] | None  # distance of each element's strip from the middle [m]; None for a single line
+    weight: Array
+    track: Array  # height of the track at the elements, scalar or (n,) [m]
+
+    @property
+    def count(self) -> int:
+        return self.x.shape[0]
+
+    def rise(self, position: Array) -> Array:
+        return self.rise_and_slope(position)[0]
+
+    def rise_and_slope(self, position: Array) -> tuple[Array, Array]:
+        x = self.x - position
+        r = jnp.abs(x) if self.y is None else jnp.hypot(x, self.y)
+        inside = r < self.shape.largest_contact
+        safe = jnp.where(inside, r, 0.0)
+        if self.y is None:
+            g, slope = self.shape._profile(safe), jnp.sign(x) * self.shape._slope(safe)
+        else:
+            g, steepness = jax.jvp(self.shape._height, (safe,), (jnp.ones_like(safe),))
+            slope = steepness * x / jnp.where(r > 0, r, 1.0)
+        # Beyond the end of the body there is nothing to touch.
+        return jnp.where(inside, self.track - g, _NOTHING), jnp.where(inside, slope, 0.0)
+
+
+class Rough(AbstractOverLine):
+    """A rough line above one period of the rubber; the weight 1/n makes means per length of all sums."""
+
+    coefficients: Float[Array, " n"]  # of its spline [m]
+    spacing: Array  # of elements and points [m]
+    highest: Array  # max h over the points [m]
+    weight: Array
+
+    @property
+    def count(self) -> int:
+        return self.coefficients.shape[0]
+
+    def rise(self, position: Array) -> Array:
+        return self.rise_and_slope(position)[0]
+
+    def rise_and_slope(self, position: Array) -> tuple[Array, Array]:
+        height, slope = spline(self.coefficients, -position / self.spacing)
+        return height - self.highest, -slope / self.spacing
+
+
+def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
+    """One element under each point of a rough line; `highest` is what the depth counts from."""
+    return Rough(spline_coefficients(height), jnp.asarray(spacing), highest, jnp.asarray(1 / height.shape[0]))
+
+
+def indenter(lines: AbstractLines, first: Any, spacing: Any, count: int, width: Any) -> Indenter:
+    """Elements at `first` + i `spacing`, i < `count`, under an indenter; on a layer also across, up to `width`."""
+    x, zero = first + spacing * jnp.arange(count), jnp.zeros(())
+    if isinstance(lines, SingleLine):
+        weight = spacing * lines.weight(jnp.ones(1))[0, 0]
+        return Indenter(shape=lines.shape, x=x, y=None, weight=weight, track=zero)
+    strips = -(-count // 2)
+    across = width / strips
+    y = (jnp.arange(strips) + 0.5) * across
+    x, y = (part.reshape(-1) for part in jnp.broadcast_arrays(x[None], y[:, None]))
+    return Indenter(shape=lines.shape, x=x, y=y, weight=2 * spacing * across, track=zero)

@@ -1,0 +1,164 @@
+"""Marching a line of elements under a moving body: the exact contact step, all elements at once, and the depth.
+
+At a given load the depth of the body follows from the step itself. With u_free the displacement at which an element
+needs no force at the end of the step and S its stiffness, both known before the depth is,
+
+    F_N(d) = sum W S max(0, d - l),    l = u_free - b,
+
+convex, piecewise linear and rising: Newton's method from above ends after a few steps, exactly.
+"""
+
+import functools
+import math
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Float
+
+from .._runtime import Array
+from ..foundation.step import Coefficients, Elements, advance, coefficients, over_branches
+from ..material.relaxation import Relaxation
+from .over_line import AbstractOverLine
+from .passage import Control
+from .timeline import Steps
+
+_BLOCK = 64  # steps between two states that are kept for reverse mode
+
+
+class Line(NamedTuple):
+    """What n elements remember from one step to the next; see `foundation.step.Elements`."""
+
+    u: Float[Array, " n"]  # [m]
+    f: Float[Array, "k n"]  # [Pa m]
+    q: Float[Array, " n"]  # [Pa m]
+    velocity: Float[Array, " n"]  # [m/s]
+    stored: Float[Array, " n"]  # in the branches [Pa m^2]
+    w: Float[Array, " n"]  # where the rigid surface is [m]
+
+
+class Forces(NamedTuple):
+    """What the body feels, and what became of its work, at the end of each step."""
+
+    depth: Array  # d [m]
+    normal: Array  # F_N [N]
+    drag: Array  # F_x [N]
+    work: Array  # done on the elements since the start [J]
+    stored: Array  # in the elements [J]
+
+
+def untouched(law: Relaxation, surface: AbstractOverLine, position: Array) -> Line:
+    """A line at rest, the body just above it."""
+    rise = surface.rise(position)
+    zero = jnp.zeros_like(rise)
+    return Line(zero, jnp.zeros((law.moduli.shape[0], zero.size)), zero, zero, zero, rise - jnp.max(rise))
+
+
+def free(c: Coefficients, line: Line) -> Float[Array, " n"]:
+    """u_free [m]: the displacement of each element at the end of the step that needs no force."""
+    return line.u - (c.equilibrium * line.u + over_branches(c.seen * line.f)) / c.stiffness
+
+
+def lag(c: Coefficients) -> Array:
+    """How far before the end of a step its force belongs, as a part of the step: 0 without a dashpot, else up to 1/2.
+
+    With a dashpot the force is a mean over the step with the weight exp(-(h - t) K/eta)
+    (`foundation.step.contact_step`), whose centre is 1/z - 1/(exp(z) - 1) before the end, z = h K/eta. The slope of the
+    body is taken there.
+    """
+    rate, static = c.rate[0], (c.end - c.rate)[0]
+    z = jnp.minimum(jnp.where(rate > 0, static / jnp.where(rate > 0, rate, 1.0), 700.0), 700.0)
+    safe = jnp.maximum(z, 1e-3)
+    centre = jnp.where(z > 1e-3, 1 / safe - 1 / jnp.expm1(safe), 0.5 - z / 12)
+    return jnp.where(rate > 0, centre, 0.0)
+
+
+def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) -> Array:
+    """The depth d at which spring d + sum slope max(0, d - level) = force, exactly, by Newton's method from above.
+
+    `slope` is W S, scalar or (n,). Without a spring the force must not be negative; for no force d is where the first
+    element is touched.
+    """
+    lowest = jnp.argmin(level)
+    fixed_level, fixed_slope, fixed_spring, fixed_force = jax.lax.stop_gradient((level, slope, spring, force))
+
+    def newton(level, slope, spring, force, active):
+        stiffness = spring + jnp.sum(jnp.where(active, slope, 0.0))
+        alone = jnp.broadcast_to(slope, level.shape)[lowest]  # without a spring one element at least carries the load
+        nobody = stiffness <= 0
+        load = force + jnp.where(nobody, alone * level[lowest], jnp.sum(jnp.where(active, slope * level, 0.0)))
+        return load / jnp.where(nobody, alone, stiffness)
+
+    def again(state):
+        _, count, before, tries = state
+        return (count != before) & (tries < 200)
+
+    def improve(state):
+        depth, before, _, tries = state
+        depth = newton(fixed_level, fixed_slope, fixed_spring, fixed_force, fixed_level < depth)
+        return depth, jnp.sum(fixed_level < depth), before, tries + 1
+
+    guess = jax.lax.stop_gradient(guess)
+    depth = jax.lax.while_loop(again, improve, (guess, jnp.sum(fixed_level < guess), -1, 0))[0]
+    return newton(level, slope, spring, force, fixed_level < depth)
+
+
+def press(c: Coefficients, line: Line, rise: Array, depth: Array, weight: Array) -> tuple[Line, Array]:
+    """The line after a step at whose end the body stands at `depth`, and the work done on it [J]."""
+    zero = jnp.zeros_like(line.u)
+    w = depth + rise
+    # The integrals of `advance` count from zero in each step and are summed at once: an element carries few numbers.
+    before = Elements(line.u, line.f, line.q, line.velocity, zero, zero, zero, line.stored, zero)
+    after = advance(c, before, line.w, w)
+    work = jnp.sum(weight * (after.inelastic + 0.5 * c.equilibrium * (after.u**2 - line.u**2)))
+    return Line(after.u, after.f, after.q, after.velocity, after.stored, w), work
+
+
+def energy(law: Relaxation, line: Line, weight: Array) -> Array:
+    """Energy stored in the springs of all elements [J]."""
+    return jnp.sum(weight * (0.5 * law.equilibrium * line.u**2 + line.stored))
+
+
+@functools.partial(jax.jit, static_argnames=("control", "viscous"))
+def march(
+    law: Relaxation, surface: AbstractOverLine, steps: Steps, *, control: Control, viscous: bool = True
+) -> tuple[Forces, Line]:
+    """All steps from an untouched line: the forces at the end of each, and the line at the end.
+
+    `viscous=False` saves some work for a law whose viscosity is known to be zero.
+    """
+    weight = jnp.asarray(surface.weight)
+
+    def step(state, now: Steps):
+        line, depth, work, before = state
+        c = coefficients(law, now.h)
+        rise, slope = surface.rise_and_slope(now.position)
+        if viscous:
+            _, slope = surface.rise_and_slope(now.position - lag(c) * (now.position - before))
+        if control == "load":
+            depth = settle(free(c, line) - rise, weight * c.stiffness[0], 0.0, now.value, depth)
+        else:
+            depth = now.value
+        line, done = press(c, line, rise, depth, weight)
+        work = work + done
+        normal, drag = jnp.sum(weight * line.q), jnp.sum(weight * line.q * slope)
+        return (line, depth, work, now.position), Forces(depth, normal, drag, work, energy(law, line, weight))
+
+    @jax.checkpoint
+    def block(state, part):
+        return jax.lax.scan(step, state, part)
+
+    zero = jnp.zeros(())
+    start = (untouched(law, surface, steps.position[0]), zero, zero, steps.position[0])
+    blocks = jax.tree.map(lambda x: x.reshape(-1, _BLOCK), steps)
+    (line, _, _, _), forces = jax.lax.scan(block, start, blocks)
+    return jax.tree.map(lambda x: x.reshape(-1), forces), line
+
+
+def padded(steps: Steps) -> Steps:
+    """The steps with the last one repeated at rest, to a number of them that few histories differ in."""
+    count = steps.h.shape[0]
+    blocks = max(1, math.ceil(count / _BLOCK))
+    grain = 2 ** max(0, math.floor(math.log2(blocks)) - 2)
+    missing = _BLOCK * grain * math.ceil(blocks / grain) - count
+    return Steps(*(jnp.concatenate([jnp.asarray(x), jnp.repeat(jnp.asarray(x)[-1:], missing)]) for x in steps))

@@ -1,0 +1,124 @@
+"""Coupled dynamics against free oscillation, its rigid limits, its energy balance, and its order."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.mapping.lines import SingleLine
+from elastomdr.solve.dynamics import Mount, Scene, run
+from elastomdr.solve.over_line import indenter
+
+FLAT = em.RoughLine(np.arange(8) * 1e-5, np.zeros(8))
+X = np.arange(64) * 1e-5
+WAVY = em.RoughLine(X, 4e-6 * np.cos(2 * np.pi * X / 6.4e-4))
+RUBBER = em.Foundation(4e6, [12e6], [1e-3])
+
+
+@pytest.fixture(autouse=True)
+def float64():
+    with jax.enable_x64(True):
+        yield
+
+
+def test_mass_on_kelvin_elements_is_a_damped_oscillator():
+    """m d'' + (eta + c) d' + (E + k) d = P from rest at d = 0: frequency, damping and level in closed form."""
+    modulus, viscosity, mass, k, c, load = 1e4, 4.0, 0.1, 5e3, 2.0, 5.0
+    time = np.linspace(0, 0.05, 41)
+    found = em.drive(
+        em.Foundation.kelvin(modulus, viscosity), FLAT, time=time, position=0 * time, load=load,
+        normal=em.Mount(mass, k, c), rtol=2e-2,
+    )  # fmt: skip
+    omega, damping = np.sqrt((modulus + k) / mass), (viscosity + c) / (2 * mass)
+    ringing = np.sqrt(omega**2 - damping**2)
+    swing = np.exp(-damping * time) * (np.cos(ringing * time) + damping / ringing * np.sin(ringing * time))
+    assert found.converged.all()
+    np.testing.assert_allclose(found.depth, load / (modulus + k) * (1 - swing), atol=1e-3 * load / modulus)
+    # Rounding in each march; of the limit extrapolated from two, whose squares are not, about (error of d')^2/3.
+    assert np.abs(found.imbalance).max() < 1e-5 * found.given.max()
+
+
+def test_rigid_drive_under_a_load_is_em_slide():
+    time = np.linspace(0, 0.02, 9)
+    arguments = {"time": time, "position": 0.05 * time, "load": 20.0, "rtol": 1e-2}
+    slide, drive = em.slide(RUBBER, WAVY, **arguments), em.drive(RUBBER, WAVY, **arguments)
+    assert drive.converged.all()
+    np.testing.assert_allclose(drive.mu[2:], slide.mu[2:], rtol=1e-2)
+    np.testing.assert_allclose(drive.depth[2:], slide.depth[2:], rtol=1e-2)
+
+
+def test_stiff_spring_drags_the_body_and_no_contact_leaves_it_free():
+    time = np.linspace(0, 0.01, 9)
+    stiff = em.drive(
+        RUBBER, WAVY, time=time, position=0.05 * time, load=20.0, tangential=em.Mount(1e-3, 1e6, 50.0), rtol=1e-2
+    )
+    assert stiff.converged.all()
+    np.testing.assert_allclose(stiff.position, stiff.drive, atol=1e-6)
+    free = em.drive(RUBBER, FLAT, time=time, position=0.05 * time, load=20.0, tangential=em.Mount(1e-3, 1e3), rtol=1e-2)
+    omega = np.sqrt(1e6)  # a flat body feels no friction: X = v (t - sin(omega t)/omega)
+    np.testing.assert_allclose(free.position, 0.05 * (time - np.sin(omega * time) / omega), atol=2e-3 * 5e-4)
+
+
+def ball(samples, spacing):
+    """A ball on mounts in both directions, over rubber: the depth, the place and the missing energy at the end."""
+    count = round(6e-3 / spacing)
+    surface = indenter(SingleLine(em.Paraboloid(0.01)), -2e-3 + 0.3 * spacing, spacing, count, 1.0)
+    law = jax.tree.map(jnp.asarray, RUBBER.law())
+    scene = Scene(law, surface, Mount(0.02, 5e3, 1.0), Mount(0.02, 1e3, 0.5))
+    time = jnp.linspace(0, 4e-3, 5)
+    seen, _, done = run(scene, time, 0.4 * time, jnp.full(5, 10.0), 1e-3, samples)
+    assert done
+    given, kept = seen.driven + seen.pressed, seen.work + seen.damped
+    kinetic = 0.01 * (seen.velocity**2 + seen.sinking**2)
+    spring = 2.5e3 * (0.4 * time - seen.position) ** 2 + 500 * seen.depth**2
+    missing = jnp.abs(given - kept - kinetic - spring).max() / given.max()
+    return np.array([seen.depth[-1], seen.position[-1]]), float(missing)
+
+
+def test_second_order_and_energy_balance():
+    sizes = 2 ** np.arange(3)
+    ends, missing = zip(*(ball(int(32 * s), 4e-5 / s) for s in sizes), strict=True)
+    change = np.abs(np.diff(ends, axis=0)).max(axis=0) / np.abs(ends[-1])
+    assert (change < 0.05).all()
+    last = np.abs(ends[-1] - ends[-2]) / np.abs(ends[-1])
+    assert (last < 1e-3).all()
+    slope = -np.polyfit(np.log(sizes), np.log(missing), 1)[0]
+    assert slope > 1.7
+    assert missing[-1] < 1e-3
+
+
+def test_gradient_through_the_motion_meets_finite_differences():
+    time = np.linspace(0, 4e-3, 5)
+
+    @jax.jit
+    def place(mass, modulus):
+        rubber = em.Foundation(4e6, jnp.stack([modulus]), [1e-3])
+        found = em.drive(
+            rubber, WAVY, time=time, position=0.05 * time, load=20.0, tangential=em.Mount(mass, 1e4, 1.0), rtol=1e-1
+        )
+        return found.position[-1] * 1e4
+
+    at = (jnp.asarray(5e-3), jnp.asarray(12e6))
+    slopes = jax.jit(jax.grad(place, argnums=(0, 1)))(*at)
+    for i in range(2):
+        ends = [place(*(a * (1 + s * 1e-4 * (i == j)) for j, a in enumerate(at))) for s in (1, -1)]
+        np.testing.assert_allclose(slopes[i] * at[i], (ends[0] - ends[1]) / 2e-4, rtol=2e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"tangential": 3.0}, "tangential must be an em.Mount"),
+        ({"normal": em.Mount(0.0)}, "normal mass must be positive"),
+        ({"normal": em.Mount(1.0, -1.0)}, "normal stiffness"),
+        ({"track": WAVY}, "track must be"),
+        ({"time": [0.0, 0.0]}, "time must ascend"),
+        ({"load": -1.0}, "load must be"),
+        ({"material": em.Foundation(1e9, [], [], per_area=True)}, "half-space"),
+    ],
+)
+def test_refuses_bad_input(change, message):
+    arguments = {"material": RUBBER, "time": [0.0, 1.0], "position": [0.0, 0.0], "load": 1.0} | change
+    with pytest.raises(em.InputError, match=message):
+        em.drive(arguments.pop("material"), WAVY, **arguments)

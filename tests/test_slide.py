@@ -1,0 +1,282 @@
+"""Transient sliding against steady friction, exact creep, a closed form in full contact, and independent energies."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.mapping.lines import SingleLine
+from elastomdr.mapping.rough_line import spline, spline_coefficients
+from elastomdr.material.relaxation import Relaxation
+from elastomdr.solve.over_line import indenter, rough
+from elastomdr.solve.slide import march, settle
+from elastomdr.solve.timeline import Steps, cut, timeline
+
+RUBBER = em.Foundation(4e6, [12e6, 3e6], [1e-3, 1e-1])
+BALL = em.Paraboloid(0.01)
+POINTS = np.arange(96) * 1e-5
+MODES = ((1e-6, 1), (5e-7, 3), (2e-7, 5))  # amplitude [m], waves in the period
+WAVES = em.RoughLine(POINTS, sum(a * np.cos(2 * np.pi * m * POINTS / 9.6e-4 + m) for a, m in MODES))
+
+
+@pytest.fixture(autouse=True)
+def float64():
+    with jax.enable_x64(True):
+        yield
+
+
+# ---------------------------------------------------------------- against steady sliding and exact creep
+
+
+def test_meets_steady_friction_after_dwell_jump_of_velocity_and_step_of_load():
+    time = np.array([0.0, 0.5, 0.54, 0.54 + 3e-3, 0.54 + 3e-3, 0.54 + 6e-3])
+    position = np.array([0.0, 0.0, 0.02, 0.035, 0.035, 0.05])  # 0.5 m/s, then 5 m/s
+    load = np.array([10.0, 10.0, 10.0, 10.0, 5.0, 5.0])
+    slide = em.slide(RUBBER, BALL, time=time, position=position, load=load, rtol=1e-2)
+    steady = em.friction(RUBBER, BALL, velocity=[0.5, 5.0, 5.0], load=[10.0, 10.0, 5.0], average=None)
+    assert slide.converged.all()
+    assert slide.model == steady.model
+    np.testing.assert_allclose(slide.mu[[0, 1]], 0, atol=1e-4)
+    np.testing.assert_allclose(slide.mu[[2, 3, 5]], steady.mu, rtol=1e-2)
+    np.testing.assert_allclose(slide.depth[[2, 3, 5]], steady.depth, rtol=1e-2)
+    np.testing.assert_allclose(slide.normal_force, load, rtol=1e-12)
+
+
+def test_dwell_is_the_exact_creep_of_a_paraboloid():
+    """a^3 = (3/4) R F J(t), d = a^2/R, at every time after the load is put on."""
+    time = np.concatenate([[0.0], np.geomspace(1e-5, 10, 13)])
+    slide = em.slide(RUBBER, BALL, time=time, position=0 * time, load=10.0, rtol=1e-2)
+    exact = (0.75 * 0.01 * 10 * RUBBER.creep(time)) ** (2 / 3) / 0.01
+    assert slide.converged.all()
+    np.testing.assert_allclose(slide.depth, exact, rtol=1e-3)
+    elastic = 0.4 * 10 * exact[0]  # F ~ d^1.5: the work of the sudden load, all of it stored
+    np.testing.assert_allclose([slide.work[0], slide.stored[0]], elastic, rtol=2e-3)
+    np.testing.assert_allclose(slide.work - slide.work[0], 10 * (exact - exact[0]), rtol=2e-3, atol=1e-8)
+
+
+def steady_error(spacing, exact):
+    """Error of F_x of a paraboloid at fixed depth, in the square mean over a few steps."""
+    law = Relaxation(*map(jnp.asarray, (4e6, np.array([12e6]), np.array([1e-3]), 0.0)))
+    v, depth = 1.0, 1e-4
+    count = round(8e-3 / spacing)
+    steps = round(4e-3 / spacing)
+    x = 0.93 * spacing * jnp.arange(1, steps + 1)  # so that the edges pass through all places between two elements
+    surface = indenter(SingleLine(BALL), -2e-3 + 0.3 * spacing, spacing, count, 1.0)
+    forces, _ = march(
+        law, surface, Steps(jnp.full(steps, 0.93 * spacing / v), x, jnp.full(steps, depth)), control="depth"
+    )
+    return float(jnp.sqrt(jnp.mean((forces.drag[-64:] / exact - 1) ** 2)))
+
+
+def test_second_order_in_elements_and_steps():
+    spacing = 4e-3 / np.array([128, 256, 512, 1024])
+    law = em.Foundation(4e6, [12e6], [1e-3])
+    exact = float(em.friction(law, BALL, velocity=1.0, depth=1e-4, average=None).friction_force)
+    slope = np.polyfit(np.log(spacing), np.log([steady_error(s, exact) for s in spacing]), 1)[0]
+    # The factor of h^2 depends on where the edges fall between elements: single levels gain 1.6 to 2.9, all of them 2.0.
+    assert 1.6 < slope < 2.5
+
+
+# ---------------------------------------------------------------- rough lines
+
+
+def test_spline_interpolates_and_is_periodic():
+    from scipy.interpolate import CubicSpline
+
+    length = WAVES.period
+    truth = CubicSpline(np.append(POINTS, length), np.append(WAVES.height, WAVES.height[0]), bc_type="periodic")
+    for shift in (0.0, 0.3, -7.25, 1001.5):
+        height, slope = spline(spline_coefficients(jnp.asarray(WAVES.height)), jnp.asarray(shift))
+        place = (POINTS + shift * 1e-5) % length
+        np.testing.assert_allclose(height, truth(place), atol=1e-18)
+        np.testing.assert_allclose(slope / 1e-5, truth(place, 1), atol=1e-13)
+    finer = WAVES.finer(2)
+    np.testing.assert_allclose(finer.height[1::2], truth(POINTS + 5e-6), atol=1e-18)
+    assert np.isclose(finer.period, length, rtol=1e-14)
+
+
+def test_full_contact_is_the_closed_form():
+    """F_x per length = sum (1/2) A^2 k E''(k v), the mean force E_inf times the mean displacement."""
+    v, k = 0.02, 2 * np.pi / float(WAVES.period)
+    time = np.linspace(0, 0.8, 5)
+    slide = em.slide(RUBBER, WAVES, time=time, position=v * time, depth=1e-5, rtol=1e-2)
+    exact = sum(0.5 * a**2 * m * k * RUBBER.loss(m * k * v) for a, m in MODES)
+    assert slide.converged.all()
+    np.testing.assert_allclose(slide.friction_force[-1], exact, rtol=1e-4)
+    sunk = 1e-5 - float(WAVES.highest - WAVES.height.mean())
+    np.testing.assert_allclose(slide.normal_force[-1], RUBBER.relaxation(0.8) * sunk, rtol=1e-3)
+
+
+def branch_losses(history):
+    """int sum f_k^2/(E_k tau_k) dt of elements that follow u exactly: a loop of its own, Gauss points in each step."""
+    steps, u, modulus, tau = history
+    node, weight = np.polynomial.legendre.leggauss(24)
+    f, loss = np.zeros_like(u[0]), 0.0
+    for h, before, after in zip(steps, u[:-1], u[1:], strict=True):
+        rate = (after - before) / h
+        t = h * (node + 1) / 2
+        at = f[:, None] * np.exp(-t / tau) + modulus * tau * rate[:, None] * -np.expm1(-t / tau)
+        loss += (at**2 @ weight).mean() * h / 2 / (modulus * tau)
+        f = f * np.exp(-h / tau) + modulus * tau * rate * -np.expm1(-h / tau)
+    return loss
+
+
+def test_energy_is_stored_or_lost_in_the_branches():
+    """In full contact the work is that stored and what the branches lose, integrated apart, to 1e-8 of the work."""
+    law = Relaxation(*map(np.asarray, (4e6, np.array([12e6]), np.array([1e-3]), 0.0)))
+    surface = rough(jnp.asarray(WAVES.height), WAVES.spacing, WAVES.highest)
+    h = np.geomspace(1e-5, 1e-3, 64)
+    h[0] = 1e-15  # put down at once
+    x = np.cumsum(np.full(64, 7e-6))
+    depth = 1e-5 + 1e-6 * np.sin(np.arange(64.0))
+    forces, _ = march(law, surface, Steps(*map(jnp.asarray, (h, x, depth))), control="depth")
+    u = np.stack([np.zeros(96), *(depth[:, None] + jax.jit(jax.vmap(surface.rise))(jnp.asarray(x)))])
+    lost = branch_losses((h, u, 12e6, 1e-3))
+    np.testing.assert_allclose(forces.work[-1] - forces.stored[-1], lost, rtol=0, atol=1e-8 * float(forces.work[-1]))
+
+
+def test_zero_load_and_renewed_contact_everywhere_at_once():
+    """A flat line on one standard element: pressed, lifted, pressed again before the element has recovered."""
+    flat = em.RoughLine(POINTS, 0 * POINTS)
+    law = em.Foundation(1e6, [4e6], [1e-2])
+    time = np.array([0.0, 0.01, 0.01, 0.02, 0.02, 0.03])
+    slide = em.slide(law, flat, time=time, position=0 * time, load=[8.0, 8.0, 0.0, 0.0, 8.0, 8.0], rtol=1e-2)
+    # At the load: u = F J(t); the load is taken off and put on again, all by superposition of creep.
+    creep = law.creep(np.maximum(time, 0))
+    one, two = law.creep(np.maximum(time - 0.01, 0)), law.creep(np.maximum(time - 0.02, 0))
+    exact = 8 * np.array([creep[0], creep[1], creep[2] - one[2], creep[3] - one[3], 0, 0])
+    exact[4:] = 8 * (creep[4:] - one[4:] + two[4:])
+    assert slide.converged.all()
+    np.testing.assert_allclose(slide.depth, exact, rtol=1e-4)
+    np.testing.assert_allclose(slide.normal_force, [8, 8, 0, 0, 8, 8], atol=1e-9)
+    np.testing.assert_array_equal(np.isnan(slide.mu), [False, False, True, True, False, False])
+
+
+def test_a_branch_far_faster_than_the_step_does_nothing():
+    surface = rough(jnp.asarray(WAVES.height), WAVES.spacing, WAVES.highest)
+    steps = Steps(jnp.full(64, 1e-3), 3e-6 * jnp.arange(64.0), jnp.full(64, 1.0))
+    stiff, plain = (
+        Relaxation(*map(np.asarray, (4e6, np.array([1e7, e]), np.array([1e-2, 1e-12]), 0.0))) for e in (1e9, 0.0)
+    )
+    found, expected = (march(law, surface, steps, control="load")[0] for law in (stiff, plain))
+    np.testing.assert_allclose(found.drag[5:], expected.drag[5:], rtol=1e-4)
+    np.testing.assert_allclose(found.depth, expected.depth, rtol=1e-4)
+
+
+# ---------------------------------------------------------------- the depth at a load
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_depth_at_a_load_is_exact(seed):
+    rng = np.random.default_rng(seed)
+    level, slope = jnp.asarray(rng.normal(size=64)), jnp.asarray(rng.random(64))
+    spring, force = float(seed % 2), 10.0 ** rng.uniform(-6, 3)
+    for guess in (-5.0, 0.0, 50.0):
+        depth = settle(level, slope, spring, jnp.asarray(force), jnp.asarray(guess))
+        carried = spring * depth + jnp.sum(slope * jnp.maximum(depth - level, 0.0))
+        np.testing.assert_allclose(carried, force, rtol=1e-9)
+    rate = jax.grad(settle, argnums=3)(level, slope, spring, jnp.asarray(force), jnp.asarray(0.0))
+    np.testing.assert_allclose(rate, 1 / (spring + slope[level < depth].sum()), rtol=1e-12)
+    if not spring:
+        assert settle(level, slope, spring, jnp.zeros(()), jnp.asarray(3.0)) == level.min()
+
+
+# ---------------------------------------------------------------- gradients
+
+
+def final_mu(modulus, radius, load):
+    law = em.Foundation(4e6, jnp.stack([modulus]), [1e-3])
+    time = np.array([0.0, 1e-3, 3e-3])  # at rest, then 0.5 m/s
+    found = em.slide(
+        law, em.Paraboloid(radius), time=time, position=np.array([0.0, 0.0, 1e-3]), load=load, elements=192, rtol=1e-1
+    )
+    return found.mu[-1]
+
+
+def test_gradients_meet_finite_differences_in_both_modes():
+    at = tuple(map(jnp.asarray, (12e6, 0.01, 10.0)))
+    value = jax.jit(final_mu)
+    grads = jax.jit(jax.grad(final_mu, argnums=(0, 1, 2)))(*at)
+    assert np.isfinite(grads).all()
+    tangent = jax.jit(lambda *a: jax.jvp(final_mu, a, tuple(a))[1])(*at)
+    np.testing.assert_allclose(tangent, sum(g * a for g, a in zip(grads, at, strict=True)), rtol=1e-9)
+    for i, step in enumerate((2e-3, 2e-3, 2e-3)):
+        ends = [value(*(a * (1 + sign * step * (i == j)) for j, a in enumerate(at))) for sign in (1, -1)]
+        np.testing.assert_allclose(grads[i] * at[i], (ends[0] - ends[1]) / (2 * step), rtol=0.05, atol=1e-4)
+
+
+# ---------------------------------------------------------------- time steps, results, refusals
+
+
+def test_steps_cover_the_history():
+    time, place = np.array([0.0, 1.0, 1.0, 3.0]), np.array([0.0, 2.0, 2.0, 2.0])
+    load = np.array([1.0, 1.0, 5.0, 7.0])
+    line = timeline(time, place, load, 0.5, 1e-3, 0)
+    for finer in (1, 2):
+        steps, last = cut(line, time, place, load, 1e-3, finer)
+        np.testing.assert_allclose(np.cumsum(steps.h)[last], time, atol=1e-9)
+        np.testing.assert_allclose(steps.position[last], place)
+        np.testing.assert_allclose(steps.value[last], load)
+        assert np.abs(np.diff(steps.position)).max() <= 0.5 / finer + 1e-12
+        assert (steps.h > 0).all()
+
+
+def test_result_is_a_table_and_a_figure(tmp_path):
+    time = np.linspace(0, 0.01, 4)
+    slide = em.slide(em.Foundation(4e6, [12e6], [1e-3]), WAVES, time=time, position=0.01 * time, load=2.0)
+    slide.to_csv(tmp_path / "slide.csv")
+    text = (tmp_path / "slide.csv").read_text()
+    assert "normal force [N/m]" in text
+    assert "bare MDR line" in text
+    assert "Transient sliding" in repr(slide)
+    assert set(slide.to_dict()) >= {"time", "mu", "dissipated", "model"}
+    ax = slide.plot(against="position")
+    assert ax.get_xlabel() == "Position [m]"
+    with pytest.raises(em.InputError, match="against"):
+        slide.plot(against="mu")
+
+
+T2 = np.array([0.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"time": [1.0, 0.0]}, "time must not fall"),
+        ({"time": [0.0, 1.0, 2.0]}, "time and position"),
+        ({"time": [0.0, 0.0], "position": [0.0, 1.0]}, "position must not jump"),
+        ({"load": None}, "load or depth"),
+        ({"depth": 1e-4}, "load or depth"),
+        ({"load": -1.0}, "load must be"),
+        ({"load": [1.0, 1.0, 1.0]}, "load must be one number"),
+        ({"temperature": 300.0}, "no shift law"),
+        ({"rtol": 0.0}, "rtol"),
+        ({"elements": 3}, "elements"),
+        ({"shape": em.FlatPunch(1e-3)}, "FlatPunch"),
+        ({"shape": "ball"}, "shape"),
+        ({"material": em.Foundation.kelvin(1e6, 1e3), "load": None, "depth": 1e-4}, "depth must not jump"),
+    ],
+)
+def test_refuses_bad_input(change, message):
+    arguments = {"material": RUBBER, "shape": BALL, "time": T2, "position": T2, "load": 1.0} | change
+    with pytest.raises(em.InputError, match=message):
+        em.slide(arguments.pop("material"), arguments.pop("shape"), **arguments)
+
+
+def test_rough_line_refuses_uneven_points():
+    with pytest.raises(em.InputError, match="evenly spaced"):
+        em.RoughLine([0.0, 1.0, 2.0, 4.0], np.zeros(4))
+    line = em.RoughLine([0.0, 1.0, 2.0, 4.5], [0.0, 1.0, 2.0, 3.0], resample=True)
+    np.testing.assert_allclose(line.height, np.interp(1.5 * np.arange(4), [0, 1, 2, 4.5], [0, 1, 2, 3]))
+    with pytest.raises(em.InputError, match="four points"):
+        em.RoughLine([0.0, 1.0], [0.0, 1.0])
+
+
+def test_a_history_out_of_reach_is_flagged():
+    """A body that is pressed past the end of its profile has no answer."""
+    r = np.linspace(0, 1e-3, 9)
+    with pytest.warns(em.ConvergenceWarning, match="did not converge"):
+        slide = em.slide(RUBBER, em.Profile(r, r**2 / 0.02), time=T2, position=0 * T2, load=1e3, rtol=1e-1)
+    assert np.isnan(slide.mu).all()
+    assert not slide.converged.any()
