@@ -74,7 +74,7 @@ def test_second_order_in_elements_and_steps():
     law = em.Foundation(4e6, [12e6], [1e-3])
     exact = float(em.friction(law, BALL, velocity=1.0, depth=1e-4, average=None).friction_force)
     slope = np.polyfit(np.log(spacing), np.log([steady_error(s, exact) for s in spacing]), 1)[0]
-    # The factor of h^2 depends on where the edges fall between elements: single levels gain 1.6 to 2.9, all of them 2.0.
+    # The factor of h^2 depends on where the edges fall between elements: one level gains 1.6 to 2.9, all of them 2.0.
     assert 1.6 < slope < 2.5
 
 

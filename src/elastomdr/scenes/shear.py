@@ -108,10 +108,10 @@ def shear(
     inside = found.contact_radius <= reach * (1 - 0.25 / elements) if not isinstance(shape, FlatPunch) else True
     good = jnp.isfinite(found.force) & jnp.isfinite(found.normal_force) & inside
     found = type(found)(*(jnp.where(good, x, jnp.nan) for x in found))
-    inputs = [("material", normal.name or "given directly"), ("shape", _describe(shape))]
-    inputs += [(name, _brief(value, "N" if name == "load" else "m")), ("displacement", _brief(displacement, "m"))]
+    inputs = [("material", normal.name or "given directly"), ("shape", describe(shape))]
+    inputs += [(name, brief(value, "N" if name == "load" else "m")), ("displacement", brief(displacement, "m"))]
     inputs += [
-        ("time", _brief(time, "s")),
+        ("time", brief(time, "s")),
         ("friction coefficient", f"{float(mu):g}" if not is_traced(mu) else "traced"),
     ]
     inputs.append(("elements and steps", f"{elements} on a half line, {steps} between two instants"))
