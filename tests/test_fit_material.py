@@ -43,6 +43,37 @@ def test_round_trip_to_friction(writer, tmp_path, truth):
     np.testing.assert_allclose(again.mu, truth.mu, rtol=0.02)
 
 
+def friction_at_reference(fit, tmp_path, velocity, **scene):
+    em.save_material(fit.material, tmp_path / "again.toml", info=fit.info())
+    material = em.load_material(tmp_path / "again.toml")
+    return em.friction(material, BALL, velocity=velocity, **(SCENE | {"temperature": None} | scene)).mu
+
+
+def test_round_trip_of_a_master_curve(tmp_path, truth):
+    """RepTate's .tts holds one curve at one temperature: no shift law comes back, and no temperature is given."""
+    omega, rng = np.geomspace(3e-3, 3e5, 90), np.random.default_rng(0)
+    moduli = np.asarray(RUBBER.at(293.15).complex_modulus(omega))
+    rows = np.column_stack([omega, moduli.real, moduli.imag]) * (1 + 0.003 * rng.normal(size=(90, 3)) * [0, 1, 1])
+    np.savetxt(tmp_path / "known.tts", rows, header="T=20;chem=rubber;", comments="")
+    fit = em.fit.material(em.fit.read_dma(tmp_path / "known.tts"))
+    again = friction_at_reference(fit, tmp_path, VELOCITY)
+    np.testing.assert_allclose(again, truth.mu[1], rtol=0.02)
+
+
+def test_round_trip_of_relaxation(tmp_path, truth):
+    t, rng = np.geomspace(0.01, 1e3, 24), np.random.default_rng(1)
+    lines = ["t,G_relax,T", "s,MPa,°C"]
+    for celsius in CELSIUS:
+        moduli = np.asarray(RUBBER.at(celsius + 273.15).relaxation(t)) * (1 + 0.003 * rng.normal(size=t.size))
+        lines += [f"{a!r},{b / 1e6!r},{celsius}" for a, b in zip(t.tolist(), moduli.tolist(), strict=True)]
+    (tmp_path / "relaxation.csv").write_text("\n".join(lines), encoding="cp949")
+    fit = em.fit.material(em.fit.read_dma(tmp_path / "relaxation.csv"), 293.15)
+    again = friction_at_reference(fit, tmp_path, VELOCITY[:6], temperature=293.15)
+    np.testing.assert_allclose(again, truth.mu[1, :6], rtol=0.02)
+    with pytest.warns(em.ExtrapolationWarning, match="1 of 8 points"):
+        friction_at_reference(fit, tmp_path, VELOCITY, temperature=293.15)
+
+
 def test_material_file_is_complete(tmp_path):
     fit = em.fit.material(em.fit.read_dma(two_rows(tmp_path, ROWS)), 293.15, name="my-rubber", citation="Here, today")
     files = fit.files()

@@ -26,6 +26,7 @@ from .spectrum import LOSS, RELAXATION, STORAGE, Points
 from .terms import Data, choose_terms, most_terms
 
 TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
+_EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
 _POOR = 0.1  # relative residual worth a warning
 
 
@@ -202,7 +203,7 @@ def prony(
     level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
     material = Prony(
         level, numbers[:count], numbers[count:], kind=kind, poisson=poisson, shift=shift, name=name, citation=citation,
-        range=_range(np.exp(points.log_rate), master),
+        range=_range(points, master),
     )  # fmt: skip
     fit = PronyFit(
         material=material,
@@ -248,9 +249,10 @@ def _judge(points: Points, residuals: np.ndarray, data: Data, contradiction: boo
             yield f"{said}, by which the data scatter."
 
 
-def _range(rate: np.ndarray, master: MasterCurve | None) -> Range:
-    """Where the data are, rounded."""
-    low, high = (float(f"{x:.4g}") for x in (rate.min(), rate.max()))
+def _range(points: Points, master: MasterCurve | None) -> Range:
+    """Where the data are, rounded; the loss modulus at omega needs relaxation from about t = 0.1/omega on."""
+    rate = np.exp(points.log_rate) * np.where(points.channel == RELAXATION, _EARLY, 1.0)
+    low, high = (float(f"{x:.4g}") for x in (np.exp(points.log_rate).min(), rate.max()))
     if master is None:
         return Range((low, high), None)
     cold, warm = (round(float(x), TEMPERATURE_DIGITS) for x in (master.temperature.min(), master.temperature.max()))

@@ -18,6 +18,7 @@ _FREE = 15.0  # standard deviation of a logarithm that the data alone decide
 _PLATEAU = 0.1  # least part of the lowest storage modulus that an equilibrium modulus must be to be believed
 _DECISIVE = 10.0  # by how much a liquid must do better before a body that levels off counts as one
 _IDLE = 0.001  # largest share of any value below which a term is left out, in noise standard deviations
+_STIFFEST = 30.0  # largest modulus of a term to begin with, in largest values: one beyond the data may seem boundless
 _BINS = 12  # per decade of frequency, into which points are gathered while the number of terms is looked for
 _ROUGHLY = 0.1  # gain of a step, in the criterion, at which the search for that number stops climbing
 
@@ -150,7 +151,8 @@ def _counts(most: int) -> list[int]:
 
 def _best(data: Data, count: int, solid: bool) -> Terms:
     """The better of two starts: with terms close to the data, and with one well beyond their fast end."""
-    trials = [_trial(data, count, solid, far) for far in ((False, True) if count > 2 else (False,))]
+    beyond = count > 2 and (data.points.channel != RELAXATION).any()  # a relaxation test sees nothing before its start
+    trials = [_trial(data, count, solid, far) for far in ((False, True) if beyond else (False,))]
     return min(trials, key=lambda t: t.criterion)
 
 
@@ -166,7 +168,7 @@ def _trial(data: Data, count: int, solid: bool, far: bool) -> Terms:
         log_times = np.concatenate([[low - _FAR * _LN10], log_times])
     moduli, equilibrium = _first(data, log_times, solid)
     top = np.exp(points.log_value).max()
-    start = np.concatenate([np.log(np.maximum(moduli, 1e-6 * top)), log_times])
+    start = np.concatenate([np.log(np.clip(moduli, 1e-6 * top, _STIFFEST * top)), log_times])
     if solid:
         lowest = points.log_value[points.channel != LOSS].min(initial=points.log_value.max())
         start = np.append(start, np.log(max(equilibrium, 0.03 * np.exp(lowest))))
