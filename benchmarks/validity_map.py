@@ -62,12 +62,9 @@ def main() -> None:
                 print(f"  {name}, {decades} decades, {contrast:g}", end="\r", file=sys.stderr)
                 speed, average, bare, own = compare(shape, law(decades, contrast))
                 worst = int(np.abs(average).argmax())
-                rows.append(
-                    (
-                        name, decades, contrast, f"{speed.size} of 5", 100 * average[worst], speed[worst], 100 * own[worst],
-                        100 * np.sqrt(np.mean(average**2)), 100 * bare[np.abs(bare).argmax()],
-                    )
-                )  # fmt: skip
+                off = 100 * average[worst], speed[worst], 100 * own[worst]
+                spread = 100 * np.sqrt(np.mean(average**2)), 100 * bare[np.abs(bare).argmax()]
+                rows.append((name, decades, contrast, f"{speed.size} of 5", *off, *spread))
                 clouds[name, decades, contrast] = speed, average
     record["table"] = table(COLUMNS, rows)
     lines = ["| " + " | ".join(COLUMNS) + " |", "|" + "--:|" * len(COLUMNS)]
