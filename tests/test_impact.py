@@ -246,7 +246,7 @@ class TestExtremes:
         """beta -> inf: stopped at A = m v0/eta, then pushed out at d/tau: restitution -> d/(tau v0)."""
         beta = 1e4
         tau = beta * DM / V
-        found = impact(kelvin_voigt(beta))
+        found = impact(kelvin_voigt(beta), rtol=1e-5)
         depth = (0.75 * M * V / (E * tau * math.sqrt(R))) ** (2 / 3)
         assert not found.stuck
         np.testing.assert_allclose(found.restitution, depth / (tau * V), rtol=2e-2)
@@ -276,22 +276,21 @@ class TestOblique:
         np.testing.assert_allclose(found.slip_loss[:2], found.lost[:2], rtol=1e-3, atol=1e-12)
         assert np.all(found.error < 1e-4)
 
-    def test_is_odd_and_scales(self):
-        """u/(mu v) decides, so that twice the friction and twice the velocity are the same impact."""
-        found = self.strike([0.4, -0.4, 0.8], [0.3, 0.3, 0.6]).oblique
-        np.testing.assert_allclose(found.after / found.after[0], [1, -1, 2], rtol=1e-9)
-        assert found.after[0] < 0  # it comes back: the contact stores tangential energy
-
-    def test_partial_slip_against_shear(self):
-        """The motion of an impact, imposed by `em.shear`, gives the same tangential forces."""
-        found = self.strike(0.4, 0.3)
+    def test_is_odd_and_scales_and_agrees_with_shear(self):
+        """u/(mu v) decides, so that twice the friction and twice the velocity are the same impact; the motion, imposed
+        by `em.shear` along straight lines, gives about the same tangential forces.
+        """
+        found = self.strike([0.4, -0.4, 0.8], [0.3, 0.3, 0.6])
         h, t = found.history, found.oblique
-        u = np.concatenate([[0], np.cumsum(0.5 * (t.velocity[1:] + t.velocity[:-1]) * np.diff(h.time))])
+        np.testing.assert_allclose(t.after / t.after[0], [1, -1, 2], rtol=1e-9)
+        assert t.after[0] < 0  # it comes back: the contact stores tangential energy
+        speed, time = t.velocity[0], h.time[0]
+        u = np.concatenate([[0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
         force = em.shear(
-            self.NORMAL, BALL, time=h.time, displacement=u, friction=0.3, depth=np.maximum(h.depth, 0),
-            tangential=self.TANGENTIAL, elements=4000,
+            self.NORMAL, BALL, time=time, displacement=u, friction=0.3, depth=np.maximum(h.depth[0], 0),
+            tangential=self.TANGENTIAL, elements=1000,
         ).force  # fmt: skip
-        np.testing.assert_allclose(t.force, force, atol=0.04 * np.abs(force).max())
+        np.testing.assert_allclose(t.force[0], force, atol=0.04 * np.abs(force).max())
 
     def test_energy_and_bad_input(self):
         rubber = em.StandardSolid(1e6, 3e6, 1e-3)
