@@ -58,7 +58,7 @@ def main(out: Path) -> None:
 
 
 def spectrum(time: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes at the ten frequencies of the track, over the last of its periods, where what was left of putting the ball down has faded."""
+    """Amplitudes at the ten frequencies of the track, over the last of its periods."""
     last = signal[-65:-1]
     amplitude = 2 * np.abs(np.fft.rfft(last - last.mean())) / last.size
     frequency = np.fft.rfftfreq(last.size, time[1] - time[0])
