@@ -25,7 +25,7 @@ def float64():
 def test_mass_on_kelvin_elements_is_a_damped_oscillator():
     """m d'' + (eta + c) d' + (E + k) d = P from rest at d = 0: frequency, damping and level in closed form."""
     modulus, viscosity, mass, k, c, load = 1e4, 4.0, 0.1, 5e3, 2.0, 5.0
-    time = np.linspace(0, 0.05, 41)
+    time = np.linspace(0, 0.05, 321)
     found = em.drive(
         em.Foundation.kelvin(modulus, viscosity), FLAT, time=time, position=0 * time, load=load,
         normal=em.Mount(mass, k, c), rtol=2e-2,
@@ -41,7 +41,7 @@ def test_mass_on_kelvin_elements_is_a_damped_oscillator():
 
 def test_rigid_drive_under_a_load_is_em_slide():
     time = np.linspace(0, 0.02, 9)
-    arguments = {"time": time, "position": 0.05 * time, "load": 20.0, "rtol": 1e-2}
+    arguments = {"time": time, "position": 0.05 * time, "load": 20.0, "rtol": 3e-2}
     slide, drive = em.slide(RUBBER, WAVY, **arguments), em.drive(RUBBER, WAVY, **arguments)
     assert drive.converged.all()
     np.testing.assert_allclose(drive.mu[2:], slide.mu[2:], rtol=1e-2)
@@ -51,10 +51,12 @@ def test_rigid_drive_under_a_load_is_em_slide():
 def test_stiff_spring_drags_the_body_and_no_contact_leaves_it_free():
     time = np.linspace(0, 0.01, 9)
     stiff = em.drive(
-        RUBBER, WAVY, time=time, position=0.05 * time, load=20.0, tangential=em.Mount(1e-3, 1e6, 50.0), rtol=1e-2
+        RUBBER, WAVY, time=time, position=0.05 * time, load=20.0, tangential=em.Mount(1e-2, 1e6, 50.0), rtol=5e-2
     )
     assert stiff.converged.all()
-    np.testing.assert_allclose(stiff.position, stiff.drive, atol=1e-6)
+    # The body rings with v/omega = 5 um at first, which fades with c/2m = 2500 1/s; F_x/k is below 1 um.
+    np.testing.assert_allclose(stiff.position[2:], stiff.drive[2:], atol=1e-6)
+    time = np.linspace(0, 0.01, 129)
     free = em.drive(RUBBER, FLAT, time=time, position=0.05 * time, load=20.0, tangential=em.Mount(1e-3, 1e3), rtol=1e-2)
     omega = np.sqrt(1e6)  # a flat body feels no friction: X = v (t - sin(omega t)/omega)
     np.testing.assert_allclose(free.position, 0.05 * (time - np.sin(omega * time) / omega), atol=2e-3 * 5e-4)
@@ -91,7 +93,6 @@ def test_second_order_and_energy_balance():
 def test_gradient_through_the_motion_meets_finite_differences():
     time = np.linspace(0, 4e-3, 5)
 
-    @jax.jit
     def place(mass, modulus):
         rubber = em.Foundation(4e6, jnp.stack([modulus]), [1e-3])
         found = em.drive(
@@ -100,9 +101,10 @@ def test_gradient_through_the_motion_meets_finite_differences():
         return found.position[-1] * 1e4
 
     at = (jnp.asarray(5e-3), jnp.asarray(12e6))
-    slopes = jax.jit(jax.grad(place, argnums=(0, 1)))(*at)
+    both = jax.jit(jax.value_and_grad(place, argnums=(0, 1)))
+    slopes = both(*at)[1]
     for i in range(2):
-        ends = [place(*(a * (1 + s * 1e-4 * (i == j)) for j, a in enumerate(at))) for s in (1, -1)]
+        ends = [both(*(a * (1 + s * 1e-4 * (i == j)) for j, a in enumerate(at)))[0] for s in (1, -1)]
         np.testing.assert_allclose(slopes[i] * at[i], (ends[0] - ends[1]) / 2e-4, rtol=2e-3, atol=1e-6)
 
 

@@ -52,7 +52,7 @@ def test_dwell_is_the_exact_creep_of_a_paraboloid():
     np.testing.assert_allclose(slide.depth, exact, rtol=1e-3)
     elastic = 0.4 * 10 * exact[0]  # F ~ d^1.5: the work of the sudden load, all of it stored
     np.testing.assert_allclose([slide.work[0], slide.stored[0]], elastic, rtol=2e-3)
-    np.testing.assert_allclose(slide.work - slide.work[0], 10 * (exact - exact[0]), rtol=2e-3, atol=1e-8)
+    np.testing.assert_allclose(slide.work - slide.work[0], 10 * (exact - exact[0]), rtol=2e-3, atol=1e-4 * elastic)
 
 
 def steady_error(spacing, exact):
@@ -74,7 +74,7 @@ def test_second_order_in_elements_and_steps():
     law = em.Foundation(4e6, [12e6], [1e-3])
     exact = float(em.friction(law, BALL, velocity=1.0, depth=1e-4, average=None).friction_force)
     slope = np.polyfit(np.log(spacing), np.log([steady_error(s, exact) for s in spacing]), 1)[0]
-    # The factor of h^2 depends on where the edges fall between elements: one level gains 1.6 to 2.9, all of them 2.0.
+    # The factor of h^2 depends on where the edges fall between elements: 1.6 to 2.9 per level, 2.0 in all.
     assert 1.6 < slope < 2.5
 
 

@@ -169,14 +169,18 @@ def _advance(
         inertia = 2 * along.mass / h**2 + along.stiffness / 2 + along.damping / h
         pull = along.stiffness * ((drive + drive_end) / 2 - y.position) + along.damping * (drive_end - drive) / h
         known = 2 * along.mass * y.velocity / h + pull
-        moved = h * y.velocity
-        for _ in range(_NEWTON):
+
+        def improve(state: tuple[Array, Array], _: None) -> tuple[tuple[Array, Array], None]:
+            moved, guess = state
             drag, steepness, (_, guess) = jax.jvp(
                 functools.partial(forces, guess=guess), (moved,), (jnp.ones_like(moved),), has_aux=True
             )
             # Where the contact pulls ahead the more the body moves, the tangent is not taken below half the inertia.
             tangent = inertia + jnp.maximum(steepness, -0.5 * inertia)
-            moved = moved - (inertia * moved + drag - known) / tangent
+            return (moved - (inertia * moved + drag - known) / tangent, guess), None
+
+        # A loop, not four copies: compiling takes far longer than most motions.
+        (moved, guess), _ = jax.lax.scan(improve, (h * y.velocity, guess), None, length=_NEWTON)
 
     drag_mean, (_, depth) = forces(moved, guess)
     position = y.position + moved
