@@ -22,6 +22,7 @@ def float64():
         yield
 
 
+@pytest.mark.slow
 def test_mass_on_kelvin_elements_is_a_damped_oscillator():
     """m d'' + (eta + c) d' + (E + k) d = P from rest at d = 0: frequency, damping and level in closed form."""
     modulus, viscosity, mass, k, c, load = 1e4, 4.0, 0.1, 5e3, 2.0, 5.0
@@ -48,6 +49,7 @@ def test_rigid_drive_under_a_load_is_em_slide():
     np.testing.assert_allclose(drive.depth[2:], slide.depth[2:], rtol=1e-2)
 
 
+@pytest.mark.slow
 def test_stiff_spring_drags_the_body_and_no_contact_leaves_it_free():
     time = np.linspace(0, 0.01, 9)
     stiff = em.drive(
@@ -90,6 +92,7 @@ def test_second_order_and_energy_balance():
     assert missing[-1] < 1e-3
 
 
+@pytest.mark.slow
 def test_gradient_through_the_motion_meets_finite_differences():
     time = np.linspace(0, 4e-3, 5)
 

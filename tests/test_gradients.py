@@ -37,7 +37,9 @@ def _mu(p, shape, average, rtol=1e-8):
     ).mu
 
 
-@pytest.mark.parametrize(("shape", "average"), [("paraboloid", "direction"), ("sphere", None)])
+@pytest.mark.parametrize(
+    ("shape", "average"), [("paraboloid", "direction"), pytest.param("sphere", None, marks=pytest.mark.slow)]
+)
 def test_gradients_in_both_modes_against_differences(shape, average):
     def value(parameters):
         return _mu(parameters, shape, average)

@@ -113,6 +113,7 @@ RUBBER = em.Foundation(2e6, [6e6, 3e6, 1e6], [2e-5, 5e-4, 3e-2], 30.0)
 BRANCHES = em.Foundation(2e6, [6e6, 3e6, 1e6], [2e-5, 5e-4, 3e-2])
 
 
+@pytest.mark.slow
 def test_elements_agree():
     """The depths of the impact, imposed on independent elements by the contact step: same force, same energy lost."""
     found = impact(BRANCHES)
@@ -195,6 +196,7 @@ def test_gradient():
     np.testing.assert_allclose(gradient, numeric, rtol=2e-5, atol=2e-7)
 
 
+@pytest.mark.slow
 def test_vmap_over_materials_and_forward_mode():
     moduli = np.array([1e6, 3e6, 9e6])
 

@@ -416,6 +416,7 @@ def test_derivatives_under_a_growing_load():
     np.testing.assert_allclose(back @ way, jax.jvp(call, (point,), (way,))[1][0, -1], rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_derivatives_under_a_falling_load():
     load = np.interp(TIMES, [0, 0.5, 1.0, 2.0], [0, 3e-3, 1e-3, 2e-3])
 
@@ -426,6 +427,7 @@ def test_derivatives_under_a_falling_load():
     _directional(call, np.array([1.0, 3.0, 0.5, 1.0]), 1e-5)
 
 
+@pytest.mark.slow
 def test_derivatives_with_adhesion():
     def call(p):
         result = em.indent(

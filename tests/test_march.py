@@ -134,6 +134,7 @@ def test_contact_returns_and_the_error_covers_it(law):
     assert (np.abs(coarse.mu - fine.mu) <= coarse.error + fine.error).all()
 
 
+@pytest.mark.slow
 def test_profile_from_points_that_is_not_convex():
     lines, velocity = bumpy(), np.logspace(-3, 2, 9)
     assert not lines.shape.convex
@@ -152,6 +153,7 @@ def test_profile_from_points_that_is_not_convex():
     np.testing.assert_array_equal(march.converged, load < 1e6)
 
 
+@pytest.mark.slow
 def test_truncated_paraboloid():
     """f = (r^2 - b^2)_+ / 2R has g = x sqrt(x^2 - b^2)/R and F = 2 E*/(3R) (2 a^2 + b^2) sqrt(a^2 - b^2), elastic; the
     march meets it as it meets two sampling rates of each other.
@@ -182,6 +184,7 @@ def test_truncated_paraboloid():
     assert np.isnan(fine.mu[0])
 
 
+@pytest.mark.slow
 def test_gradients():
     """d log(mu) by moduli, times, velocity, load and the height of the bumps: reverse, forward, central differences."""
     start = dict(

@@ -162,6 +162,7 @@ class TestExtremes:
         assert np.isnan(found.force[-1])
 
 
+@pytest.mark.slow
 def test_gradient():
     """The force at the end against finite differences: moduli, times, radius, friction, load, displacement."""
 

@@ -52,7 +52,7 @@ def test_dwell_is_the_exact_creep_of_a_paraboloid():
     np.testing.assert_allclose(slide.depth, exact, rtol=1e-3)
     elastic = 0.4 * 10 * exact[0]  # F ~ d^1.5: the work of the sudden load, all of it stored
     np.testing.assert_allclose([slide.work[0], slide.stored[0]], elastic, rtol=2e-3)
-    np.testing.assert_allclose(slide.work - slide.work[0], 10 * (exact - exact[0]), rtol=2e-3, atol=1e-4 * elastic)
+    np.testing.assert_allclose(slide.work - slide.work[0], 10 * (exact - exact[0]), rtol=2e-3, atol=1e-3 * elastic)
 
 
 def steady_error(spacing, exact):
@@ -194,6 +194,7 @@ def final_mu(modulus, radius, load):
     return found.mu[-1]
 
 
+@pytest.mark.slow
 def test_gradients_meet_finite_differences_in_both_modes():
     at = tuple(map(jnp.asarray, (12e6, 0.01, 10.0)))
     value = jax.jit(final_mu)

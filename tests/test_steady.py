@@ -177,7 +177,13 @@ def test_power_laws_join_up():
 
 
 @pytest.mark.parametrize(
-    ("shape", "rtol"), [("paraboloid", 1e-3), ("paraboloid", 1e-6), ("paraboloid", 1e-10), ("sphere", 1e-6)]
+    ("shape", "rtol"),
+    [
+        ("paraboloid", 1e-3),
+        ("paraboloid", 1e-6),
+        ("paraboloid", 1e-10),
+        pytest.param("sphere", 1e-6, marks=pytest.mark.slow),
+    ],
 )
 def test_rtol_is_honoured_and_covered(shape, rtol):
     foundations = {
@@ -239,6 +245,7 @@ def test_leaves_the_users_jax_setting_alone():
     assert jnp.ones(1).dtype == (np.float64 if before else np.float32)
 
 
+@pytest.mark.slow
 def test_a_sphere_sinks_in_a_liquid():
     liquid = em.Foundation(0.0, [1e7, 1e6], [1e-4, 1.0])
     with pytest.warns(em.ConvergenceWarning, match=r"1 of 2 points .* wider than the sphere has \(0.005 m\)\."):
@@ -251,6 +258,7 @@ def test_a_sphere_sinks_in_a_liquid():
     assert np.isnan(curve.mu)
 
 
+@pytest.mark.slow
 def test_strips_of_a_layer_are_counted_in_the_error():
     # Across a cone's tip strips converge slowly. Elastic with a weak dashpot, mu = eta v int g'^2 / F, by quadrature
     # of its own: strips of half-width X = sqrt(A^2 - y^2), int g'^2 dx = 2 s^2 [X - y atan(X/y)].
@@ -276,6 +284,7 @@ def test_a_branch_of_no_modulus_changes_nothing():
     np.testing.assert_allclose(elastic.creep([0.0, 1.0]), 1e-6, rtol=1e-15)
 
 
+@pytest.mark.slow
 def test_a_power_law_counts_what_its_tip_costs():
     # One branch at a depth, by adaptive quadrature of q(x) = E_inf [g(a) - g(x)] + E_1 int_x^a exp(-(y-x)/s) g'(y) dy.
     exponent, velocity = 1.5, 10.0

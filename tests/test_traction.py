@@ -70,6 +70,7 @@ def test_elastic_ends_and_rolling_beside_it():
     np.testing.assert_allclose(found.rolling, beside.coefficient, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_small_creep_is_all_stick():
     """No slip: F_x = xi int int_0^r G*(s/v) ds dr over the contact, from the relaxation function."""
     found = em.traction(RUBBER, BALL, velocity=1.0, creep=1e-9, friction=0.8, load=5.0)
@@ -123,6 +124,7 @@ class TestExtremes:
         np.testing.assert_allclose(found.coefficient, elastic().coefficient, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_gradient():
     """Against finite differences: moduli, times, radius, load, creep, friction, velocity."""
 
