@@ -45,6 +45,28 @@ def test_grosch_master_curve():
     assert "log10 a_T" in repr(master)
 
 
+def test_errors_of_measured_friction():
+    """Noise in proportion to the friction, said so or given point by point, and better used for it."""
+    a = 10 ** np.asarray(LAW.log10_a(KELVIN))[:, None]
+    curve = 0.1 + 1.5 * np.exp(-((np.log10(VELOCITY * a) - 0.5) ** 2) / 4)
+    truth, off = np.asarray(LAW.log10_a(KELVIN)), {}
+    for seed in range(4):
+        mu = curve * (1 + 0.05 * np.random.default_rng(seed).normal(size=curve.shape))
+        for name, error in (("default", None), ("relative", "relative"), ("given", 0.05 * curve)):
+            master = em.fit.friction_master(VELOCITY, KELVIN[:, None], mu, 293.15, error=error)
+            off.setdefault(name, []).append(master.log10_a - truth)
+        np.testing.assert_allclose(master.error, (0.05 * curve).ravel())
+    default, relative, given = (np.square(off[name]).mean() for name in ("default", "relative", "given"))
+    assert max(relative, given) < default
+    for error, said in (
+        ("some", "error must be numbers"),
+        (np.ones(5), "match the measured points"),
+        (-1.0, "positive"),
+    ):
+        with pytest.raises(InputError, match=said):
+            em.fit.friction_master(VELOCITY, KELVIN[:, None], mu, error=error)
+
+
 def test_flat_friction_has_no_shift():
     rng = np.random.default_rng(0)
     flat = 0.7 + 0.01 * rng.normal(size=(KELVIN.size, VELOCITY.size))

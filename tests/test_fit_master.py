@@ -32,13 +32,27 @@ def test_shift_factors_are_found_within_their_intervals(master):
     assert np.sqrt(np.mean((master.log10_a - truth) ** 2)) < 0.03  # a power law: 1 % up is 0.02 decades sideways
     low, high = master.log10_a_interval.T
     np.testing.assert_allclose(high - low, 2 * 1.96 * master.log10_a_std)
-    assert (np.abs(master.log10_a - truth) <= 3 * master.log10_a_std).all()  # all of them: more than 95 %
     assert (master.log10_a_std[np.arange(7) != 4] > 1e-4).all()
     at = np.flatnonzero(master.temperature == 293.15)[0]
     assert master.log10_a[at] == master.log10_b[at] == master.log10_a_std[at] == 0
     assert master.converged
     assert master.warnings == ()
     assert master.noise["storage modulus"] == pytest.approx(0.005, rel=0.25)
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    """Of 72 shift factors, six each from twelve laboratories, 95 % intervals hold 62 at least: if neighbours miss in
+    pairs, fewer are a chance of 1 %.
+    """
+    truth, held, scores = np.asarray(LAW.log10_a(CELSIUS + 273.15)), [], []
+    for seed in range(12):
+        found = em.fit.master_curve(data(noise=0.02, seed=100 + seed), 293.15)
+        away = np.abs(found.temperature - 293.15) > 0.1
+        low, high = found.log10_a_interval[away].T
+        held += ((low <= truth[away]) & (truth[away] <= high)).tolist()
+        scores.append((((found.log10_a - truth)[away] / found.log10_a_std[away]) ** 2).mean())
+    assert sum(held) >= 62
+    assert np.mean(scores) > 0.2  # nor are they so wide that they could not miss
 
 
 def test_the_laws(master):
@@ -116,6 +130,29 @@ def test_isotherms_that_do_not_overlap_are_named():
     master = em.fit.master_curve(data([-20.0, 20.0, 30.0], hertz=np.geomspace(1, 10, 12)), 293.15)
     assert any("do not overlap" in text and "-20 and 20 degC" in text for text in master.warnings)
     assert master.log10_a_std[0] > 5 * master.log10_a_std[2]
+
+
+def test_a_gap_is_bridged_with_an_interval_that_says_so():
+    """Two decades and a half without data: the step across is uncertain by some tenths of a decade, and held."""
+    held, widths = [], []
+    for seed in range(6):
+        master = em.fit.master_curve(data([-30.0, 10.0, 20.0, 30.0], hertz=np.geomspace(1, 20, 10), seed=seed), 293.15)
+        off = master.log10_a - np.asarray(LAW.log10_a(master.temperature))
+        held.append(abs(off[0]) <= 1.96 * master.log10_a_std[0])
+        widths.append(master.log10_a_std[0])
+    assert sum(held) >= 5
+    assert 0.1 < np.mean(widths) < 0.6
+
+
+def test_gross_outliers_lose_their_hold():
+    """One storage modulus in thirteen is a hundred times too large."""
+    clean = data()
+    wrong = np.where(np.arange(clean.storage.size) % 13 == 5, 100.0, 1.0)
+    dirty = em.fit.dma(clean.frequency, clean.storage * wrong, clean.loss, clean.temperature, kind="shear")
+    master = em.fit.master_curve(dirty, 293.15)
+    truth = np.asarray(LAW.log10_a(master.temperature))
+    assert np.abs(master.log10_a - truth).max() < 0.1
+    assert any("6 of 154 values are outliers" in text for text in master.warnings)
 
 
 def test_two_processes_are_not_thermorheologically_simple():

@@ -139,3 +139,33 @@ def test_tables_and_figures(tmp_path):
     assert len(rows) == 2 + fit.terms
     assert "Pa" in fit.plot().get_ylabel()
     assert "residuals" in repr(fit)
+
+
+def test_moduli_that_contradict_each_other():
+    """Loss that no passive material has beside its storage modulus: the storage modulus is met, the loss as it can be.
+    Scatter of the same size is no contradiction, and both are met to it.
+    """
+    storage, loss = moduli(SOLID, noise=0.005)
+    fit = em.fit.prony(OMEGA, storage, loss * np.where(OMEGA < 10, 3.0, 1.0))
+    assert fit.storage_residual < 0.05
+    assert fit.loss_residual > 0.2
+    assert any("contradict each other" in text for text in fit.warnings)
+    noisy = em.fit.prony(OMEGA, *moduli(SOLID, noise=0.2))
+    assert 0.1 < noisy.storage_residual < 0.25
+    assert 0.1 < noisy.loss_residual < 0.25
+    assert not any("contradict" in text for text in noisy.warnings)
+    assert any("the data scatter" in text for text in noisy.warnings)
+
+
+def test_relaxation_has_an_interval_and_no_boundless_term():
+    rng = np.random.default_rng(0)
+    t = np.geomspace(1e-3, 10.0, 40)
+    values = np.asarray(SOLID.relaxation(t)) * (1 + 0.01 * rng.normal(size=t.size))
+    fit = em.fit.prony(time=t, relaxation=values, terms=9)
+    assert np.max(fit.material.moduli) < 100 * values.max()
+    band, truth = fit.relaxation_band(t), np.asarray(SOLID.relaxation(t))
+    assert np.mean((band.relaxation_low <= truth) & (truth <= band.relaxation_high)) > 0.85
+    assert np.median(band.relaxation_high / band.relaxation_low - 1) < 0.05
+    assert fit.material.range.frequency == pytest.approx((0.1, 100.0))  # 1/t, less a decade at the fast end
+    with pytest.warns(em.fit.FitWarning, match="1 of 2 times are extrapolated"):
+        fit.relaxation_band([1e-5, 1.0])

@@ -123,6 +123,8 @@ def test_what_is_implausible_is_said(write, text, said):
 def test_loss_from_the_loss_tangent_and_from_the_phase(write):
     path = write("f [Hz],T [degC],E' [MPa],tan(delta)\n" + "\n".join(f"{f},20,2,0.05" for f in (1, 2)))
     np.testing.assert_allclose(em.fit.read_dma(path).loss, 1e5)
+    path = write("f,T,E',tan delta\nHz,degC,MPa,%\n" + "\n".join(f"{f},20,2,5" for f in (1, 2)))
+    np.testing.assert_allclose(em.fit.read_dma(path).loss, 1e5)
     path = write("f [Hz],T [degC],|G*| [MPa],phase angle [deg]\n" + "\n".join(f"{f},20,2,30" for f in (1, 2)))
     np.testing.assert_allclose(em.fit.read_dma(path).loss, 1e6)
 
@@ -191,3 +193,86 @@ def test_clean_files_read_without_a_word(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         em.fit.read_dma(plain_csv(tmp_path, ROWS))
+
+
+@pytest.mark.parametrize(
+    ("header", "kind"),
+    [
+        ("Frequency (Hz),Temperature (°C),Storage modulus G' (MPa),Loss modulus G'' (MPa)", "shear"),
+        ("Frequency f [Hz],Temperature T [°C],Storage Modulus (E') (MPa),Loss Modulus (E'') (MPa)", "tensile"),
+        ("Frequency - Hz,Temperature - °C,E' - MPa,E'' - MPa", "tensile"),
+        ("Frequenz [Hz],Temperatur [°C],Speichermodul E' [MPa],Verlustmodul E'' [MPa]", "tensile"),
+        ("주파수 (Hz),온도 (℃),저장 탄성률 G' (MPa),손실 탄성률 G'' (MPa)", "shear"),
+        ('"f [Hz]","T [°C]","G\' [MPa]","G"" [MPa]"', "shear"),
+        ("f,T,G',G''\n\nHz,°C,MPa,MPa\n", "shear"),
+        ("f [Hz],T [°C],E storage modulus [MPa],E loss modulus [MPa]", "tensile"),
+    ],
+)
+def test_titles_in_many_ways(write, header, kind):
+    dma = em.fit.read_dma(write(header + "\n" + "\n".join(f"{f},20,2,0.1" for f in (1, 2, 4))))
+    np.testing.assert_allclose([dma.frequency[0], dma.temperature[0], dma.storage[0]], [2 * np.pi, 293.15, 2e6])
+    assert dma.kind == kind
+
+
+@pytest.mark.parametrize(
+    ("rows", "storage"),
+    [
+        ('0.5,20,"8,097.18",1', 8097.18e6),  # thousands with a point elsewhere
+        ('0.5,20,"8,097",1', 8097e6),
+        ("0,5;20;8.097,18;1", 8097.18e6),  # decimal commas with a point between thousands
+        ("0,5;20;8.097;1", 8097e6),
+        ("0.5;20;2\u00a0100;1", 2100e6),  # a blank between thousands
+        ("0.5\t20\t2e3\t1", 2e9),
+    ],
+)
+def test_thousands_and_decimals(write, rows, storage):
+    mark = next(mark for mark in ";\t," if mark in rows)
+    header = mark.join(["f [Hz]", "T [degC]", "E' [MPa]", "E'' [MPa]"])
+    dma = em.fit.read_dma(write("\n".join([header, rows, rows, rows])))
+    np.testing.assert_allclose(dma.storage, storage)
+    np.testing.assert_allclose(dma.frequency, np.pi)
+
+
+def test_signs_and_separators_of_spreadsheets(write):
+    dma = em.fit.read_dma(write("sep=;\nf [Hz];T [°C];G' [MPa];G'' [MPa]\n" + 3 * "1;\u221220;2;0,1\n"))
+    np.testing.assert_allclose([dma.temperature[0], dma.loss[0]], [253.15, 1e5])
+
+
+def test_units_that_are_not_known_are_not_overruled(write):
+    rows = "\n".join(f"{f},20,2,0.1" for f in (1, 2, 4))
+    for header in ("f [Hz],T [K],G' [furlong],G'' [furlong]\n", "f,T,G',G''\nHz,K,furlong,furlong\n"):
+        with pytest.raises(InputError, match="'furlong', which is none of Pa"):
+            em.fit.read_dma(write(header + rows), modulus_unit="MPa")
+    for unit, option in (("1/s", "frequency_unit"), ("MHz", "frequency_unit")):
+        path = write(f"f [{unit}],T [degC],G' [MPa],G'' [MPa]\n" + rows)
+        with pytest.raises(InputError, match=f"may be several .*{option}="):
+            em.fit.read_dma(path)
+        np.testing.assert_allclose(em.fit.read_dma(path, frequency_unit="Hz").frequency[0], 2 * np.pi)
+    path = write("a [Hz],b [°C],stiff [kPa],damp [kPa]\n" + rows)
+    columns = {"frequency": 1, "temperature": 2, "storage": 3, "loss": 4}
+    assert em.fit.read_dma(path, columns=columns, kind="shear", modulus_unit="MPa").storage[0] == 2e3
+
+
+def test_moduli_of_both_kinds_in_one_file(write):
+    path = write("f [Hz],T [degC],E' [MPa],G'' [MPa],G' [MPa],E'' [MPa]\n" + 3 * "1,20,6,0.2,2,0.6\n")
+    with pytest.raises(InputError, match="of shear and of tension"):
+        em.fit.read_dma(path)
+    for kind, storage, loss in (("shear", 2e6, 2e5), ("tensile", 6e6, 6e5)):
+        dma = em.fit.read_dma(path, kind=kind)
+        np.testing.assert_allclose([dma.storage[0], dma.loss[0]], [storage, loss])
+    with pytest.raises(InputError, match="only one of both"):
+        em.fit.read_dma(write("f [Hz],T [degC],E' [MPa],G'' [MPa]\n" + 3 * "1,20,6,0.2\n"), kind="shear")
+
+
+def test_titles_that_never_end(write):
+    """A line of prose above the table is looked at as a header, and may be long."""
+    prose = " ".join(["storage modulus G' (x) - y, z:"] * 500)
+    dma = em.fit.read_dma(write(prose + "\nf [Hz],T [degC],G' [MPa],G'' [MPa]\n" + 3 * "1,20,2,0.1\n"))
+    assert dma.size == 3
+
+
+def test_measurements_that_do_not_match_are_refused():
+    with pytest.raises(InputError, match="storage must have as many entries as frequency, 3, got 2"):
+        em.fit.Dma(np.full(3, 293.15), np.ones(3), np.ones(2), np.ones(3), "shear")
+    with pytest.raises(InputError, match="storage must be positive"):
+        em.fit.Dma(np.full(2, 293.15), np.ones(2), -np.ones(2), np.ones(2), "shear")

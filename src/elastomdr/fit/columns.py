@@ -17,7 +17,7 @@ UNITS: dict[str, dict[str, float]] = {  # role -> unit -> factor to SI (rad/s, P
     "temperature": {"degc": 1.0, "k": 1.0, "degf": 5 / 9},
     "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     "angle": {"deg": math.pi / 180, "rad": 1.0},
-    "ratio": {"": 1.0},
+    "ratio": {"": 1.0, "%": 0.01},
 }  # fmt: skip
 _OFFSETS = {"degc": 273.15, "k": 0.0, "degf": 459.67 * 5 / 9}
 _SAME = {
@@ -92,7 +92,7 @@ def unclear(text: str) -> bool:
 def is_unit_row(cells: Sequence[str]) -> bool:
     """Whether a row gives units: some of its cells are, none is a number, few are anything else."""
     words = [cell.strip() for cell in cells if cell.strip()]
-    units = [word for word in words if known_unit(word) or word in ("-", "[-]", "%", "N", "mm", "µm", "1/MPa")]
+    units = [word for word in words if known_unit(word) or word in ("-", "[-]", "N", "mm", "µm", "1/MPa")]
     numbers = [word for word in words if re.fullmatch(r"[+-]?[\d.,]+([eE][+-]?\d+)?", word)]
     return (len(units) >= 2 and not numbers) or (len(units) == 1 and len(words) == 1)
 
@@ -132,7 +132,8 @@ def _letter(role: str, name: str) -> str:
         return "G"
     if re.match(r"tensile|young", name, re.IGNORECASE):
         return "E"
-    match = re.search(r"(?<![a-z])\|?([ge])(?=[_'*12(]|pp?\b|abs|stor|loss|relax|prime|dprime)", name, re.IGNORECASE)
+    behind = r"[_'*12(]|pp?\b|[ ]?(?:abs|stor|loss|relax|d?prime)"
+    match = re.search(rf"(?<![a-z])([ge])(?={behind})", name, re.IGNORECASE)
     match = match or re.match(r"\|?([GE])(?=[tT]\b)", name)
     return match[1].upper() if match else ""
 

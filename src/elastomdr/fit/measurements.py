@@ -152,7 +152,7 @@ def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
     if column.role == "omega" and not column.unit:
         return "rad/s"
     if kind == "ratio":
-        return ""
+        return column.unit
     if column.said and not unclear(column.said):
         known = ", ".join(spelled(unit) for unit in UNITS[kind])
         raise InputError(f"the unit of {column.title!r} is {column.said!r}, which is none of {known}: write it as one.")

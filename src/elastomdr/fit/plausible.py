@@ -62,7 +62,11 @@ def inconsistent(
                 "rad/s mixed up? Assumed is the angular frequency."
             )
     if "tangent" in others and "storage" in arrays and "loss" in arrays:
-        ratio = _median(np.array(others["tangent"][0]) * arrays["storage"] / arrays["loss"])
+        ratio = _median(
+            np.array(convert(others["tangent"][0], "tangent", others["tangent"][1]))
+            * arrays["storage"]
+            / arrays["loss"]
+        )
         if abs(ratio - 1) > 0.1:
             yield (
                 f"the loss tangent is {ratio:.3g} times loss over storage modulus: are their units mixed up? Assumed "

@@ -1,0 +1,139 @@
+"""A material knows where its numbers hold; what uses it beyond that says so, point by point and in words."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.main import main
+from elastomdr.errors import InputError
+from elastomdr.material.validity import Range, shared
+
+LAW = em.WLF(6.0, 110.0, 293.15)
+LIMITS = {"frequency": (1.0, 1e3), "temperature": (273.15, 313.15)}
+RUBBER = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, name="rubber", range=LIMITS)
+BALL = em.Paraboloid(5e-3)
+SCENE = {"load": 1.0, "average": None, "rtol": 1e-3}
+VELOCITY = np.geomspace(1e-5, 10.0, 16)
+
+
+@pytest.fixture(scope="module")
+def curve():
+    with pytest.warns(em.ExtrapolationWarning) as caught:
+        found = em.friction(RUBBER, BALL, velocity=VELOCITY, **SCENE)
+    assert len(caught) == 1
+    return found, str(caught[0].message)
+
+
+def test_every_point_is_flagged_by_the_frequency_of_its_passage(curve):
+    found, said = curve
+    rate = 2 * VELOCITY / (0.5 * (found.contact.leading + found.contact.trailing))
+    np.testing.assert_array_equal(found.extrapolated, (rate < 1.0) | (rate > 1e3))
+    assert 3 < found.extrapolated.sum() < 13
+    assert said.startswith(
+        f"{found.extrapolated.sum()} of 16 points lie beyond the range of the material: 2 v a_T/a from"
+    )
+    assert "range 1 to 1e+03 rad/s" in said
+    assert said.rstrip(".") in found.summary()
+    assert "(extrapolated)" in found.summary()
+    text = found.csv()
+    assert any(line.startswith("# extrapolated: ") for line in text.splitlines())
+    assert "beyond the range of the material" in text
+    assert [line.get_linestyle() for line in found.plot().lines[:2]] == ["-", ":"]
+
+
+def test_a_scene_within_the_range_is_not_flagged():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = em.friction(RUBBER, BALL, velocity=np.geomspace(1e-3, 0.1, 16), **SCENE)
+    assert not found.extrapolated.any()
+    assert "extrapolated" not in found.summary()
+    assert em.friction(em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1]), BALL, velocity=VELOCITY, **SCENE).extrapolated is None
+
+
+def test_temperatures_shift_the_frequency_and_have_a_range_of_their_own():
+    kelvin = np.array([[273.15], [313.15]])
+    with pytest.warns(em.ExtrapolationWarning):
+        found = em.friction(RUBBER, BALL, velocity=VELOCITY[:8], temperature=kelvin, **SCENE)
+    length = found.contact.leading + found.contact.trailing
+    rate = 4 * VELOCITY[:8] * np.asarray(LAW.a(kelvin)) / length
+    np.testing.assert_array_equal(found.extrapolated, (rate < 1.0) | (rate > 1e3))
+    with pytest.warns(em.ExtrapolationWarning, match="16 of 16 points .* from 320 to 330 K, range 273.15 to 313.15 K"):
+        hot = em.friction(RUBBER, BALL, velocity=VELOCITY[:8], temperature=np.array([[320.0], [330.0]]), **SCENE)
+    assert hot.extrapolated.all()
+
+
+def test_a_material_brought_to_a_temperature_keeps_its_range():
+    cold = RUBBER.at(283.15)
+    a = float(LAW.a(283.15))
+    np.testing.assert_allclose(cold.range.frequency, (1 / a, 1e3 / a))
+    assert cold.range.temperature is None
+    assert cold.range.beyond == ""
+    with pytest.warns(em.ExtrapolationWarning, match="2 of 2 points .* temperature 350 K, range 273.15 to 313.15 K"):
+        em.friction(RUBBER.at(350.0), BALL, velocity=[0.1, 0.2], **SCENE)
+
+
+def test_an_assumed_range_is_noted_without_a_warning():
+    rubber = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], range=Range((1.0, 1e3), None, illustrative=True))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = em.friction(rubber, BALL, velocity=VELOCITY, **SCENE)
+    assert found.extrapolated.any()
+    assert "points lie beyond the range" in found.summary()
+
+
+def test_two_bodies_and_layers():
+    other = em.Prony(1e6, [1e6], [1.0], range={"time": (1e-2, 10.0)})
+    plain = em.Prony(1e6, [1e6], [1.0])
+    assert em.half_space(RUBBER.at(293.15), other).range.frequency == pytest.approx((1.0, 100.0))
+    assert em.half_space(plain, other).range.frequency == pytest.approx((0.1, 100.0))
+    assert em.layer(RUBBER, 1e-3, bonded=False).range == RUBBER.range
+    apart = shared(Range((1.0, 2.0), None), Range((3.0, 4.0), None))
+    assert apart.outside(np.array([1.5]), None).all()
+
+
+def test_files_keep_the_range(tmp_path):
+    em.save_material(RUBBER, tmp_path / "rubber.toml")
+    assert em.load_material(tmp_path / "rubber.toml").range == RUBBER.range
+    assert em.load_material("epdm-70").range.illustrative is False
+    made_up = em.load_material("tread-passenger-synthetic")
+    assert made_up.range.illustrative
+    em.save_material(made_up, tmp_path / "bare.toml")
+    assert em.load_material(tmp_path / "bare.toml").range == made_up.range
+
+
+def test_the_plan_and_the_command_line_say_it(tmp_path, monkeypatch, capsys):
+    em.save_material(RUBBER, tmp_path / "rubber.toml")
+    scene = 'material = "rubber.toml"\n[indenter]\nshape = "paraboloid"\nradius = "5 mm"\n[contact]\nload = "1 N"\n'
+    (tmp_path / "fast.toml").write_text(
+        scene + 'velocity = ["1 m/s", "9 m/s"]\n[numerics]\naverage = "line"\nrtol = 1e-3\n'
+    )
+    monkeypatch.chdir(tmp_path)
+    assert main(["plan", "fast.toml"]) == 0
+    assert "beyond the range of the material, 1 to 1e+03 rad/s" in capsys.readouterr().out
+    assert main(["friction", "fast.toml"]) == 0
+    out, err = capsys.readouterr()
+    assert "extrapolated" in out
+    assert err.startswith("elastomdr: warning: 2 of 2 points lie beyond the range")
+    assert err.count("\n") == 1
+    assert "within the range" in str(em.plan(RUBBER, BALL, velocity=[1e-2, 0.02], **SCENE))
+
+
+@pytest.mark.parametrize(
+    "bad", [{"frequncy": (1, 2)}, {"frequency": (2, 1)}, {"time": (0.0, 1.0)}, {"time": 3}, (1, 2)]
+)
+def test_refusals(bad):
+    with pytest.raises(InputError, match="range must"):
+        em.Prony(1e6, [1e6], [1.0], range=bad)
+
+
+def test_gradients_go_through_a_material_with_a_range():
+    import jax
+
+    def friction(modulus):
+        rubber = em.StandardSolid(1e6, modulus, 1e-3, range=LIMITS)
+        return em.friction(rubber, BALL, velocity=100.0, **SCENE).mu
+
+    with jax.enable_x64(True):
+        assert np.isfinite(float(jax.grad(friction)(3e6)))
