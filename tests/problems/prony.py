@@ -8,6 +8,19 @@ with the exit where q = 0. Its integrals against 1 and 2x/R are elementary; mpma
 import mpmath as mp
 
 
+def root(function, low, high, digits=55):
+    """Where a function changes sign, by Ridders' method and bisection in turn."""
+    value_low, value_high = function(low), function(high)
+    while high - low > mp.mpf(10) ** -digits * (abs(low) + abs(high)) and value_low * value_high != 0:
+        middle = (low + high) / 2
+        value = function(middle)
+        step = (middle - low) * mp.sign(value_low) * value / mp.sqrt(value**2 - value_low * value_high)
+        for x, at in ((middle, value), (middle + step, function(middle + step))):
+            if low < x < high:
+                low, value_low, high, value_high = (x, at, high, value_high) if at * value_low > 0 else (low, value_low, x, at)
+    return low if value_low == 0 else high if value_high == 0 else (low + high) / 2
+
+
 def line(equilibrium, moduli, times, radius, velocity, *, load=None, size=None):
     """(mu, F_N, F_x, a, b) of the bare line at a load [N] or a leading edge [m]."""
     with mp.workdps(120):
@@ -19,11 +32,8 @@ def line(equilibrium, moduli, times, radius, velocity, *, load=None, size=None):
             return e_inf * (a * a - x * x) / radius + viscous
 
         def trailing(a):
-            low, high = mp.mpf(0), mp.mpf(1)  # -x/a: the force density is positive at 0 and not above it at 1
-            for _ in range(190):
-                middle = (low + high) / 2
-                low, high = (middle, high) if density(-middle * a, a) > 0 else (low, middle)
-            return low * a
+            # b/a: the force density is positive at the apex and not above zero at the far end.
+            return a * root(lambda ratio: density(-ratio * a, a), mp.mpf(0), mp.mpf(1))
 
         def forces(a):
             b = trailing(a)
@@ -44,11 +54,7 @@ def line(equilibrium, moduli, times, radius, velocity, *, load=None, size=None):
             return normal, drag, b
 
         if size is None:
-            low, high = mp.mpf("1e-12"), mp.mpf("1e3")
-            for _ in range(200):
-                a = mp.sqrt(low * high)
-                low, high = (a, high) if forces(a)[0] < load else (low, a)
-            size = mp.sqrt(low * high)
+            size = mp.exp(root(lambda log_a: mp.log(forces(mp.exp(log_a))[0] / load), mp.mpf(-28), mp.mpf(7)))
         a = mp.mpf(size)
         normal, drag, b = forces(a)
         return tuple(float(x) for x in (drag / normal, normal, drag, a, b))

@@ -25,6 +25,7 @@ Control = Literal["load", "depth"]
 _NEAREST_EXIT = 1e-12  # b/a below which contact is lost at the apex itself (a kink under a dashpot)
 _ITERATIONS = 60  # after which a point is given up
 _MET = 1e-3  # relative miss of the load from which Newton's last step gets home
+_FAR = 1e-6  # relative distance of two values from which their difference gives a slope
 _TIGHT, _LOOSE = 1e-9, 1e-6  # steps at which the searches stop; Newton's last step squares what error is left
 
 
@@ -94,7 +95,7 @@ def _search(law, lines, value, velocity, *, rule: Rule, control: Control) -> _Fo
     passage = Passage(law, lines, rule, velocity)
     if control == "depth":
         size = _size_of_depth(lines, value, top)
-        ratio, converged = _exits(passage, size, ratio)
+        ratio, _, converged = _exits(passage, size, ratio, jnp.ones_like(ratio))
     else:
         size, ratio, converged = _size_of_load(passage, value, _first_guess(passage, value, top), ratio, top)
     _, tangent = jax.linearize(lambda size, ratio: balance(passage, size, ratio), size, ratio)
@@ -125,9 +126,7 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
 
     def force(log_size):
         size = jnp.exp(log_size)
-        passage = 2 * size / p.velocity
-        branches = p.law.moduli[:, None] / (1 + passage / p.law.times[:, None])
-        mean = p.law.equilibrium + jnp.sum(branches, axis=0) + p.law.viscosity / passage
+        mean = _mean_modulus(p, size)
         entry = p.lines.entry(size)
         x = entry[:, None] * c[:, None]
         volume = 2 * entry * jnp.sum(w[:, None] * x * p.lines.slope(x, size, line), axis=1)
@@ -143,60 +142,78 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
     return 0.5 * (low + high)
 
 
-def _exits(p: Passage, size: Array, ratio: Array) -> tuple[Array, Array]:
-    """Trailing edges b/a at given contact sizes: Newton's method inside a shrinking bracket, all lines at once."""
+def _mean_modulus(p: Passage, size: Array) -> Array:
+    """About the mean of E(t) over one passage."""
+    passage = 2 * size / p.velocity
+    branches = p.law.moduli[:, None] / (1 + passage / p.law.times[:, None])
+    return p.law.equilibrium + jnp.sum(branches, axis=0) + p.law.viscosity / passage
+
+
+def _exits(p: Passage, size: Array, ratio: Array, factor: Array) -> tuple[Array, Array, Array]:
+    """Trailing edges b/a at given contact sizes, all lines at once: the secant method inside a shrinking bracket.
+
+    It starts with `factor` times the slope of an elastic contact, and returns the factor that it ended with.
+    """
+    entry = p.lines.entry(size)
+    line = jnp.arange(p.lines.count)[:, None]
+    elastic = -_mean_modulus(p, size) * entry * p.lines.slope(0.8 * entry, size, line)
 
     def density(ratio):
         return exit_density(p, size, ratio)
 
     def advance(state):
-        ratio, low, high, done, count = state
-        value, slope = jax.jvp(density, (ratio,), (jnp.ones_like(ratio),))
+        ratio, before, value_before, slope, low, high, done, count = state
+        value = density(ratio)
         low, high = jnp.where(value > 0, ratio, low), jnp.where(value > 0, high, ratio)
-        newton = ratio - value / slope
-        inside = (newton >= low) & (newton <= high)
-        following = jnp.where(inside, newton, 0.5 * (low + high))
+        slope = _secant(ratio - before, value - value_before, slope, _FAR * ratio)
+        following = ratio - value / slope
+        inside = (following >= low) & (following <= high)
+        following = jnp.where(inside, following, 0.5 * (low + high))
         small = jnp.abs(following - ratio) <= _TIGHT * (1 - ratio) + 4e-15
         following = jnp.where(done, ratio, following)
-        return following, low, high, done | small | (value == 0), count + 1
+        return following, ratio, value, slope, low, high, done | small | (value == 0), count + 1
 
     low, high = jnp.full_like(ratio, _NEAREST_EXIT), jnp.full_like(ratio, 1 + 1e-14)
     lost_at_apex = jnp.zeros(ratio.shape, bool)
     if p.rule.split:
         lost_at_apex = density(low) <= 0
         ratio = jnp.where(lost_at_apex, low, ratio)
-    state = (ratio, low, high, lost_at_apex, 0)
-    ratio, _, _, done, _ = jax.lax.while_loop(lambda s: ~jnp.all(s[3]) & (s[4] < _ITERATIONS), advance, state)
-    return ratio, jnp.all(done, axis=0)
+    state = (ratio, ratio, jnp.zeros_like(ratio), factor * elastic, low, high, lost_at_apex, 0)
+    state = jax.lax.while_loop(lambda s: ~jnp.all(s[6]) & (s[7] < _ITERATIONS), advance, state)
+    return state[0], state[3] / elastic, jnp.all(state[6], axis=0)
+
+
+def _secant(step: Array, change: Array, slope: Array, far: Array | float) -> Array:
+    """Slope of a falling or rising function from its last two values, where they lie far enough apart to tell."""
+    known = (jnp.abs(step) > far) & (change * step * slope > 0)
+    return jnp.where(known, change / jnp.where(known, step, 1.0), slope)
 
 
 def _size_of_load(p: Passage, load: Array, log_size: Array, ratio: Array, top: Array) -> tuple[Array, Array, Array]:
-    """Contact size for a load: Newton on log F_N against log A, nearly a straight line; its slope needs no dF/db (= q
-    = 0).
+    """Contact size for a load: the secant method on log F_N against log A, nearly a straight line. An edge that is off
+    by a little leaves the force as it is, since dF/db = q(-b) = 0.
     """
 
     def advance(state):
-        log_size, ratio, low, high, done, count = state
-        ratio, found = _exits(p, jnp.exp(log_size), ratio)
-
-        def log_force(log_size):
-            return jnp.log(normal_force(p, jnp.exp(log_size), ratio)[0])
-
-        value, slope = jax.jvp(log_force, (log_size,), (jnp.ones_like(log_size),))
-        excess = value - jnp.log(load)
+        log_size, before, excess_before, slope, ratio, factor, low, high, done, count = state
+        size = jnp.exp(log_size)
+        ratio, factor, found = _exits(p, size, ratio, factor)
+        excess = jnp.log(normal_force(p, size, ratio)[0]) - jnp.log(load)
         low, high = jnp.where(excess < 0, log_size, low), jnp.where(excess < 0, high, log_size)
-        newton = log_size - jnp.clip(excess / slope, -3.0, 3.0)
+        slope = _secant(log_size - before, excess - excess_before, slope, _FAR)
+        straight = log_size - jnp.clip(excess / slope, -3.0, 3.0)
         # A bracket that closes at the widest contact has not met the load, hence the second condition.
-        small = (jnp.abs(newton - log_size) <= _LOOSE) & (jnp.abs(excess) <= _MET)
-        inside = (newton > low) & (newton < high)
+        small = (jnp.abs(straight - log_size) <= _LOOSE) & (jnp.abs(excess) <= _MET)
+        inside = (straight > low) & (straight < high)
         middle = 0.5 * (jnp.maximum(low, log_size - 3) + jnp.minimum(high, log_size + 3))
-        following = jnp.where(inside | small, newton, middle)
+        following = jnp.where(inside | small, straight, middle)
         following = jnp.where(done, log_size, following)
-        return following, ratio, low, high, done | (small & found), count + 1
+        return following, log_size, excess, slope, ratio, factor, low, high, done | (small & found), count + 1
 
-    state = (log_size, ratio, jnp.full_like(load, -140.0), top, jnp.zeros(load.shape, bool), 0)
-    state = jax.lax.while_loop(lambda s: ~jnp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
-    return jnp.exp(state[0]), state[1], state[4]
+    fresh = jnp.zeros_like(load)
+    state = (log_size, log_size, fresh, fresh + 2.5, ratio, jnp.ones_like(ratio), fresh - 140, top, fresh > 0, 0)
+    state = jax.lax.while_loop(lambda s: ~jnp.all(s[8]) & (s[9] < _ITERATIONS), advance, state)
+    return jnp.exp(state[0]), state[4], state[8]
 
 
 @functools.partial(jax.jit, static_argnames=("rule", "control"))
