@@ -189,8 +189,8 @@ def _band(ax: Any, band: Any, label: str) -> None:
     ax.loglog(band.omega, band.storage, color=_INK, linewidth=1.2, label=label, zorder=4)
     ax.loglog(band.omega, band.loss, color=_INK, linewidth=1.2, zorder=4)
     for low, high in ((band.storage_low, band.storage_high), (band.loss_low, band.loss_high)):
-        label = "95 % interval" if low is band.loss_low else None
-        ax.fill_between(band.omega, low, high, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label=label)
+        once = "95 % interval" if low is band.loss_low else None
+        ax.fill_between(band.omega, low, high, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label=once)
 
 
 def _relaxation_band(ax: Any, band: Any, label: str) -> None:
