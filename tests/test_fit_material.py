@@ -164,6 +164,8 @@ def test_command_line(tmp_path, monkeypatch, capsys):
         (["short.csv"], "five points"),
         (["two.csv", "tensile.csv"], "one kind"),
         (["one.csv"], "range of frequencies"),
+        (["hot.csv"], "at most 1500 K"),
+        (["noloss.csv"], "there is no loss modulus"),
     ],
 )
 def test_bad_input_is_one_line_and_no_file(arguments, said, tmp_path, monkeypatch, capsys):
@@ -174,6 +176,8 @@ def test_bad_input_is_one_line_and_no_file(arguments, said, tmp_path, monkeypatc
         "f [Hz],G' [Pa],G'' [Pa]\n" + "\n".join(f"{f},2e6,1e5" for f in range(1, 9))
     )
     (tmp_path / "one.csv").write_text("f [Hz],T [K],G' [Pa],G'' [Pa]\n" + 9 * "10,293,2e6,1e5\n")
+    (tmp_path / "hot.csv").write_text("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "1,2e5,2e6,1e5\n9,9e5,2e6,1e5\n" * 4)
+    (tmp_path / "noloss.csv").write_text("f [Hz],T [degC],G' [Pa]\n1,20,2e6\n2,20,2e6\n")
     (tmp_path / "short.csv").write_text("f [Hz],T [degC],G' [Pa],G'' [Pa]\n1,20,2e6,1e5\n")
     (tmp_path / "tensile.csv").write_text("f [Hz],T [degC],E' [Pa],E'' [Pa]\n1,20,2e6,1e5\n2,20,2e6,1e5\n")
     before = sorted(path.name for path in tmp_path.rglob("*"))

@@ -44,7 +44,7 @@ def test_epdm_is_met_and_judged():
 
 
 def test_adhesive_and_its_bad_row():
-    with pytest.warns(FitWarning, match="1 rows left out: line 538: Loss modulus is -29.8"):
+    with pytest.warns(FitWarning, match="1 row left out: line 538: Loss modulus is -29.8"):
         dma = em.fit.read_dma(DATA / "psa-468mp" / "frequency_sweep_tts.txt")
     assert dma.size == 339
     master = em.fit.master_curve(dma, 303.15)

@@ -98,6 +98,10 @@ def test_tension_and_properties_go_into_the_material():
     assert (material.kind, float(material.poisson), material.name, material.citation) == ("tensile", 0.4, "x", "y")
     np.testing.assert_allclose(2.8 * np.asarray(material.storage(OMEGA)), np.asarray(SOLID.storage(OMEGA)), rtol=1e-3)
     np.testing.assert_allclose(fit.moduli_at(OMEGA)[0], SOLID.storage(OMEGA), rtol=1e-3)
+    assert not any("Poisson" in text for text in fit.warnings)
+    assumed = em.fit.prony(OMEGA, storage, loss, kind="tensile")
+    assert float(assumed.material.poisson) == 0.5
+    assert any("Poisson's ratio is assumed to be 0.5" in text for text in assumed.warnings)
 
 
 def test_extrapolation_is_flagged_when_used():

@@ -44,7 +44,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="how many times more exactly the storage modulus is met than the loss modulus (default: their scatter)",
     )
     add("--law", default="auto", help="auto, WLF, Arrhenius, VFT, table or none (default: auto)")
-    add("--poisson", type=float, default=0.5, help="Poisson's ratio (default: 0.5)")
+    add("--poisson", type=float, help="Poisson's ratio (default: 0.5, with a warning for tensile moduli)")
     add("--citation", default="", help="where the data come from, for the material file")
 
 

@@ -11,8 +11,8 @@ from scipy.interpolate import BSpline
 from .._runtime import as_float64, positive, require, scalar
 from ..errors import InputError
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
-from .isotherms import correlation, group
-from .laws import LawFit, fit_laws
+from .isotherms import alike, group
+from .laws import LawFit, at_reference, fit_laws
 from .posterior import Posterior, Prior, infer, one_thread
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
 from .spectrum import STORAGE, Points
@@ -22,7 +22,6 @@ _MARGIN = 2.0  # decades of the curve beyond the data, on either side
 _BEND = (1e-4, 1.0)  # limits of the standard deviation of the curve's second difference
 _FLAT = 6.0  # change of friction over all velocities, in standard deviations of the scatter, below which none is seen
 _LEAST = 0.05  # part of the largest friction below which an error in proportion shrinks no further
-_ALIKE = 1.3  # neighbours per independent point below which they count as independent
 _POOR = 0.3  # relative standard deviation of a shift between neighbours above which it is worth a warning
 
 
@@ -212,9 +211,8 @@ def _infer(points: Points, kelvin: np.ndarray, size: np.ndarray, known: bool) ->
         )
 
     posterior = found(1.0)
-    rho = min(0.9, max(0.0, correlation(points, posterior.residuals)))
-    alike = (1 + rho) / (1 - rho)
-    posterior = found(alike) if alike > _ALIKE else posterior
+    count_alike = alike(points, posterior.residuals)
+    posterior = found(count_alike) if count_alike > 1 else posterior
     return posterior._replace(residuals=posterior.residuals * size), spline, anchor
 
 
@@ -230,18 +228,13 @@ def _assemble(
     count = spline.size
     x, by_slope = from_slopes(posterior.mean[count:], kelvin, anchor)
     spread = by_slope @ posterior.covariance[count:, count:] @ by_slope.T
-    place = np.interp(reference, kelvin, np.arange(kelvin.size))
-    low = min(int(place), kelvin.size - 2)
-    weights = np.zeros(kelvin.size)
-    weights[[low, low + 1]] = 1 - (place - low), place - low
-    change = np.eye(kelvin.size) - weights
     basis, _ = spline.basis(points.log_rate + LN10 * x[points.isotherm])
     error = posterior.noise[0] * size
     flat = bool(np.ptp(basis @ posterior.mean[:count]) < _FLAT * np.median(error))
     if flat:  # noise alone makes curves fit each other; the shifts are then those expected beforehand
         spread = spread + np.outer(x, x)
-    law = fit_laws(kelvin, x, spread, float(kelvin[anchor]))["WLF" if kelvin.size > 2 else "Arrhenius"].law
-    bent = float(law._log10_a(reference)) - weights @ np.asarray(law._log10_a(kelvin))
+    weights, bent = at_reference(kelvin, x, spread, reference)
+    change = np.eye(kelvin.size) - weights
     log10_a, covariance = change @ x - bent, change @ spread @ change.T
     between = np.diff(np.eye(kelvin.size), axis=0)
     step = np.sqrt(np.maximum(np.diag(between @ spread @ between.T), 0.0))

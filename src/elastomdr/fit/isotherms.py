@@ -8,6 +8,8 @@ from ..errors import InputError
 from .data import Dma
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
 
+_HOTTEST = 1500.0  # above which no DMA is run [K]
+_ALIKE = 1.3  # neighbours per independent point below which they count as independent
 _BIN = 4.0  # widest range of temperatures that still counts as one isotherm, where they run without a gap [K]
 
 
@@ -29,6 +31,10 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
     if not np.isfinite(every).all():
         raise InputError(
             "temperature is not in the data; give it, with read_dma(..., temperature=293.15) or --temperature 20degC."
+        )
+    if every.max() > _HOTTEST:
+        raise InputError(
+            f"temperature must be at most {_HOTTEST:g} K, got {every.max():.4g} K: check its column and unit."
         )
     if every.size < 5:
         raise InputError(f"dma must have five points at least, got {every.size}.")
@@ -102,8 +108,18 @@ def own_noise(points: Points) -> np.ndarray:
         return np.sqrt(squares / np.where(freedom > 0, freedom, np.nan))
 
 
-def correlation(points: Points, residuals: np.ndarray) -> float:
-    """Correlation of neighbouring residuals along an isotherm: 0 for noise, towards 1 for a misfit of the model."""
+def alike(points: Points, residuals: np.ndarray) -> float:
+    """How many neighbours along an isotherm carry the information of one point, since their residuals are alike.
+
+    (1 + rho)/(1 - rho) with rho the correlation of neighbours, 0 for noise, towards 1 for a misfit of the model; 1
+    where they are hardly alike.
+    """
+    rho = min(0.9, max(0.0, _correlation(points, residuals)))
+    count = (1 + rho) / (1 - rho)
+    return count if count > _ALIKE else 1.0
+
+
+def _correlation(points: Points, residuals: np.ndarray) -> float:
     pairs = [(residuals[at][1:] @ residuals[at][:-1], residuals[at] @ residuals[at]) for at in curves(points)]
     values = [both / max(one, 1e-300) for (both, one), at in zip(pairs, curves(points), strict=True) if at.size >= 5]
     return float(np.mean(values)) if values else 0.0

@@ -5,12 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .isotherms import Isotherms, correlation, own_noise
-from .laws import LawFit, fit_laws
+from .isotherms import Isotherms, alike, own_noise
+from .laws import LawFit, at_reference, fit_laws
 from .shifting import LN10, Shifts, guess_shifts, join
-
-_INDEPENDENT = 1.3  # neighbours per independent point below which they count as independent
-
 
 _POOR = 0.12  # relative standard deviation of a step between neighbours above which it may not be told apart
 _EXCHANGED = 0.5  # part of its variance that is exchange with the vertical shifts
@@ -58,8 +55,8 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     points, several = _with_offsets(data, found).points, data.temperature.size > 1
     both = vertical and several
     shifts = join(points, data.temperature, found, True, near=plain) if both else plain
-    temper = _alike(shifts)
-    if temper > _INDEPENDENT:
+    temper = alike(shifts.points, shifts.posterior.residuals)
+    if temper > 1:
         shifts = join(points, data.temperature, found, both, temper, near=shifts)
         plain = join(points, data.temperature, found, False, temper, near=plain) if both else shifts
     misfit = _misfit(shifts)
@@ -78,18 +75,10 @@ def about(joint: Joint, reference: float) -> AtReference:
     covariance = shifts.posterior.covariance
     x, by_x = shifts.horizontal(p)
     y = shifts.vertical() @ p
-    weights, bent = _interpolation(temperature, reference), 0.0
-    if n >= 2:
-        name = "WLF" if n >= 3 else "Arrhenius"
-        spread = by_x @ covariance @ by_x.T + _outer(d.by_isotherm for d in joint.doubts)
-        centre = int(np.argmin(np.abs(temperature - reference)))
-        change = np.eye(n)
-        change[:, centre] -= 1
-        law = fit_laws(temperature, change @ x, change @ spread @ change.T, float(temperature[centre]))[name]
-        bent = float(law.law._log10_a(reference)) - weights @ np.asarray(law.law._log10_a(temperature))
+    spread = by_x @ covariance @ by_x.T + _outer(d.by_isotherm for d in joint.doubts)
+    weights, bent = at_reference(temperature, x, spread, reference)
     change = np.eye(n) - weights
-    matrix = change @ by_x
-    full = matrix @ covariance @ matrix.T + _outer(change @ d.by_isotherm for d in joint.doubts)
+    full = change @ spread @ change.T
     log10_a = change @ x - bent
     lift = change @ shifts.vertical()
     entropy = shifts.vertical()[:, shifts.slopes.stop]
@@ -163,17 +152,6 @@ def _outer(vectors: Iterable[np.ndarray]) -> np.ndarray:
     return sum(np.outer(vector, vector) for vector in vectors)  # pyright: ignore[reportReturnType]
 
 
-def _interpolation(temperature: np.ndarray, reference: float) -> np.ndarray:
-    """Weights of linear interpolation between isotherms; beyond the ends, all on the last one."""
-    weights = np.zeros(temperature.size)
-    place = np.interp(reference, temperature, np.arange(temperature.size))
-    low = min(int(place), max(temperature.size - 2, 0))
-    weights[low] = 1 - (place - low)
-    if temperature.size > 1:
-        weights[low + 1] = place - low
-    return weights
-
-
 def _with_offsets(data: Isotherms, log10_a: np.ndarray) -> Isotherms:
     """The same data with what the shift law makes of each point's distance from its isotherm's mean temperature."""
     if data.temperature.size < 2:
@@ -181,12 +159,6 @@ def _with_offsets(data: Isotherms, log10_a: np.ndarray) -> Isotherms:
     slope = np.gradient(log10_a, data.temperature)
     offset = slope[data.points.isotherm] * data.deviation
     return data._replace(points=data.points._replace(offset=offset))
-
-
-def _alike(shifts: Shifts) -> float:
-    """How many neighbours along an isotherm carry the information of one point, since their residuals are alike."""
-    rho = min(0.9, max(0.0, correlation(shifts.points, shifts.posterior.residuals)))
-    return (1 + rho) / (1 - rho)
 
 
 def _misfit(shifts: Shifts) -> float:

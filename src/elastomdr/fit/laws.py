@@ -92,6 +92,30 @@ def fit_laws(
     return fits
 
 
+def at_reference(
+    temperature: np.ndarray, log10_a: np.ndarray, covariance: np.ndarray, reference: float
+) -> tuple[np.ndarray, float]:
+    """Weights of the temperatures whose mean log10 a_T stands for that at `reference` [K], and what to add to it.
+
+    Weights are those of linear interpolation, or all on the last temperature beyond the ends; a law through the shift
+    factors bends away from the straight line by what is added [decades].
+    """
+    n = temperature.size
+    weights = np.zeros(n)
+    place = np.interp(reference, temperature, np.arange(n))
+    low = min(int(place), max(n - 2, 0))
+    weights[low] = 1 - (place - low)
+    if n == 1:
+        return weights, 0.0
+    weights[low + 1] = place - low
+    centre = int(np.argmin(np.abs(temperature - reference)))
+    change = np.eye(n)
+    change[:, centre] -= 1
+    laws = fit_laws(temperature, change @ log10_a, change @ covariance @ change.T, float(temperature[centre]))
+    law = laws["WLF" if n > 2 else "Arrhenius"].law
+    return weights, float(law._log10_a(reference)) - float(weights @ np.asarray(law._log10_a(temperature)))
+
+
 def _fit(
     law: Any, start: list[float], limits: list[tuple[float, float]], value: np.ndarray, covariance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float]:

@@ -54,7 +54,7 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     texts += implausible(arrays, {role: chosen[role].title for role in needed}, given, modulus_given(options))
     if bad:
         more = f" and {len(bad) - _NAMED} more" if len(bad) > _NAMED else ""
-        texts.append(f"{path.name}: {len(bad)} rows left out: {'; '.join(bad[:_NAMED])}{more}.")
+        texts.append(f"{path.name}: {len(bad)} row{'s' * (len(bad) > 1)} left out: {'; '.join(bad[:_NAMED])}{more}.")
     n = len(values[needed[0]])
     temperature = arrays.get("temperature")
     if temperature is None:

@@ -128,7 +128,7 @@ def material(
     terms: int | None = None,
     equilibrium: bool | None = None,
     balance: float | None = None,
-    poisson: float = 0.5,
+    poisson: float | None = None,
     law: str = "auto",
     name: str = "",
     citation: str = "",

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 from threadpoolctl import threadpool_limits
 
+_NOISE = (1e-4, 1.0)  # limits of a noise that is found: what rounding leaves is no statistics
 _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
 _RATIO = 5.0  # largest ratio of two groups' noise: a misfit of one must not leave it to the others alone
 _ROUNDS = 40
@@ -73,7 +74,7 @@ def infer(
     *,
     temper: float = 1.0,
     wary: Wary | None = None,
-    noise_limits: tuple[float, float] | None = (1e-5, 1.0),
+    noise_limits: tuple[float, float] | None = _NOISE,
     weights: np.ndarray | None = None,
     gain: float = GAIN,
 ) -> Posterior:

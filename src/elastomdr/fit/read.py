@@ -185,6 +185,14 @@ def _no_columns(rows: list[Row], options: Options) -> str:
         return "the file is empty."
     if any(is_complete(_named(row.cells, understand(row.cells, []), [], options)) for row in rows):
         return "there are no numbers below the header."
+    found = {c.role for row in rows for c in _named(row.cells, understand(row.cells, []), [], options)}
+    absent = [role for role in ("storage", "loss") if role not in found]
+    if {"frequency", "omega"} & found and len(absent) == 1:
+        return (
+            f"there is no {absent[0]} modulus: friction needs the storage modulus with the loss modulus or "
+            f"tan delta, or |G*| with the phase angle. Name its column, as columns={{{absent[0]!r}: 'Modulus 1'}} "
+            f"(--column {absent[0]}='Modulus 1')."
+        )
     shown = next((row.cells for row in rows if sum(bool(cell) for cell in row.cells) >= 2), [])
     return (
         "no header names frequency, storage and loss modulus (or time and relaxation modulus); "

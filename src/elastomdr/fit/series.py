@@ -17,7 +17,7 @@ from .balance import weigh
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import KINDS
 from .findings import TWO_SIGMA, AbstractFindings
-from .isotherms import correlation
+from .isotherms import alike
 from .joint import AtReference, Joint, about
 from .master import MasterCurve
 from .posterior import one_thread
@@ -28,6 +28,10 @@ from .terms import Data, choose_terms, most_terms
 TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
 _EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
 _POOR = 0.1  # relative residual worth a warning
+_INCOMPRESSIBLE = (
+    "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
+    "where it is known, as poisson=0.4 (--poisson 0.4)."
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -115,14 +119,13 @@ class PronyFit(AbstractFindings):
         """What a person needs to judge the series, as pairs of a name and a text."""
         decades = np.log10(self.window[1] / self.window[0])
         yield "terms", f"{self.terms} over {decades:.1f} decades ({self.kind} moduli)"
-        named = (
-            ("storage", self.storage_residual),
-            ("loss", self.loss_residual),
-            ("relaxation", self.relaxation_residual),
-        )
+        sizes = (self.storage_residual, self.loss_residual, self.relaxation_residual)
+        named = zip(("storage", "loss", "relaxation"), sizes, strict=True)
         yield "residuals", ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)) + " rms"
         level = float(self.material.equilibrium)
-        yield "equilibrium", f"{level:.4g} +- {TWO_SIGMA * self.equilibrium_std:.2g} Pa" if level else "0: a liquid"
+        slowest = float(self.material.times.max())
+        none = "0: a liquid" if slowest * self.window[0] < 1 else "0: none is seen; the series flows beyond the data"
+        yield "equilibrium", f"{level:.4g} +- {TWO_SIGMA * self.equilibrium_std:.2g} Pa" if level else none
         for modulus, std, time in zip(self.material.moduli, self.moduli_std, self.material.times, strict=True):
             yield "term", f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- {TWO_SIGMA * std:.2g} Pa"
         for text in self.warnings:
@@ -141,7 +144,7 @@ def prony(
     equilibrium: bool | None = None,
     balance: float | None = None,
     kind: str | None = None,
-    poisson: float = 0.5,
+    poisson: float | None = None,
     shift: Any = None,
     name: str = "",
     citation: str = "",
@@ -154,8 +157,9 @@ def prony(
     (`equilibrium`) are chosen by the Akaike information criterion where they are not given, with at most one and a
     half terms per decade. `balance` is how many times more exactly the storage modulus is to be met than the loss
     modulus; by itself it follows their scatter, and is 20 where they contradict each other. `kind` ("shear" unless
-    the master curve says otherwise), `poisson`, `shift`, `name` and `citation` go into the material. Raises
-    `InputError` for lists that do not match, values that are not positive, too few points.
+    the master curve says otherwise), `poisson`, `shift`, `name` and `citation` go into the material; where `poisson` is
+    not given it is 0.5, with a warning for tensile moduli. Raises `InputError` for lists that do not match, values that
+    are not positive, too few points.
     """
     master = omega if isinstance(omega, MasterCurve) else None
     if master is not None:
@@ -202,10 +206,10 @@ def prony(
     moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
     level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
     material = Prony(
-        level, numbers[:count], numbers[count:], kind=kind, poisson=poisson, shift=shift, name=name, citation=citation,
-        range=_range(points, master),
+        level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
+        name=name, citation=citation, range=_range(points, master),
     )  # fmt: skip
-    fit = PronyFit(
+    return PronyFit(
         material=material,
         storage_residual=rms["storage"],
         loss_residual=rms["loss"],
@@ -221,12 +225,14 @@ def prony(
         time=time,
         relaxation=relaxation,
         kind=kind,
-        warnings=tuple(_judge(points, residuals, data, contradiction, found.posterior.converged)),
+        warnings=(
+            *_judge(points, residuals, data, contradiction, found.posterior.converged),
+            *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
+        ),
         converged=found.posterior.converged,
         joint=joint,
         master=master,
     )
-    return fit
 
 
 def _judge(points: Points, residuals: np.ndarray, data: Data, contradiction: bool, converged: bool) -> Iterator[str]:
@@ -262,11 +268,10 @@ def _range(points: Points, master: MasterCurve | None) -> Range:
 def _smooth(points: Points) -> Joint:
     """The smooth spectrum through data of one temperature."""
     shifts = join(points, np.array([293.15]), np.zeros(1), False)
-    rho = min(0.9, max(0.0, correlation(points, shifts.posterior.residuals)))
-    alike = (1 + rho) / (1 - rho)
-    if alike > 1.3:
-        shifts = join(points, np.array([293.15]), np.zeros(1), False, alike, near=shifts)
-    return Joint(shifts, (), alike, 1.0)
+    count = alike(points, shifts.posterior.residuals)
+    if count > 1:
+        shifts = join(points, np.array([293.15]), np.zeros(1), False, count, near=shifts)
+    return Joint(shifts, (), count, 1.0)
 
 
 def _lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:

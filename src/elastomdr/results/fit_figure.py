@@ -34,10 +34,10 @@ def draw_master(master: "MasterCurve", ax: Any = None) -> Any:
     _data(ax, master)
     if master.frequency.size:
         omega = np.geomspace(*master.window, 300)
-        _band(ax, master.band(omega), "smooth spectrum, 95 % band")
+        _band(ax, master.band(omega), "smooth spectrum")
     else:
         t = np.geomspace(1 / master.window[1], 1 / master.window[0], 300)
-        _relaxation_band(ax, master.relaxation_band(t), "smooth spectrum, 95 % band")
+        _relaxation_band(ax, master.relaxation_band(t), "smooth spectrum")
     _label_moduli(ax, master.kind, bool(master.frequency.size))
     _title(ax, f"Master curve at {master.reference - 273.15:.4g} °C", master.source)
     return ax
@@ -56,18 +56,18 @@ def draw_prony(fit: "PronyFit", ax: Any = None) -> Any:
     low, high = fit.window
     if fit.omega.size:
         wide = np.geomspace(low / 10, high * 10, 400)
-        for values in fit.moduli_at(wide):
-            ax.loglog(wide, values, "--", color=_FAINT, linewidth=0.9, zorder=2)
+        for values, label in zip(fit.moduli_at(wide), ("beyond the data", None), strict=True):
+            ax.loglog(wide, values, "--", color=_FAINT, linewidth=0.9, zorder=2, label=label)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            _band(ax, fit.band(np.geomspace(low, high, 300)), f"Prony series, {fit.terms} terms, 95 % band")
+            _band(ax, fit.band(np.geomspace(low, high, 300)), f"Prony series, {fit.terms} terms")
     else:
         wide = np.geomspace(1 / high / 10, 10 / low, 400)
-        ax.loglog(wide, fit.relaxation_at(wide), "--", color=_FAINT, linewidth=0.9, zorder=2)
+        ax.loglog(wide, fit.relaxation_at(wide), "--", color=_FAINT, linewidth=0.9, zorder=2, label="beyond the data")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             band = fit.relaxation_band(np.geomspace(1 / high, 1 / low, 300))
-        _relaxation_band(ax, band, f"Prony series, {fit.terms} terms, 95 % band")
+        _relaxation_band(ax, band, f"Prony series, {fit.terms} terms")
     _label_moduli(ax, fit.kind, bool(fit.omega.size))
     named = (("storage", fit.storage_residual), ("loss", fit.loss_residual), ("relaxation", fit.relaxation_residual))
     residuals = ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size))
@@ -118,6 +118,7 @@ def draw_cole_cole(fit: "PronyFit", ax: Any = None) -> Any:
     ax = _axes() if ax is None else ax
     master = fit.master
     storage, loss = (fit.storage, fit.loss) if master is None else (master.storage, master.loss)
+    lifted = master is not None and bool(np.abs(master.log10_b).max() > 1e-3)
     colours = _BLUE if master is None else _colours(master, master.isotherm)
     ax.scatter(storage, loss, c=colours, s=14, zorder=3)
     ax.loglog(*fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400)), color=_INK, linewidth=1.2, zorder=4)
@@ -125,7 +126,7 @@ def draw_cole_cole(fit: "PronyFit", ax: Any = None) -> Any:
     ax.set(xscale="log", yscale="log", xlabel=f"Storage modulus {letter}' [Pa]", ylabel=f"Loss modulus {letter}'' [Pa]")
     _plain(ax)
     _legend(ax, master)
-    _title(ax, "Cole-Cole", "line: Prony series" + ("; vertical shifts applied" if master is not None else ""))
+    _title(ax, "Cole-Cole", "line: Prony series" + ("; vertical shifts applied" if lifted else ""))
     return ax
 
 
@@ -188,14 +189,14 @@ def _band(ax: Any, band: Any, label: str) -> None:
     ax.loglog(band.omega, band.storage, color=_INK, linewidth=1.2, label=label, zorder=4)
     ax.loglog(band.omega, band.loss, color=_INK, linewidth=1.2, zorder=4)
     for low, high in ((band.storage_low, band.storage_high), (band.loss_low, band.loss_high)):
-        ax.fill_between(band.omega, low, high, color=_BAND, alpha=0.35, linewidth=0, zorder=1)
+        once = "95 % interval" if low is band.loss_low else None
+        ax.fill_between(band.omega, low, high, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label=once)
 
 
 def _relaxation_band(ax: Any, band: Any, label: str) -> None:
     ax.loglog(band.time, band.relaxation, color=_INK, linewidth=1.2, label=label, zorder=4)
-    ax.fill_between(
-        band.time, band.relaxation_low, band.relaxation_high, color=_BAND, alpha=0.35, linewidth=0, zorder=1
-    )
+    limits = band.relaxation_low, band.relaxation_high
+    ax.fill_between(band.time, *limits, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label="95 % interval")
 
 
 def _label_moduli(ax: Any, kind: str, dynamic: bool) -> None:

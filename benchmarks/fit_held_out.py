@@ -1,0 +1,88 @@
+"""How well a fit foretells what it has not seen: rows held out, and whole isotherms left out.
+
+    python benchmarks/fit_held_out.py DATA_DIR
+
+DATA_DIR as for `fit_library.py`. Of every data set a quarter of the points, every fourth along each isotherm, is held
+out in turn: master curve and Prony series come from the others, and residuals are those of the held-out points. Then
+each isotherm between the coldest and the warmest is left out, and foretold with the shifts of its neighbours: the WLF
+law plus its residuals, interpolated. Asked are 10 % rms of both moduli with at most one and a half terms per decade.
+"""
+
+import argparse
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from common import heading, one_core, save, table, verdict
+
+import elastomdr as em
+
+FOLDS = 4
+
+
+def part(dma: em.fit.Dma, at: np.ndarray) -> em.fit.Dma:
+    return em.fit.dma(dma.frequency[at], dma.storage[at], dma.loss[at], dma.temperature[at], kind=dma.kind)
+
+
+def foretold(dma: em.fit.Dma, test: np.ndarray, reference: float) -> tuple[np.ndarray, float]:
+    """Relative errors of both moduli at the points `test`, from a fit of all others; and its terms per decade."""
+    master = em.fit.master_curve(part(dma, ~test), reference)
+    series = em.fit.prony(master)
+    kelvin = dma.temperature[test]
+    shift, lift = (np.interp(kelvin, master.temperature, log10) for log10 in (master.log10_a, master.log10_b))
+    if master.wlf is not None:
+        bent = np.interp(kelvin, master.temperature, master.laws["WLF"].residuals)
+        inside = (kelvin >= master.temperature[0]) & (kelvin <= master.temperature[-1])
+        shift = np.where(inside, np.asarray(master.wlf.log10_a(kelvin)) + bent, shift)
+    moduli = series.moduli_at(dma.frequency[test] * 10**shift)
+    errors = [found / 10**lift / seen[test] - 1 for found, seen in zip(moduli, (dma.storage, dma.loss), strict=True)]
+    return np.array(errors), series.terms / np.log10(series.window[1] / series.window[0])
+
+
+def row(name: str, what: str, trials: list[tuple[np.ndarray, float]]) -> tuple[Any, ...]:
+    errors = np.concatenate([errors for errors, _ in trials], axis=1)
+    rms, typical = np.sqrt((errors**2).mean(axis=1)), np.median(np.abs(errors), axis=1)
+    return name, what, len(trials), *(100 * rms), *(100 * typical), max(density for _, density in trials)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("data", type=Path, metavar="DATA_DIR")
+    data = parser.parse_args().data
+    one_core()
+    record = heading("What a fit has not seen", "measured data; errors are relative")
+    warnings.simplefilter("ignore", em.fit.FitWarning)
+    sets = (
+        ("polyisoprene", sorted((data / "polyisoprene-34k").glob("*.osc")), 263.15),
+        ("EPDM-70", data / "epdm-70" / "tf_015p.csv", 298.15),
+        ("468MP adhesive", data / "psa-468mp" / "frequency_sweep_tts.txt", 303.15),
+        ("encapsulant", data / "pv-encapsulant" / "freq_user_raw.csv", 268.15),
+    )
+    rows = []
+    for name, path, reference in sets:
+        dma = em.fit.read_dma(path)
+        kelvin = em.fit.master_curve(dma, reference).temperature
+        isotherm = np.abs(dma.temperature[:, None] - kelvin).argmin(axis=1)
+        rank = np.argsort(np.lexsort((dma.frequency, isotherm)))
+        held = [foretold(dma, rank % FOLDS == fold, reference) for fold in range(FOLDS)]
+        left = [foretold(dma, isotherm == i, reference) for i in range(1, kelvin.size - 1)]
+        rows += [row(name, "every fourth point", held), row(name, "an isotherm", left)]
+    columns = ("data", "held out", "fits", "storage, rms [%]", "loss, rms [%]", "storage, median [%]",
+               "loss, median [%]", "terms per decade, most")  # fmt: skip
+    record["held out"] = table(columns, rows)
+    print()
+    record["verdicts"] = [
+        verdict(f"{one[0]}, {one[1]}, {which}", one[at], bound, unit)
+        for one in rows
+        for which, at, bound, unit in (
+            ("storage", 3, 10.0, " %"),
+            ("loss", 4, 10.0, " %"),
+            ("terms a decade", 7, 1.5, ""),
+        )
+    ]
+    save("fit_held_out", record)
+
+
+if __name__ == "__main__":
+    main()
