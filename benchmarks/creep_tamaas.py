@@ -59,7 +59,7 @@ def elastic(n: int) -> np.ndarray:
 
 
 def euler(n: int) -> np.ndarray:
-    """Implicit Euler: with s = E u + sum f_k, p = K s, and u >= h where s >= E' h - sum tau/(tau + dt) (E_k u - f_k)."""
+    """Implicit Euler: p = K s, s = E u + sum f_k, and u >= h as s >= E' h + sum tau_k/(tau_k + dt) (f_k - E_k u)."""
     height, unit, radii = surface(n), model(n, 1.0), []
     u, f = np.zeros((n, n)), np.zeros((3, n, n))
     for dt in np.diff(TIME, prepend=0.0):

@@ -43,12 +43,18 @@ def main() -> None:
         found, wall, cpu = timed(call, 3)
         exact = call(grid[::7], speed=SPEED[::9], rtol=1e-9)
         off = np.abs(found.restitution[::7, ::9] - exact.restitution).max()
-        ax.semilogx(SPEED, found.restitution[DAMPINGS // 2], label=f"{branches} branches" if branches > 1 else "1 branch")
+        ax.semilogx(
+            SPEED, found.restitution[DAMPINGS // 2], label=f"{branches} branches" if branches > 1 else "1 branch"
+        )
         rows.append((branches, found.restitution.size, first, wall, cpu, off, float(found.error.max())))
     columns = ("branches", "impacts", "first call [s]", "warm [s]", "processor [s]", "error", "largest estimate")
     record["impacts"] = table(columns, rows)
     record["verdicts"] = [verdict(f"10,000 impacts, {row[0]} branches", row[3], 2.0, " s") for row in rows]
-    ax.set(xlabel="Speed before impact [m/s]", ylabel="Restitution [-]", title="One foundation of the grid, 100 N s/m^2")
+    ax.set(
+        xlabel="Speed before impact [m/s]",
+        ylabel="Restitution [-]",
+        title="Impacts, E* = 1 MPa and branches of 3 MPa, 100 Pa s",
+    )
     ax.legend(frameon=False)
     ax.grid(True, color="#dddddd", linewidth=0.5)
     save("impacts", record, figure)

@@ -89,7 +89,7 @@ def contact_step(law: AbstractRelaxation, state: Elements, w_start: Array, w_end
 def coefficients(law: AbstractRelaxation, h: Any, *, viscous: bool = True) -> Coefficients:
     """Coefficients of `contact_step`, to full relative accuracy whatever h/tau_k.
 
-    `viscous=False` is for a law whose viscosity is known to be zero: equal sums over the branches are then computed once.
+    `viscous=False` is for a law whose viscosity is known to be zero: equal sums over branches are then computed once.
     """
     h = jnp.atleast_1d(jnp.asarray(h))
     moduli, times = _by_element(law.moduli), _by_element(law.times)
@@ -120,9 +120,7 @@ def fade(c: Coefficients, f: Float[Array, "k n"]) -> Fading:
     return Fading(*(over_branches(share * f) for share in (c.seen, c.mean, c.decay)))
 
 
-def advance(
-    c: Coefficients, state: Elements, w_start: Array, w_end: Array, fading: Fading | None = None
-) -> Elements:
+def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array, fading: Fading | None = None) -> Elements:
     """`contact_step` with its coefficients, and `fade` if it is known, at hand."""
     u, f = state.u, state.f
     fading = fade(c, f) if fading is None else fading

@@ -80,9 +80,11 @@ def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) 
     element is touched.
     """
     lowest = jnp.min(level)
-    fixed_level, fixed_slope, fixed_spring, fixed_force = jax.lax.stop_gradient((level, slope, spring, force))
+    given = level, lowest, slope, spring, force
+    fixed = jax.lax.stop_gradient(given)
+    fixed_level = fixed[0]
 
-    def newton(level, slope, spring, force, active):
+    def newton(level, lowest, slope, spring, force, active):
         stiffness = spring + jnp.sum(jnp.where(active, slope, 0.0))
         # Without a spring one element at least carries the load. (The place of the least level takes long to find.)
         alone = slope if slope.ndim == 0 else jnp.max(jnp.where(level == lowest, slope, 0.0))
@@ -96,12 +98,12 @@ def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) 
 
     def improve(state):
         depth, before, _, tries = state
-        depth = newton(fixed_level, fixed_slope, fixed_spring, fixed_force, fixed_level < depth)
+        depth = newton(*fixed, fixed_level < depth)
         return depth, jnp.sum(fixed_level < depth), before, tries + 1
 
     guess = jax.lax.stop_gradient(guess)
     depth = jax.lax.while_loop(again, improve, (guess, jnp.sum(fixed_level < guess), -1, 0))[0]
-    return newton(level, slope, spring, force, fixed_level < depth)
+    return newton(*given, fixed_level < depth)
 
 
 def _no_fading(c: Coefficients, f: Array) -> Fading:
