@@ -11,6 +11,7 @@ first step only: its surface does not follow the ball afterwards, and after 100 
 one. We found no use of its arguments that avoids it. The elastic solution shows what the grid alone costs.
 """
 
+import importlib.util
 from typing import Any
 
 import numpy as np
@@ -19,10 +20,7 @@ from common import heading, one_core, plt, save, table, timed
 one_core()
 import elastomdr as em  # noqa: E402
 
-try:
-    import tamaas
-except ImportError:
-    tamaas = None
+tamaas: Any = importlib.import_module("tamaas") if importlib.util.find_spec("tamaas") else None
 
 RELAXED, MODULI, TIMES = 0.5, np.array([2.0, 1.0, 0.4]), np.array([1e-3, 0.1, 10.0])  # E* [Pa], tau [s]
 RADIUS, LOAD = 2.0, 0.02  # m, N
