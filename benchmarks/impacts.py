@@ -9,7 +9,7 @@ the restitution against the same call at rtol 1e-9 on a sample of the grid.
 import time
 
 import numpy as np
-from common import heading, save, table, timed, verdict
+from common import heading, plt, save, table, timed, verdict
 
 import elastomdr as em
 
@@ -30,6 +30,7 @@ def main() -> None:
         f"paraboloid, R = {RADIUS:g} m, {MASS:g} kg, {SPEED[0]:g} ... {SPEED[-1]:g} m/s, rtol 1e-6",
     )
     rows = []
+    figure, ax = plt.subplots(figsize=(5.6, 4.0), layout="constrained")
     for branches in (1, 3, 10):
         grid = materials(branches)
 
@@ -42,11 +43,21 @@ def main() -> None:
         found, wall, cpu = timed(call, 3)
         exact = call(grid[::7], speed=SPEED[::9], rtol=1e-9)
         off = np.abs(found.restitution[::7, ::9] - exact.restitution).max()
+        ax.semilogx(
+            SPEED, found.restitution[DAMPINGS // 2], label=f"{branches} branches" if branches > 1 else "1 branch"
+        )
         rows.append((branches, found.restitution.size, first, wall, cpu, off, float(found.error.max())))
     columns = ("branches", "impacts", "first call [s]", "warm [s]", "processor [s]", "error", "largest estimate")
     record["impacts"] = table(columns, rows)
     record["verdicts"] = [verdict(f"10,000 impacts, {row[0]} branches", row[3], 2.0, " s") for row in rows]
-    save("impacts", record)
+    ax.set(
+        xlabel="Speed before impact [m/s]",
+        ylabel="Restitution [-]",
+        title="Impacts, E* = 1 MPa and branches of 3 MPa, 100 Pa s",
+    )
+    ax.legend(frameon=False)
+    ax.grid(True, color="#dddddd", linewidth=0.5)
+    save("impacts", record, figure)
 
 
 if __name__ == "__main__":

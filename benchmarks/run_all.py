@@ -5,7 +5,8 @@ import sys
 import time
 from pathlib import Path
 
-SCRIPTS = ("steady_sliding", "skipping", "cold_start", "half_space", "extremes", "indentation", "fit_coverage")
+SCRIPTS = ("steady_sliding", "skipping", "cold_start", "half_space", "extremes", "indentation", "creep_tamaas",
+           "impacts", "transient", "fit_coverage")  # fmt: skip
 
 
 def main() -> int:

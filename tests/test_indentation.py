@@ -428,6 +428,24 @@ def test_derivatives_under_a_falling_load():
 
 
 @pytest.mark.slow
+def test_reverse_mode_under_a_falling_load():
+    time, load = np.arange(3.0), np.array([0.0, 3e-3, 1e-3])
+
+    def call(modulus, radius, share):
+        foundation = em.Foundation(1.0, jnp.stack([modulus]), [0.5])
+        return em.indent(foundation, em.Paraboloid(radius), time=time, load=share * load, rtol=1e-2).depth[-1]
+
+    point = np.array([3.0, 1.0, 1.0])
+    back = jax.grad(call, argnums=(0, 1, 2))(*point)
+    steps = 1e-3 * np.eye(3)
+    slow = [
+        (call(*(point + h * point)) - call(*(point - h * point))) / (2e-3 * a)
+        for h, a in zip(steps, point, strict=True)
+    ]
+    np.testing.assert_allclose(back, slow, rtol=1e-5)
+
+
+@pytest.mark.slow
 def test_derivatives_with_adhesion():
     def call(p):
         result = em.indent(

@@ -15,6 +15,7 @@ from elastomdr.solve.timeline import Steps, cut, timeline
 
 RUBBER = em.Foundation(4e6, [12e6, 3e6], [1e-3, 1e-1])
 BALL = em.Paraboloid(0.01)
+CONE = em.Cone(0.2)
 POINTS = np.arange(96) * 1e-5
 MODES = ((1e-6, 1), (5e-7, 3), (2e-7, 5))  # amplitude [m], waves in the period
 WAVES = em.RoughLine(POINTS, sum(a * np.cos(2 * np.pi * m * POINTS / 9.6e-4 + m) for a, m in MODES))
@@ -55,27 +56,29 @@ def test_dwell_is_the_exact_creep_of_a_paraboloid():
     np.testing.assert_allclose(slide.work - slide.work[0], 10 * (exact - exact[0]), rtol=2e-3, atol=1e-3 * elastic)
 
 
-def steady_error(spacing, exact):
-    """Error of F_x of a paraboloid at fixed depth, in the square mean over a few steps."""
+def steady_error(body, depth, spacing, exact):
+    """Error of F_x of a body at fixed depth, in the square mean over a few steps."""
     law = Relaxation(*map(jnp.asarray, (4e6, np.array([12e6]), np.array([1e-3]), 0.0)))
-    v, depth = 1.0, 1e-4
-    count = round(8e-3 / spacing)
+    v, count = 1.0, round(8e-3 / spacing)
     steps = round(4e-3 / spacing)
     x = 0.93 * spacing * jnp.arange(1, steps + 1)  # so that the edges pass through all places between two elements
-    surface = indenter(SingleLine(BALL), -2e-3 + 0.3 * spacing, spacing, count, 1.0)
+    surface = indenter(SingleLine(body), -2e-3 + 0.3 * spacing, spacing, count, 1.0)
     forces, _ = march(
         law, surface, Steps(jnp.full(steps, 0.93 * spacing / v), x, jnp.full(steps, depth)), control="depth"
     )
     return float(jnp.sqrt(jnp.mean((forces.drag[-64:] / exact - 1) ** 2)))
 
 
-def test_second_order_in_elements_and_steps():
-    spacing = 4e-3 / np.array([128, 256, 512, 1024])
+@pytest.mark.parametrize(("body", "depth", "parts"), [(BALL, 1e-4, (128, 256, 512, 1024)), (CONE, 3e-4, (128, 512))])
+def test_second_order_in_elements_and_steps(body, depth, parts):
+    """Also for a cone, at whose tip the slope jumps between two elements."""
+    spacing = 4e-3 / np.array(parts)
     law = em.Foundation(4e6, [12e6], [1e-3])
-    exact = float(em.friction(law, BALL, velocity=1.0, depth=1e-4, average=None).friction_force)
-    slope = np.polyfit(np.log(spacing), np.log([steady_error(s, exact) for s in spacing]), 1)[0]
+    exact = float(em.friction(law, body, velocity=1.0, depth=depth, average=None).friction_force)
+    errors = [steady_error(body, depth, s, exact) for s in spacing]
     # The factor of h^2 depends on where the edges fall between elements: 1.6 to 2.9 per level, 2.0 in all.
-    assert 1.6 < slope < 2.5
+    assert 1.6 < np.polyfit(np.log(spacing), np.log(errors), 1)[0] < 2.5
+    assert errors[0] < 1e-3
 
 
 # ---------------------------------------------------------------- rough lines

@@ -116,6 +116,6 @@ PROBLEMS = [
         "fast pull after a long rest: JKR with gamma E_0/E_inf",
         _pull_off,
         {"contact_radius": {0: 0.002121071880330259, 3: 0.0007070239601100864}, "force": {3: -0.0471238898038469}},
-        1e-8,
+        1e-12,
     ),
 ]  # fmt: skip

@@ -57,6 +57,14 @@ class Coefficients(NamedTuple):
     blow: Array  # loss of branches and dashpot on a ramp, per square of the change of u
 
 
+class Fading(NamedTuple):
+    """What is left of the branch forces in a step in which u stays where it is, summed over the branches, (n,)."""
+
+    seen: Array  # in the force on which Signorini's conditions are put
+    mean: Array  # over the step
+    end: Array  # at its end
+
+
 def rest(law: AbstractRelaxation, n: int) -> Elements:
     """n elements that have never been touched."""
     zero = jnp.zeros(n)
@@ -78,8 +86,11 @@ def contact_step(law: AbstractRelaxation, state: Elements, w_start: Array, w_end
     return advance(coefficients(law, h), state, w_start, w_end)
 
 
-def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
-    """Coefficients of `contact_step`, to full relative accuracy whatever h/tau_k."""
+def coefficients(law: AbstractRelaxation, h: Any, *, viscous: bool = True) -> Coefficients:
+    """Coefficients of `contact_step`, to full relative accuracy whatever h/tau_k.
+
+    `viscous=False` is for a law whose viscosity is known to be zero: equal sums over branches are then computed once.
+    """
     h = jnp.atleast_1d(jnp.asarray(h))
     moduli, times = _by_element(law.moduli), _by_element(law.times)
     equilibrium, viscosity = jnp.atleast_1d(jnp.asarray(law.equilibrium)), jnp.atleast_1d(jnp.asarray(law.viscosity))
@@ -87,7 +98,7 @@ def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
     rate, decay, mean, half = viscosity / h, jnp.exp(-y), phi1(y), phi2(y)
     gain = moduli * mean
     static = equilibrium + jnp.sum(gain, axis=0)
-    seen, stiffness = _signorini(static, viscosity, y, decay, h)
+    seen, stiffness = _signorini(static, viscosity, y, decay, h) if viscous else (decay, static)
     return Coefficients(
         h=h,
         equilibrium=equilibrium,
@@ -104,10 +115,16 @@ def coefficients(law: AbstractRelaxation, h: Any) -> Coefficients:
     )
 
 
-def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> Elements:
-    """`contact_step` with its coefficients at hand."""
+def fade(c: Coefficients, f: Float[Array, "k n"]) -> Fading:
+    """The sums over the branches that a step needs beforehand."""
+    return Fading(*(over_branches(share * f) for share in (c.seen, c.mean, c.decay)))
+
+
+def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array, fading: Fading | None = None) -> Elements:
+    """`contact_step` with its coefficients, and `fade` if it is known, at hand."""
     u, f = state.u, state.f
-    held = c.equilibrium * u + over_branches(c.seen * f)  # force if u stays where it is
+    fading = fade(c, f) if fading is None else fading
+    held = c.equilibrium * u + fading.seen  # force if u stays where it is
     recovery, pushed = -held / c.stiffness, w_end - u
     contact = pushed > recovery
     free = ~contact & (state.q <= 0)
@@ -115,7 +132,7 @@ def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> E
     end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
     f_end = c.decay * f + c.gain * change
     stored = over_branches(c.energy * f_end**2)
-    work, impulse, kept = _integrals(c, state, change, pushed, free)
+    work, impulse, kept = _integrals(c, state, fading, change, pushed, free)
     # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
     # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
     struck = jnp.where(contact & (u > w_start), (u - w_start) * (pushed - recovery), 0.0)
@@ -134,9 +151,11 @@ def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array) -> E
     )
 
 
-def _integrals(c: Coefficients, state: Elements, change: Array, pushed: Array, free: Array) -> tuple[Array, ...]:
+def _integrals(
+    c: Coefficients, state: Elements, fading: Fading, change: Array, pushed: Array, free: Array
+) -> tuple[Array, ...]:
     """int (q - E_inf u) du and int q dt over a step, and the fraction of the step that the element was in contact."""
-    u, faded = state.u, over_branches(c.mean * state.f)
+    u, faded = state.u, fading.mean
     drag, spring = faded + c.drag * change, c.equilibrium * (u + 0.5 * change)
 
     # The straight path is exact where the element follows the surface, or is pushed down by it. Where following the
@@ -145,7 +164,7 @@ def _integrals(c: Coefficients, state: Elements, change: Array, pushed: Array, f
     bend = pushed - state.velocity * c.h
     bend = jnp.where(jnp.abs(bend) < jnp.abs(pushed), bend, 0.0)
     mean = c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed
-    last = c.equilibrium * u + over_branches(c.decay * state.f) + c.end * pushed + 0.5 * c.rate * bend
+    last = c.equilibrium * u + fading.end + c.end * pushed + 0.5 * c.rate * bend
     first = jnp.maximum(2 * mean - last, 0.0)
     lost = ~free & (last < 0)
     kept = jnp.where(lost, first / jnp.where(lost, first - last, 1.0), jnp.where(free, 0.0, 1.0))

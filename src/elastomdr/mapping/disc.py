@@ -103,7 +103,10 @@ class Disc(eqx.Module):
             return _root(area / self.area(one), n + (2 if self.kind == "layer" else 1))
         if self.kind == "layer":
             return _invert(self, "area", area, _root(area * self._tip * 2 / math.pi, 4.0))
-        return _invert(self, "area", area, _root(0.75 * area * self._tip, 3.0))
+        guess = _root(0.75 * area * self._tip, 3.0)
+        if isinstance(self.shape, Sphere):  # A/R^2 = (4/3) c^3 + (8/15) c^5 + ..., c = a/R
+            guess = guess / (1 + 2 / 15 * (guess / self.shape.radius) ** 2)
+        return _invert(self, "area", area, guess)
 
     def depth_of_area(self, area: Array) -> Array:
         """d at which A is `area`; NaN beyond the largest contact, zero for area <= 0 unless the body is flat."""

@@ -187,7 +187,7 @@ def _surface(
     if track is not None:
         height = _heights(track, x)
     weight = spacing * body.weight(jnp.ones(1))[0, 0]
-    return Indenter(shape=body.shape, x=x, y=None, weight=weight, track=height)
+    return Indenter(shape=body.shape, x=x, y=None, spacing=jnp.asarray(spacing), weight=weight, track=height)
 
 
 def _heights(track: RoughLine, x: Any) -> Any:

@@ -26,7 +26,7 @@ import jax
 import jax.numpy as jnp
 
 from .._runtime import Array
-from ..foundation.step import coefficients
+from ..foundation.step import coefficients, fade
 from ..material.relaxation import Relaxation
 from .over_line import AbstractOverLine
 from .slide import Line, energy, free, lag, press, settle, untouched
@@ -128,9 +128,11 @@ def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motio
     c = coefficients(scene.law, _INSTANT * shortest)
     rise, slope = scene.surface.rise_and_slope(position)
     line, weight = untouched(scene.law, scene.surface, position), scene.surface.weight
+    fading = fade(c, line.f)
     spring = 0.0 if scene.normal is None else scene.normal.stiffness
-    depth = settle(free(c, line) - rise, weight * c.stiffness[0], spring, load, jnp.zeros(()))
-    line, work = press(c, line, rise, depth, weight)
+    depth = settle(free(c, line, fading) - rise, weight * c.stiffness[0], spring, load, jnp.zeros(()))
+    line, work = press(c, line, fading, rise, depth)
+    work = jnp.sum(weight * work)
     zero = jnp.zeros(())
     normal, drag = jnp.sum(weight * line.q), jnp.sum(weight * line.q * slope)
     held = spring * depth**2 / 2
@@ -142,10 +144,11 @@ def _advance(
 ) -> Motion:
     (drive, load), (drive_end, load_end) = before, after
     weight, up, along = scene.surface.weight, scene.normal, scene.tangential
-    u_free = free(c, y.line)
+    fading = fade(c, y.line.f)
+    u_free = free(c, y.line, fading)
     # Mean force of an element over the step, if it follows the surface: mean S (w+ - idle).
     mean = (0.5 * c.equilibrium + c.drag)[0]
-    idle = y.line.u - (c.equilibrium * y.line.u + jnp.sum(c.mean * y.line.f, axis=0)) / mean
+    idle = y.line.u - (c.equilibrium * y.line.u + fading.mean) / mean
 
     def depth_at(rise: Array, guess: Array) -> Array:
         if up is None:
@@ -186,7 +189,7 @@ def _advance(
     position = y.position + moved
     rise = scene.surface.rise(position)
     _, slope = scene.surface.rise_and_slope(position - lag(c) * moved)
-    line, work = press(c, y.line, rise, depth, weight)
+    line, work = press(c, y.line, fading, rise, depth)
     sunk, driven, damped = depth - y.depth, drag_mean * moved, jnp.zeros(())
     if along is not None:
         stretch = along.stiffness * ((drive + drive_end) / 2 - y.position - moved / 2)
@@ -203,7 +206,7 @@ def _advance(
         sinking=sunk / h if up is None else 2 * sunk / h - y.sinking,
         drag=jnp.sum(weight * line.q * slope),
         normal=jnp.sum(weight * line.q),
-        work=y.work + work,
+        work=y.work + jnp.sum(weight * work),
         driven=y.driven + driven,
         pressed=y.pressed + (load + load_end) / 2 * sunk,
         damped=y.damped + damped,

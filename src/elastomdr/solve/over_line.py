@@ -12,7 +12,6 @@ import abc
 from typing import Any
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Float
 
@@ -47,11 +46,14 @@ class Indenter(AbstractOverLine):
     """An indenter above the line of a half-space, or above the strips of a layer; `weight` is dx, or dx dy.
 
     `track` is b of a rough track fixed to the line [m], added to that of the body: zero where the line is smooth.
+    db/dX is its mean over the element, (b(x - dx/2) - b(x + dx/2))/dx: at the tip of a cone, where it jumps, its value
+    in the middle would make F_x first order in dx.
     """
 
     shape: AbstractShape
     x: Float[Array, " n"]  # places of the elements [m]
     y: Float[Array, " n"] | None  # distance of each element's strip from the middle [m]; None for a single line
+    spacing: Array  # dx [m]
     weight: Array
     track: Array  # height of the track at the elements, scalar or (n,) [m]
 
@@ -63,17 +65,21 @@ class Indenter(AbstractOverLine):
         return self.rise_and_slope(position)[0]
 
     def rise_and_slope(self, position: Array) -> tuple[Array, Array]:
-        x = self.x - position
-        r = jnp.abs(x) if self.y is None else jnp.hypot(x, self.y)
-        inside = r < self.shape.largest_contact
-        safe = jnp.where(inside, r, 0.0)
-        if self.y is None:
-            g, slope = self.shape._profile(safe), jnp.sign(x) * self.shape._slope(safe)
-        else:
-            g, steepness = jax.jvp(self.shape._height, (safe,), (jnp.ones_like(safe),))
-            slope = steepness * x / jnp.where(r > 0, r, 1.0)
+        x, half = self.x - position, 0.5 * self.spacing
+        inside = self._distance(x) < self.shape.largest_contact
+        slope = (self._height(x + half) - self._height(x - half)) / self.spacing
         # Beyond the end of the body there is nothing to touch.
-        return jnp.where(inside, self.track - g, _NOTHING), jnp.where(inside, slope, 0.0)
+        return jnp.where(inside, self.track - self._height(x), _NOTHING), jnp.where(inside, slope, 0.0)
+
+    def _distance(self, x: Array) -> Array:
+        return jnp.abs(x) if self.y is None else jnp.hypot(x, self.y)
+
+    def _height(self, x: Array) -> Array:
+        """g over the line, or the height of the body over a strip, at x from the middle; level beyond its end."""
+        end = self.shape.largest_contact
+        r = self._distance(x)
+        r = jnp.where(r < end, r, jnp.where(jnp.isinf(end), 0.0, end * (1 - 1e-12)))
+        return self.shape._profile(r) if self.y is None else self.shape._height(r)
 
 
 class Rough(AbstractOverLine):
@@ -106,9 +112,10 @@ def indenter(lines: AbstractLines, first: Any, spacing: Any, count: int, width: 
     x, zero = first + spacing * jnp.arange(count), jnp.zeros(())
     if isinstance(lines, SingleLine):
         weight = spacing * lines.weight(jnp.ones(1))[0, 0]
-        return Indenter(shape=lines.shape, x=x, y=None, weight=weight, track=zero)
+        return Indenter(shape=lines.shape, x=x, y=None, spacing=jnp.asarray(spacing), weight=weight, track=zero)
     strips = -(-count // 2)
     across = width / strips
     y = (jnp.arange(strips) + 0.5) * across
     x, y = (part.reshape(-1) for part in jnp.broadcast_arrays(x[None], y[:, None]))
-    return Indenter(shape=lines.shape, x=x, y=y, weight=2 * spacing * across, track=zero)
+    weight = 2 * spacing * across
+    return Indenter(shape=lines.shape, x=x, y=y, spacing=jnp.asarray(spacing), weight=weight, track=zero)

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 from jaxtyping import Float
 
 from .._runtime import Array
-from ..foundation.step import Coefficients, Elements, advance, coefficients, over_branches
+from ..foundation.step import Coefficients, Elements, Fading, advance, coefficients, fade
 from ..material.relaxation import Relaxation
 from .over_line import AbstractOverLine
 from .passage import Control
@@ -54,9 +54,9 @@ def untouched(law: Relaxation, surface: AbstractOverLine, position: Array) -> Li
     return Line(zero, jnp.zeros((law.moduli.shape[0], zero.size)), zero, zero, zero, rise - jnp.max(rise))
 
 
-def free(c: Coefficients, line: Line) -> Float[Array, " n"]:
+def free(c: Coefficients, line: Line, fading: Fading) -> Float[Array, " n"]:
     """u_free [m]: the displacement of each element at the end of the step that needs no force."""
-    return line.u - (c.equilibrium * line.u + over_branches(c.seen * line.f)) / c.stiffness
+    return line.u - (c.equilibrium * line.u + fading.seen) / c.stiffness
 
 
 def lag(c: Coefficients) -> Array:
@@ -79,14 +79,17 @@ def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) 
     `slope` is W S, scalar or (n,). Without a spring the force must not be negative; for no force d is where the first
     element is touched.
     """
-    lowest = jnp.argmin(level)
-    fixed_level, fixed_slope, fixed_spring, fixed_force = jax.lax.stop_gradient((level, slope, spring, force))
+    lowest = jnp.min(level)
+    given = level, lowest, slope, spring, force
+    fixed = jax.lax.stop_gradient(given)
+    fixed_level = fixed[0]
 
-    def newton(level, slope, spring, force, active):
+    def newton(level, lowest, slope, spring, force, active):
         stiffness = spring + jnp.sum(jnp.where(active, slope, 0.0))
-        alone = jnp.broadcast_to(slope, level.shape)[lowest]  # without a spring one element at least carries the load
+        # Without a spring one element at least carries the load. (The place of the least level takes long to find.)
+        alone = slope if slope.ndim == 0 else jnp.max(jnp.where(level == lowest, slope, 0.0))
         nobody = stiffness <= 0
-        load = force + jnp.where(nobody, alone * level[lowest], jnp.sum(jnp.where(active, slope * level, 0.0)))
+        load = force + jnp.where(nobody, alone * lowest, jnp.sum(jnp.where(active, slope * level, 0.0)))
         return load / jnp.where(nobody, alone, stiffness)
 
     def again(state):
@@ -95,22 +98,26 @@ def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) 
 
     def improve(state):
         depth, before, _, tries = state
-        depth = newton(fixed_level, fixed_slope, fixed_spring, fixed_force, fixed_level < depth)
+        depth = newton(*fixed, fixed_level < depth)
         return depth, jnp.sum(fixed_level < depth), before, tries + 1
 
     guess = jax.lax.stop_gradient(guess)
     depth = jax.lax.while_loop(again, improve, (guess, jnp.sum(fixed_level < guess), -1, 0))[0]
-    return newton(level, slope, spring, force, fixed_level < depth)
+    return newton(*given, fixed_level < depth)
 
 
-def press(c: Coefficients, line: Line, rise: Array, depth: Array, weight: Array) -> tuple[Line, Array]:
-    """The line after a step at whose end the body stands at `depth`, and the work done on it [J]."""
+def _no_fading(c: Coefficients, f: Array) -> Fading:
+    return Fading(*[jnp.zeros(f.shape[1])] * 3)
+
+
+def press(c: Coefficients, line: Line, fading: Fading, rise: Array, depth: Array) -> tuple[Line, Array]:
+    """The line after a step at whose end the body stands at `depth`, and the work done on each element [Pa m^2]."""
     zero = jnp.zeros_like(line.u)
     w = depth + rise
     # The integrals of `advance` count from zero in each step and are summed at once: an element carries few numbers.
     before = Elements(line.u, line.f, line.q, line.velocity, zero, zero, zero, line.stored, zero)
-    after = advance(c, before, line.w, w)
-    work = jnp.sum(weight * (after.inelastic + 0.5 * c.equilibrium * (after.u**2 - line.u**2)))
+    after = advance(c, before, line.w, w, fading)
+    work = after.inelastic + 0.5 * c.equilibrium * (after.u**2 - line.u**2)
     return Line(after.u, after.f, after.q, after.velocity, after.stored, w), work
 
 
@@ -129,30 +136,37 @@ def march(
     """
     weight = jnp.asarray(surface.weight)
 
-    def step(state, now: Steps):
-        line, depth, work, before = state
-        c = coefficients(law, now.h)
+    def felt(state: Any) -> Forces:
+        line, slope, work, depth, _ = state
+        normal, drag = jnp.sum(weight * line.q), jnp.sum(weight * line.q * slope)
+        return Forces(depth, normal, drag, jnp.sum(weight * work), energy(law, line, weight))
+
+    def step(state: Any, now: Steps) -> tuple[Any, Forces]:
+        line, _, work, depth, before = state
+        c = coefficients(law, now.h, viscous=viscous)
         rise, slope = surface.rise_and_slope(now.position)
         if viscous:
             _, slope = surface.rise_and_slope(now.position - lag(c) * (now.position - before))
+        # Behind a condition, since the compiler would sum over the branches again wherever it needs the sums.
+        fading = jax.lax.cond(now.h >= 0, fade, _no_fading, c, line.f)
         if control == "load":
-            depth = settle(free(c, line) - rise, weight * c.stiffness[0], 0.0, now.value, depth)
+            depth = settle(free(c, line, fading) - rise, weight * c.stiffness[0], 0.0, now.value, depth)
         else:
             depth = now.value
-        line, done = press(c, line, rise, depth, weight)
-        work = work + done
-        normal, drag = jnp.sum(weight * line.q), jnp.sum(weight * line.q * slope)
-        return (line, depth, work, now.position), Forces(depth, normal, drag, work, energy(law, line, weight))
+        line, done = press(c, line, fading, rise, depth)
+        # Sums of the step before: compiled sums over what is being computed take far longer than over what is kept.
+        return (line, slope, work + done, depth, now.position), felt(state)
 
     @jax.checkpoint
-    def block(state, part):
+    def block(state: Any, part: Steps) -> tuple[Any, Forces]:
         return jax.lax.scan(step, state, part)
 
-    zero = jnp.zeros(())
-    start = (untouched(law, surface, steps.position[0]), zero, zero, steps.position[0])
+    zero, line = jnp.zeros(()), untouched(law, surface, steps.position[0])
+    start = (line, 0 * line.u, 0 * line.u, zero, steps.position[0])
     blocks = jax.tree.map(lambda x: x.reshape(-1, _BLOCK), steps)
-    (line, _, _, _), forces = jax.lax.scan(block, start, blocks)
-    return jax.tree.map(lambda x: x.reshape(-1), forces), line
+    end, before = jax.lax.scan(block, start, blocks)
+    forces = jax.tree.map(lambda x, last: jnp.append(x.reshape(-1)[1:], last), before, felt(end))
+    return forces, end[0]
 
 
 def padded(steps: Steps) -> Steps:
