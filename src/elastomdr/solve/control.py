@@ -194,7 +194,7 @@ def _stepped(
     while True:
         marches.append(_marched(*(given if blind else frozen), levels=levels, kept=kept))
         if len(marches) > 1:
-            limits.append(_limit(*marches[-2:], 3))
+            limits.append(_limit(marches[-2:], (2,)))
         if len(limits) > 1:
             error = _change(limits[1].depth, limits[0].depth) + _change(limits[1].force, limits[0].force)
             if blind or not (error > 3 * rtol).any() or 2 * levels * instants > _MOST_STEPS:
@@ -203,10 +203,9 @@ def _stepped(
         levels *= 2
     if is_traced(given) and not blind:  # once more, with derivatives
         marches = [_marched(*given, levels=n, kept=kept) for n in (levels // 4, levels // 2, levels)]
-        limits = [_limit(*pair, 3) for pair in itertools.pairwise(marches)]
-    last = _limit(*limits, 15)
+    last = _limit(marches, (2, 4, 6))
     # An element that is touched or lost within a step errs by the cube of the step in what it receives.
-    last = last._replace(heat=_limit(*limits, 7).heat)
+    last = last._replace(heat=_limit(marches, (2, 3, 4)).heat)
     fits = jnp.where(last.fits, 1.0, jnp.nan)
     parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, last.heat)
     return tuple(
@@ -214,9 +213,16 @@ def _stepped(
     )
 
 
-def _limit(coarse: Marched, fine: Marched, gain: int) -> Marched:
-    """Extrapolation of two marches, or limits, of which the finer has an error smaller by a factor of 1 + `gain`."""
-    return jax.tree.map(lambda a, b: a & b if b.dtype == bool else b + (b - a) / gain, coarse, fine)
+def _limit(marches: list[Marched], powers: tuple[int, ...]) -> Marched:
+    """The last marches, each with twice the steps of the one before, without the given powers of the step."""
+    rows = marches[-1 - len(powers) :]
+    for power in powers[: len(rows) - 1]:
+        gain = 2**power - 1
+        rows = [
+            jax.tree.map(lambda a, b: a & b if b.dtype == bool else b + (b - a) / gain, *pair)  # noqa: B023
+            for pair in itertools.pairwise(rows)
+        ]
+    return rows[-1]
 
 
 def _change(new: Array, old: Array) -> Array:
