@@ -5,7 +5,7 @@ import sys
 import time
 from pathlib import Path
 
-SCRIPTS = ("steady_sliding", "skipping", "cold_start", "half_space", "extremes", "indentation", "fit_coverage")
+SCRIPTS = ("steady_sliding", "skipping", "cold_start", "half_space", "extremes", "indentation", "energy", "fit_coverage")
 
 
 def main() -> int:

@@ -181,9 +181,9 @@ def _stepped(
     """Depth, force, radius, work, stored, locked, heat and relative error, extrapolated from marches with ever more
     steps.
 
-    Two limits that agree end the series, and are extrapolated once more; what was left of their difference in the finer
-    one is about a sixteenth, a third of it counts as the error. Under jit or vmap, where nothing can be looked at,
-    three marches are made.
+    Two limits that agree, and an energy balance that closes, end the series, which is extrapolated once more; what was
+    left of their difference in the finer one is about a sixteenth, a third of it counts as the error. Under jit or
+    vmap, where nothing can be looked at, three marches are made.
     """
     given = (law, modes, disc, *histories)
     frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
@@ -197,20 +197,32 @@ def _stepped(
             limits.append(_limit(marches[-2:], (2,)))
         if len(limits) > 1:
             error = _change(limits[1].depth, limits[0].depth) + _change(limits[1].force, limits[0].force)
-            if blind or not (error > 3 * rtol).any() or 2 * levels * instants > _MOST_STEPS:
+            if blind or 2 * levels * instants > _MOST_STEPS:
+                break
+            if not (error > 3 * rtol).any() and not (_unaccounted(_extrapolated(marches)) > rtol).any():
                 break
             limits.pop(0)
         levels *= 2
     if is_traced(given) and not blind:  # once more, with derivatives
         marches = [_marched(*given, levels=n, kept=kept) for n in (levels // 4, levels // 2, levels)]
-    last = _limit(marches, (2, 4, 6))
-    # An element that is touched or lost within a step errs by the cube of the step in what it receives.
-    last = last._replace(heat=_limit(marches, (2, 3, 4)).heat)
+    last = _extrapolated(marches)
     fits = jnp.where(last.fits, 1.0, jnp.nan)
     parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, last.heat)
     return tuple(
         a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error / 3 + _ROUNDING)
     )
+
+
+def _extrapolated(marches: list[Marched]) -> Marched:
+    """The limit of marches of ever more steps."""
+    # An element that is touched or lost within a step errs by the cube of the step in what it receives.
+    return _limit(marches, (2, 4, 6))._replace(heat=_limit(marches, (2, 3, 4)).heat)
+
+
+def _unaccounted(found: Marched) -> Array:
+    """Work that was neither stored nor turned into heat, relative to the largest work of the history."""
+    largest = abs(found.work).max(axis=-1, keepdims=True)
+    return abs(found.work - found.stored - found.locked - found.heat) / (largest + (largest == 0))
 
 
 def _limit(marches: list[Marched], powers: tuple[int, ...]) -> Marched:
