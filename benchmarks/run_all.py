@@ -5,7 +5,9 @@ import sys
 import time
 from pathlib import Path
 
-SCRIPTS = ("steady_sliding", "skipping", "cold_start", "half_space", "extremes", "indentation", "energy", "fit_coverage")
+SCRIPTS = (
+    "steady_sliding", "skipping", "cold_start", "half_space", "extremes", "indentation", "energy", "fit_coverage",
+)  # fmt: skip
 
 
 def main() -> int:

@@ -39,9 +39,7 @@ def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
 
     def pulled(speed: jax.Array) -> tuple[jax.Array, jax.Array]:
-        drive = em.drive(
-            RUBBER, SLIDER, time=TIME, position=speed * TIME, load=LOAD, tangential=em.Mount(MASS, SPRING)
-        )
+        drive = em.drive(RUBBER, SLIDER, time=TIME, position=speed * TIME, load=LOAD, tangential=em.Mount(MASS, SPRING))
         return drive.position, drive.velocity
 
     with jax.enable_x64(True):

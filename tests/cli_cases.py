@@ -201,7 +201,10 @@ points = 8
 
 BAD_SLIDES = {
     "no stage": ((SLIDE[SLIDE.index("[[stage]]") : SLIDE.index("[numerics]")], ""), "[[stage]] is missing"),
-    "one bracket": ((SLIDE[SLIDE.index("[[stage]]") : SLIDE.index("[numerics]")], "[stage]\nload = '1 N'\n"), "two brackets"),
+    "one bracket": (
+        (SLIDE[SLIDE.index("[[stage]]") : SLIDE.index("[numerics]")], "[stage]\nload = '1 N'\n"),
+        "two brackets",
+    ),
     "unknown key": (('way = "4 mm"', 'wey = "4 mm"'), "Did you mean 'way'"),
     "way without velocity": (('velocity = "500 mm/s"\n', ""), "needs a velocity"),
     "way and duration": (('way = "4 mm"', 'way = "4 mm"\nduration = "1 s"'), "no duration beside it"),

@@ -50,7 +50,7 @@ def test_a_dashpot_is_in_the_audit():
 
 @pytest.mark.parametrize("rtol", [1e-6, pytest.param(1e-8, marks=pytest.mark.slow)])
 def test_indentation_by_steps(rtol):
-    """A load that falls to zero and returns: int F dd against what the elements received. To the tolerance asked for."""
+    """A load that falls to zero and returns: int F dd against what the elements received, to the tolerance."""
     found = em.indent(SOLID, BALL, time=TIMES, load=PULSES, rtol=rtol)
     assert found.converged.all()
     assert missing(found) <= rtol

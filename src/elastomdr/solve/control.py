@@ -1,7 +1,6 @@
 """Which way an indentation is solved: by depth, by load in closed form, or by load in steps."""
 
 import functools
-import itertools
 from typing import Any, NamedTuple
 
 import jax
@@ -15,7 +14,7 @@ from ..material.relaxation import Relaxation
 from .adhesion import Sticky, elastic, receding
 from .creep import Creep, creep, levels_for
 from .history import indent_by_depth, padded
-from .steps import Marched, march, places
+from .steps import Marched, extrapolated, limit, march, places, unaccounted
 
 _BATCH = 64  # histories computed at once
 _LEVELS = (1, 3, 6)  # of the panels, coarse to fine
@@ -160,7 +159,7 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
 
 
 def _grown(law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array) -> tuple[tuple[Array, ...], Array]:
-    """The closed form: depth, force, radius, work, stored, locked, heat and error, and where the contact has only grown."""
+    """The closed form: depth, force, radius, work, stored, locked, heat, error; where the contact has only grown."""
     numpy = jnp if is_traced(law, modes, disc, time, load) else np
     levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
     found: Creep = over_histories(creep, law, modes, disc, *padded(time, load), levels=levels)
@@ -194,47 +193,23 @@ def _stepped(
     while True:
         marches.append(_marched(*(given if blind else frozen), levels=levels, kept=kept))
         if len(marches) > 1:
-            limits.append(_limit(marches[-2:], (2,)))
+            limits.append(limit(marches[-2:], (2,)))
         if len(limits) > 1:
             error = _change(limits[1].depth, limits[0].depth) + _change(limits[1].force, limits[0].force)
             if blind or 2 * levels * instants > _MOST_STEPS:
                 break
-            if not (error > 3 * rtol).any() and not (_unaccounted(_extrapolated(marches)) > rtol).any():
+            if not (error > 3 * rtol).any() and not (unaccounted(extrapolated(marches)) > rtol).any():
                 break
             limits.pop(0)
         levels *= 2
     if is_traced(given) and not blind:  # once more, with derivatives
         marches = [_marched(*given, levels=n, kept=kept) for n in (levels // 4, levels // 2, levels)]
-    last = _extrapolated(marches)
+    last = extrapolated(marches)
     fits = jnp.where(last.fits, 1.0, jnp.nan)
     parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, last.heat)
     return tuple(
         a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error / 3 + _ROUNDING)
     )
-
-
-def _extrapolated(marches: list[Marched]) -> Marched:
-    """The limit of marches of ever more steps."""
-    # An element that is touched or lost within a step errs by the cube of the step in what it receives.
-    return _limit(marches, (2, 4, 6))._replace(heat=_limit(marches, (2, 3, 4)).heat)
-
-
-def _unaccounted(found: Marched) -> Array:
-    """Work that was neither stored nor turned into heat, relative to the largest work of the history."""
-    largest = abs(found.work).max(axis=-1, keepdims=True)
-    return abs(found.work - found.stored - found.locked - found.heat) / (largest + (largest == 0))
-
-
-def _limit(marches: list[Marched], powers: tuple[int, ...]) -> Marched:
-    """The last marches, each with twice the steps of the one before, without the given powers of the step."""
-    rows = marches[-1 - len(powers) :]
-    for power in powers[: len(rows) - 1]:
-        gain = 2**power - 1
-        rows = [
-            jax.tree.map(lambda a, b: a & b if b.dtype == bool else b + (b - a) / gain, *pair)  # noqa: B023
-            for pair in itertools.pairwise(rows)
-        ]
-    return rows[-1]
 
 
 def _change(new: Array, old: Array) -> Array:
