@@ -1,12 +1,12 @@
-"""17: a tread block that brakes: friction passes its peak on the way down, and the block recoils when it stops.
+"""17: a tread block that brakes: friction lags behind the falling speed, and the block recoils when it stops.
 
 Teaches: `em.drive` with a drive that slows down. The tread (rubber) slides over the road (a rough line); what holds the
-block is a spring and a damper. The faster it slides the less of the road's long waves still counts as loss; on the way
-to rest every wave passes its own peak. At rest rubber friction is zero, and the shear spring lets the block swing back.
+block is a spring and a damper. Friction remembers: while the block slows down it is not that of steady sliding at the
+same speed. At rest rubber friction is zero, and what the spring held lets the block swing back.
 
 Inputs: made up here: E* = 1 MPa relaxed, branches of 2, 3 and 4 MPa at 20, 2 and 0.2 ms; a road of five waves, 2 mm to
 0.4 mm long; 1.5 kN per metre pressed on, so that road and block touch everywhere; block 2 kg/m on 200 kN/m/m and
-200 N s/m/m; from 0.5 m/s to rest in 40 ms.
+1 kN s/m/m; from 0.5 m/s to rest in 40 ms.
 
 Check: in full contact the memory of the rubber is one complex number per wave and branch, s' = z' - s/tau with
 z = exp(i k X), and F_x = sum (1/2) A^2 k E_j Im(conj(z) s): the same motion by scipy's integrator, which knows no
@@ -31,9 +31,9 @@ K, AMPLITUDE = 2 * np.pi * WAVES / PERIOD, 4e-5 / WAVES  # 1/m, m
 PHASE = np.random.default_rng(2).uniform(0, 2 * np.pi, WAVES.size)
 X = np.arange(POINTS) * PERIOD / POINTS
 ROAD = em.RoughLine(X, (AMPLITUDE * np.cos(np.multiply.outer(X, K) + PHASE)).sum(axis=1))
-LOAD, MOUNT = 1500.0, em.Mount(2.0, 2e5, 200.0)  # per metre of line: N; kg, N/m, N s/m
-SPEED, BEFORE, BRAKING, AFTER = 0.5, 0.02, 0.04, 0.02  # m/s, s
-TIME = np.linspace(0, BEFORE + BRAKING + AFTER, 321)
+LOAD, MOUNT = 1500.0, em.Mount(2.0, 2e5, 1000.0)  # per metre of line: N; kg, N/m, N s/m
+SPEED, BEFORE, BRAKING, AFTER = 0.5, 0.03, 0.04, 0.02  # m/s, s
+TIME = np.linspace(0, BEFORE + BRAKING + AFTER, 361)
 WHEEL = SPEED * np.clip(1 - (TIME - BEFORE) / BRAKING, 0, 1)  # velocity of the drive [m/s]
 DRIVE = np.concatenate([[0], np.cumsum(np.diff(TIME) * (WHEEL[1:] + WHEEL[:-1]) / 2)])
 

@@ -109,8 +109,10 @@ def test_shear_of_a_viscoelastic_contact_that_sticks():
     )  # fmt: skip
     y = time / tau
     f = g1 * tau * rate * -np.expm1(-y)  # of the branch
-    stored = 2 * a * (0.5 * g0 * (rate * time) ** 2 + 0.5 * f**2 / g1)
-    heat = 2 * a * g1 * tau**2 * rate**2 * (y - 1.5 + 2 * np.exp(-y) - 0.5 * np.exp(-2 * y))  # int f^2/(G_1 tau) dt
+    width = found.force[-1] / (g0 * rate * time[-1] + f[-1])  # of the elements in contact
+    np.testing.assert_allclose(width, 2 * a, rtol=1e-5)
+    stored = width * (0.5 * g0 * (rate * time) ** 2 + 0.5 * f**2 / g1)
+    heat = width * g1 * tau**2 * rate**2 * (y - 1.5 + 2 * np.exp(-y) - 0.5 * np.exp(-2 * y))  # int f^2/(G_1 tau) dt
     heat[0] = 0.0
     scale = (stored + heat)[-1]
     np.testing.assert_allclose(found.stored, stored, rtol=0, atol=1e-8 * scale)
