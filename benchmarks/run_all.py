@@ -5,8 +5,10 @@ import sys
 import time
 from pathlib import Path
 
-SCRIPTS = ("steady_sliding", "skipping", "cold_start", "half_space", "extremes", "indentation", "creep_tamaas",
-           "impacts", "transient", "fit_coverage")  # fmt: skip
+SCRIPTS = (
+    "steady_sliding", "skipping", "cold_start", "half_space", "extremes", "indentation", "creep_tamaas", "energy",
+    "impacts", "transient", "fit_coverage",
+)  # fmt: skip
 
 
 def main() -> int:

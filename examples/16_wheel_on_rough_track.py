@@ -39,7 +39,7 @@ def main(out: Path) -> None:
     figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.0), layout="constrained")
     top.plot(1e3 * time, heavy.normal_force, color="#1f5a94", label="50 g")
     top.plot(1e3 * time, light.normal_force, color="#a03030", linestyle="--", label="without mass")
-    top.annotate("put down", (1, 15.5), xytext=(6, 15.3), fontsize=9)
+    top.text(2.2, 15.2, "put down", fontsize=9)
     top.set(xlabel="Time [ms]", ylabel="Normal force [N]")
     top.set_title("Ball of 20 mm radius rolling at 1 m/s over a rough track, bare MDR line", fontsize=10)
     frequency, force = spectrum(time, heavy.normal_force)

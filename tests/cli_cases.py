@@ -171,3 +171,46 @@ BAD_INDENTS = {
         "amplitude must not be larger",
     ),
 }
+
+SLIDE = """
+title = "Started"
+material = "rubber.toml"
+temperature = "20 degC"
+
+[indenter]
+shape = "paraboloid"
+radius = "5 mm"
+
+[[stage]]
+duration = "2 ms"
+load = "2 N"
+
+[[stage]]
+velocity = "500 mm/s"
+way = "4 mm"
+
+[[stage]]
+velocity = "-500 mm/s"
+duration = "2 ms"
+load = "1 N"
+
+[numerics]
+rtol = 5e-2
+points = 8
+"""
+
+BAD_SLIDES = {
+    "no stage": ((SLIDE[SLIDE.index("[[stage]]") : SLIDE.index("[numerics]")], ""), "[[stage]] is missing"),
+    "one bracket": (
+        (SLIDE[SLIDE.index("[[stage]]") : SLIDE.index("[numerics]")], "[stage]\nload = '1 N'\n"),
+        "two brackets",
+    ),
+    "unknown key": (('way = "4 mm"', 'wey = "4 mm"'), "Did you mean 'way'"),
+    "way without velocity": (('velocity = "500 mm/s"\n', ""), "needs a velocity"),
+    "way and duration": (('way = "4 mm"', 'way = "4 mm"\nduration = "1 s"'), "no duration beside it"),
+    "no load at first": (('load = "2 N"', ""), "got neither"),
+    "a load, then a depth": (('load = "1 N"', 'depth = "1 mm"'), "must have loads, or depths"),
+    "no duration": (('duration = "2 ms"\nload = "2 N"', 'load = "2 N"'), "duration is missing"),
+    "a load that pulls": (('load = "1 N"', 'load = "-1 N"'), "load must be zero or positive"),
+    "velocity without a unit": (('"500 mm/s"', '"500"'), "with its unit"),
+}

@@ -13,6 +13,7 @@ import elastomdr as em
 from elastomdr.cli.history import read_history
 from elastomdr.cli.main import main
 from elastomdr.cli.scene import read_scene
+from elastomdr.cli.stages import read_stages
 from elastomdr.errors import ConvergenceWarning
 
 from .cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE
@@ -277,9 +278,10 @@ def test_files_are_looked_for_beside_the_scene(place, monkeypatch):
     "scene", sorted((Path(__file__).parents[1] / "examples" / "scenes").glob("*.toml")), ids=lambda p: p.stem
 )
 def test_shipped_scenes_can_be_read(scene):
-    if "[history]" in scene.read_text():
-        assert read_history(str(scene)).arguments["time"].size >= 3
-        return
+    for key, read in (("[history]", read_history), ("[[stage]]", read_stages)):
+        if key in scene.read_text():
+            assert read(str(scene)).arguments["time"].size >= 3
+            return
     shipped = read_scene(str(scene))
     assert shipped.title
     verb = "rolling" if shipped.shape.rolling_radius is not None else "friction"

@@ -152,14 +152,15 @@ def _several(kind: Any) -> Any:
 
 
 def _points(name: str, value: Any) -> int:
-    return _whole(name, value, 2, _MOST_POINTS)
+    return whole(name, value, 2, _MOST_POINTS)
 
 
 def _count(name: str, value: Any) -> int:
-    return _whole(name, value, 1, 1000)
+    return whole(name, value, 1, 1000)
 
 
-def _whole(name: str, value: Any, least: int, most: int) -> int:
+def whole(name: str, value: Any, least: int, most: int) -> int:
+    """A whole number within limits."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
         raise InputError(f"{name} must be a whole number from {least} to {most}, got {value!r}.")
     return value

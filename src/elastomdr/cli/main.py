@@ -49,10 +49,14 @@ def _parser() -> argparse.ArgumentParser:
         command = verbs.add_parser(verb, help=words, description=words[0].upper() + words[1:] + ".")
         command.add_argument("scene", metavar="SCENE.toml", help="the scene to compute")
         command.add_argument("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
-    words = "indentation under a history of depth or load: writes NAME-indent.csv and NAME-indent.png"
-    command = verbs.add_parser("indent", help=words, description=words[0].upper() + words[1:] + ".")
-    command.add_argument("scene", metavar="SCENE.toml", help="the scene to compute")
-    command.add_argument("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
+    for verb, what in (
+        ("indent", "indentation under a history of depth or load"),
+        ("slide", "sliding through stages of rest, speed and load"),
+    ):
+        words = f"{what}: writes NAME-{verb}.csv and NAME-{verb}.png"
+        command = verbs.add_parser(verb, help=words, description=words[0].upper() + words[1:] + ".")
+        command.add_argument("scene", metavar="SCENE.toml", help="the scene to compute")
+        command.add_argument("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
     words = "what friction or rolling would compute, skip and condense, and why"
     command = verbs.add_parser("plan", help=words, description=f"Prints {words}.")
     command.add_argument("scene", metavar="SCENE.toml", help="the scene to plan")

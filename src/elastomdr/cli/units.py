@@ -28,6 +28,7 @@ DURATION = Kind("a time", "s", "10 s", _TIMES)
 INSTANT = Kind("a time", "s", "10 s", _TIMES, "of any sign")
 DEPTH = Kind("a length", "m", "0.1 mm", _LENGTHS, "of any sign")
 PUSH = Kind("a force", "N", "10 N", FORCE.usual, "of any sign")
+SPEED = Kind("a velocity", "m/s", "0.1 m/s", VELOCITY.usual, "of any sign")
 FREQUENCY = Kind("a frequency", "Hz", "10 Hz", "Hz kHz mHz hertz")
 ADHESION = Kind("an energy per area", "J/m^2", "50 mJ/m^2", "J/m^2 mJ/m^2 N/m mN/m")
 

@@ -36,13 +36,15 @@ class Touching(NamedTuple):
     f: Float[Array, "k n"]  # branch forces [Pa m; on a layer Pa]
     m: Float[Array, "j n"]  # recovery modes [m]
     work: Float[Array, " n"]  # int q du [Pa m^2; on a layer Pa m]
+    heat: Float[Array, " n"]  # turned into heat by branches and dashpot, likewise
 
 
 def pressed(law: Relaxation, modes: Modes, w: Float[Array, " n"]) -> Touching:
     """Elements at rest until a surface at w is pressed on them at once: glassy where w > 0, untouched elsewhere."""
     u = jnp.maximum(w, 0.0)
     glassy = law.equilibrium + jnp.sum(law.moduli)
-    return Touching(w > 0, u, law.moduli[:, None] * u, jnp.zeros((modes.rate.size, w.size)), 0.5 * glassy * u**2)
+    m = jnp.zeros((modes.rate.size, w.size))
+    return Touching(w > 0, u, law.moduli[:, None] * u, m, 0.5 * glassy * u**2, jnp.zeros_like(u))
 
 
 def force(law: Relaxation, state: Touching, v: Any) -> Float[Array, " n"]:
@@ -86,10 +88,14 @@ def follow(law: Relaxation, modes: Modes, state: Touching, w: Float[Array, " n"]
     u_end = jnp.where(touched, u + v * stay, u)
     spent = 0.5 * law.equilibrium * (u_end**2 - u**2) + law.viscosity * v**2 * stay
     spent = spent + v * stay * jnp.sum(first * f + law.moduli[:, None] * v * stay * second, axis=0)
+    warmed = law.viscosity * v**2 * stay + jnp.sum(_branch_loss(law, f, v * stay, y, first, second), axis=0)
 
     # Free again.
-    m = jnp.where(touched, to_modes(law, modes, u_end, f_end), decayed)
+    let_go = to_modes(law, modes, u_end, f_end)
+    m = jnp.where(touched, let_go, decayed)
     m = jnp.where(lost, jnp.exp(-modes.rate[:, None] * (rest - stay)) * m, m)
+    recovered = jnp.where(state.contact, 0.0, _recovery_loss(modes, state.m, wait))
+    recovered = recovered + jnp.where(lost, _recovery_loss(modes, let_go, rest - stay), 0.0)
     contact = touched & ~lost
     return Touching(
         contact=contact,
@@ -97,7 +103,24 @@ def follow(law: Relaxation, modes: Modes, state: Touching, w: Float[Array, " n"]
         f=f_end,
         m=m,
         work=state.work + jnp.where(touched, spent, 0.0),
+        heat=state.heat + jnp.where(touched, warmed, 0.0) + recovered,
     )
+
+
+def _branch_loss(law: Relaxation, f: Array, moved: Array, y: Array, first: Array, second: Array) -> Array:
+    """int f_k^2/(E_k tau_k) dt of each branch while the element moves by `moved` at a constant rate; y = h/tau_k, phi_1
+    and phi_2 of it."""
+    moduli = law.moduli[:, None]
+    compliance = jnp.where(moduli > 0, 1 / jnp.where(moduli > 0, moduli, 1.0), 0.0)
+    faded = y * first  # 1 - exp(-y)
+    loss = f**2 * compliance * faded * (1 - 0.5 * faded) + f * moved * faded * first
+    return loss + moduli * moved**2 * (second - 0.5 * first**2)
+
+
+def _recovery_loss(modes: Modes, m: Array, t: Array) -> Array:
+    """What free modes turn into heat in a time t: norm_j int m_j'^2 dt, the modes being orthogonal in dissipation."""
+    rate = modes.rate[:, None]
+    return (0.5 * modes.norm * modes.rate) @ (m**2 * -jnp.expm1(-2 * rate * t))
 
 
 def _gap(modes: Modes, state: Touching, w: Array, v: Any, t: Array) -> tuple[Array, Array]:

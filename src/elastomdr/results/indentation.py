@@ -25,11 +25,12 @@ class Indentation(AbstractResult):
     """A body pressed into a viscoelastic foundation; every field has one value per instant, time along the last axis.
 
     `work` is what the body has done on the surface, int F dd. `stored` is the elastic energy of the surface in contact,
-    which a withdrawing body can in part get back. `dissipated` is the rest: what the material has turned into heat, and
-    `locked`, the elastic energy in surface that is out of contact, which turns into heat as that recovers (a renewed
-    contact before that brings it back). `error` is the estimated numerical error of what was asked for, the force under
-    a given depth and the depth under a given load, over its largest value in the history. An instant that did not
-    converge is NaN with `converged=False`. With adhesion see `em.indent`.
+    which a withdrawing body can in part get back. `dissipated` is what the material has turned into heat, computed
+    apart from the work so that `work - stored - dissipated` is an audit, and `locked`, the elastic energy in surface
+    that is out of contact, which turns into heat as that recovers (a renewed contact before that brings it back).
+    `error` is the estimated numerical error of what was asked for, the force under a given depth and the depth under a
+    given load, over its largest value in the history. An instant that did not converge is NaN with `converged=False`.
+    With adhesion see `em.indent`.
     """
 
     time: Float[Array, "..."]  # t [s]

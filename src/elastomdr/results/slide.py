@@ -78,6 +78,12 @@ class Slide(AbstractResult):
             points += f"; largest estimated error of mu: {significant(float(np.nanmax(self.error)), 2)}"
         yield "points", points
 
+    def png(self, title: str | None = None) -> bytes:
+        """The figure as a PNG image, 200 dots per inch."""
+        from .history_figure import png
+
+        return png(self, title)
+
     def heading(self) -> str:
         """A title: the quantity, and the material where it is known."""
         material = dict(self.inputs).get("material")

@@ -96,7 +96,7 @@ def indent(
         work=known(found.work),
         stored=known(found.stored),
         locked=known(found.locked),
-        dissipated=known(found.work - found.stored),
+        dissipated=known(found.heat + found.locked),
         error=found.error,
         converged=found.converged,
         temperature=kelvin,

@@ -14,7 +14,7 @@ from ..material.relaxation import Relaxation
 from .adhesion import Sticky, elastic, receding
 from .creep import Creep, creep, levels_for
 from .history import indent_by_depth, padded
-from .steps import Marched, march, places
+from .steps import Marched, extrapolated, limit, march, places, unaccounted
 
 _BATCH = 64  # histories computed at once
 _LEVELS = (1, 3, 6)  # of the panels, coarse to fine
@@ -53,6 +53,7 @@ class Found(NamedTuple):
     work: Array
     stored: Array
     locked: Array
+    heat: Array
     error: Array  # relative to the largest force or depth
     converged: Array
     plan: str
@@ -99,7 +100,7 @@ def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Cour
         else "A load pulled the body off"
         + ("." if simple else ", or the contact would have grown, for which there is no rule.")
     )
-    return Found(depth, force, radius, work, stored, zero, error, known, plan, reason)
+    return Found(depth, force, radius, work, stored, zero, work - stored, error, known, plan, reason)
 
 
 def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
@@ -118,9 +119,9 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
     largest = abs(found.force).max(axis=-1, keepdims=True)
     error = found.error / (largest + (largest == 0)) + _ROUNDING
     good = numpy.isfinite(found.force) & (error <= rtol)
-    fields = (found.force, found.radius, found.work, found.stored, found.locked, error, good)
-    force, radius, work, stored, locked, error, good = (_unpadded(a, shape) for a in fields)
-    return Found(course.depth, force, radius, work, stored, locked, error, good, BY_DEPTH, "")
+    fields = (found.force, found.radius, found.work, found.stored, found.locked, found.heat, error, good)
+    fields = (_unpadded(a, shape) for a in fields)
+    return Found(course.depth, *fields, BY_DEPTH, "")
 
 
 def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
@@ -137,7 +138,7 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
         fields, growing = _grown(law, modes, disc, time, load)
         known = jax.lax.stop_gradient(growing) if traced else growing
     else:
-        fields, known = (depth,) * 7, np.zeros(time.shape, bool)
+        fields, known = (depth,) * 8, np.zeros(time.shape, bool)
     # A contact under a load that never falls only grows, whatever the material.
     simple = not is_traced(load) and course.by_depth is None and bool((np.diff(load, axis=1) >= 0).all())
     rest = np.ones(len(time), bool) if is_traced(known) else ~np.asarray(known).all(axis=1)
@@ -149,23 +150,23 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
         back = np.zeros(len(time), int)
         back[which] = np.arange(len(which))
         fields = tuple(numpy.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True))
-    depth, force, radius, work, stored, locked, error = (a.reshape(shape) for a in fields)
+    depth, force, radius, work, stored, locked, heat, error = (a.reshape(shape) for a in fields)
     good = numpy.isfinite(depth) & (error <= rtol)
     reason = ""
     if not traced and not np.isfinite(depth).all():
         reason = f"Where no finite number came out, the contact would be wider than the {disc.shape.label} is."
-    return Found(depth, force, radius, work, stored, locked, error, good, plan, reason)
+    return Found(depth, force, radius, work, stored, locked, heat, error, good, plan, reason)
 
 
 def _grown(law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array) -> tuple[tuple[Array, ...], Array]:
-    """The closed form: depth, force, radius, work, stored, locked and error, and where the contact has only grown."""
+    """The closed form: depth, force, radius, work, stored, locked, heat, error; where the contact has only grown."""
     numpy = jnp if is_traced(law, modes, disc, time, load) else np
     levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
     found: Creep = over_histories(creep, law, modes, disc, *padded(time, load), levels=levels)
     found = jax.tree.map(lambda a: _unpadded(a, time.shape), found)
     nothing = numpy.zeros(time.shape)
     error = numpy.where(numpy.isfinite(found.depth), _ROUNDING, numpy.nan)
-    return (found.depth, load, found.radius, found.work, found.stored, nothing, error), found.growing
+    return (found.depth, load, found.radius, found.work, found.stored, nothing, found.heat, error), found.growing
 
 
 def _stepped(
@@ -176,10 +177,12 @@ def _stepped(
     rtol: float,
     kept: int = 1,
 ) -> tuple[Array, ...]:
-    """Depth, force, radius, work, stored, locked and relative error, extrapolated from marches with ever more steps.
+    """Depth, force, radius, work, stored, locked, heat and relative error, extrapolated from marches with ever more
+    steps.
 
-    Two limits that agree end the series; what is left of their difference in the finer one is about a sixteenth, a
-    third of it counts as the error. Under jit or vmap, where nothing can be looked at, three marches are made.
+    Two limits that agree, and an energy balance that closes, end the series, which is extrapolated once more; what was
+    left of their difference in the finer one is about a sixteenth, a third of it counts as the error. Under jit or
+    vmap, where nothing can be looked at, three marches are made.
     """
     given = (law, modes, disc, *histories)
     frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
@@ -190,26 +193,23 @@ def _stepped(
     while True:
         marches.append(_marched(*(given if blind else frozen), levels=levels, kept=kept))
         if len(marches) > 1:
-            limits.append(jax.tree.map(_extrapolated, *marches[-2:]))
+            limits.append(limit(marches[-2:], (2,)))
         if len(limits) > 1:
             error = _change(limits[1].depth, limits[0].depth) + _change(limits[1].force, limits[0].force)
-            if blind or not (error > 3 * rtol).any() or 2 * levels * instants > _MOST_STEPS:
+            if blind or 2 * levels * instants > _MOST_STEPS:
+                break
+            if not (error > 3 * rtol).any() and not (unaccounted(extrapolated(marches)) > rtol).any():
                 break
             limits.pop(0)
         levels *= 2
-    last = limits[-1]
     if is_traced(given) and not blind:  # once more, with derivatives
-        coarse, fine = (_marched(*given, levels=n, kept=kept) for n in (levels // 2, levels))
-        last = jax.tree.map(_extrapolated, coarse, fine)
+        marches = [_marched(*given, levels=n, kept=kept) for n in (levels // 4, levels // 2, levels)]
+    last = extrapolated(marches)
     fits = jnp.where(last.fits, 1.0, jnp.nan)
-    parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked)
+    parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, last.heat)
     return tuple(
         a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error / 3 + _ROUNDING)
     )
-
-
-def _extrapolated(coarse: Array, fine: Array) -> Array:
-    return coarse & fine if fine.dtype == bool else fine + (fine - coarse) / 3
 
 
 def _change(new: Array, old: Array) -> Array:

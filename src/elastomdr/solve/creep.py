@@ -38,6 +38,7 @@ class Creep(NamedTuple):
     radius: Float[Array, " m"]
     work: Float[Array, " m"]  # int F dd [J]
     stored: Float[Array, " m"]  # elastic energy of the elements [J]
+    heat: Float[Array, " m"]  # of branches and dashpot [J]
     growing: Bool[Array, " m"]  # whether the contact has not shrunk up to this instant
 
 
@@ -100,7 +101,13 @@ def creep(
     _, squares = jax.lax.scan(relax, first, (jnp.exp(-2 * h[:, None] / law.times), gained))
     squares = jnp.concatenate([first[None], squares])
     stored = law.equilibrium * _elastic(disc, radius, depth) + 0.5 * squares @ law.moduli
-    return Creep(depth, radius, work, stored, growing)
+    # What goes into each branch, less what it holds; what goes into the dashpot, whose force is eta d' over the width.
+    into = jnp.sum(ds[:, None] * share * depth_rate[..., None], axis=1)
+    spread = jnp.cumsum(jnp.concatenate([0.5 * first[None], into]), axis=0) - 0.5 * squares
+    width = disc.width(jnp.asarray(disc.shape.largest_contact) if disc.flat else disc.radius_of_area(area_in))
+    damped = jnp.sum(ds * width * depth_rate**2, axis=1) / h
+    heat = spread @ law.moduli + law.viscosity * jnp.append(0.0, jnp.cumsum(damped))
+    return Creep(depth, radius, work, stored, heat, growing)
 
 
 def levels_for(law: Relaxation, modes: Modes, time: Array) -> int:

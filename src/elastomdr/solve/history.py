@@ -38,6 +38,7 @@ class History(NamedTuple):
     work: Float[Array, " m"]  # int F dd [J]
     stored: Float[Array, " m"]  # elastic energy of the elements in contact [J]
     locked: Float[Array, " m"]  # elastic energy of the elements that are free [J]
+    heat: Float[Array, " m"]  # of branches and dashpot [J]
     error: Float[Array, " m"]  # of the force, estimated [N]
 
 
@@ -66,15 +67,15 @@ def indent_by_depth(
 
     def measure(state: Touching, q: Array) -> tuple[Array, ...]:
         held, left = energies(law, modes, state)
-        sums = [jnp.sum(weight * part) for part in (q, state.work, held, left)]
+        sums = [jnp.sum(weight * part) for part in (q, state.work, held, left, state.heat)]
         # What Gauss' rule with n points misses is about the 2n-th Legendre coefficient, by geometric fall of the six.
         size = jnp.abs((weight * q).reshape(-1, _NODES) @ spread.T)
         half, last = jnp.max(size[:, 1:3], axis=1), jnp.max(size[:, -2:], axis=1)
         return *sums, jnp.sum(last * jnp.minimum(last / jnp.where(half > 0, half, 1.0), 1.0) ** 2)
 
-    state, q, (total, work, stored, locked, error) = _run(law, modes, disc, x, time, depth, measure)
+    state, q, (total, work, stored, locked, heat, error) = _run(law, modes, disc, x, time, depth, measure)
     rows = (-1, _NODES)
-    return History(total, radius, work, stored, locked, error), Row(
+    return History(total, radius, work, stored, locked, heat, error), Row(
         edges, x.reshape(rows), q.reshape(rows), state.u.reshape(rows)
     )
 

@@ -1,0 +1,201 @@
+"""Energy audits: work in = stored + dissipated, each side by a route of its own."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import elastomdr as em
+from elastomdr.mapping.lines import SingleLine
+from elastomdr.material.relaxation import Relaxation
+from elastomdr.solve.over_line import indenter
+from elastomdr.solve.slide import march
+from elastomdr.solve.timeline import Steps
+
+from .problems.indentation import TIMES
+
+SOLID = em.Foundation(1.0, [3.0], [0.5])
+BALL = em.Paraboloid(1.0)
+TWICE = np.interp(TIMES, [0, 0.5, 1.0, 1.1, 1.4, 2.0], [0, 0.01, 0.004, 0.006, 0.012, 0.012])
+PULSES = np.interp(TIMES, [0, 0.5, 1.0, 1.25, 2.0], [0, 3e-3, 0, 0, 3e-3])
+
+
+def missing(found):
+    """What the audit does not find, over the largest work of the history."""
+    return np.abs(found.work - found.stored - found.dissipated).max() / found.work.max()
+
+
+# ---------------------------------------------------------------- indentation
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"depth": TWICE}, {"depth": 0.003 + 0 * TIMES}, {"load": 3e-3 * (1 + TIMES)}, {"load": 3e-3 + 0 * TIMES}],
+    ids=["depth, shrinking and growing", "depth held", "load growing", "load held"],
+)
+def test_indentation_without_steps(given):
+    """Heat from the dashpots' own forces, and from the modes of free elements, beside int q du and the springs."""
+    found = em.indent(SOLID, BALL, time=TIMES, **given)
+    assert missing(found) < 1e-12
+    assert (np.diff(found.dissipated - found.locked) >= -1e-14 * found.work.max()).all()  # heat never comes back
+
+
+@pytest.mark.slow
+def test_a_dashpot_is_in_the_audit():
+    damped = em.Foundation(1.0, [3.0], [0.5], 0.2)
+    for given in ({"depth": TWICE, "rtol": 1e-4}, {"load": 3e-3 * (1 + TIMES)}):
+        assert missing(em.indent(damped, BALL, time=TIMES, **given)) < 1e-8
+
+
+@pytest.mark.parametrize("rtol", [1e-6, pytest.param(1e-8, marks=pytest.mark.slow)])
+def test_indentation_by_steps(rtol):
+    """A load that falls to zero and returns: int F dd against what the elements received, to the tolerance."""
+    found = em.indent(SOLID, BALL, time=TIMES, load=PULSES, rtol=rtol)
+    assert found.converged.all()
+    assert missing(found) <= rtol
+
+
+def test_adhesive_cycle():
+    """JKR: the work of a whole cycle of depth is int F dd between touching and breaking, from the closed forms."""
+    modulus, radius, gamma = 1e6, 0.01, 0.05
+
+    def rate(a):  # F dd/da on the branch d = a^2/R - delta, F = (4/3) E a^3/R - 2 a E delta
+        delta = np.sqrt(2 * np.pi * a * gamma / modulus)
+        return (4 / 3 * modulus * a**3 / radius - 2 * a * modulus * delta) * (2 * a / radius - 0.5 * delta / a)
+
+    depth = np.concatenate([np.linspace(-1e-6, 3e-5, 20), np.linspace(3e-5, -6e-6, 20)])
+    found = em.indent(
+        em.Foundation(modulus, [], []), em.Paraboloid(radius), time=np.arange(40.0), depth=depth, adhesion=gamma
+    )
+    touch = (2 * np.pi * gamma * radius**2 / modulus) ** (1 / 3)  # d = 0
+    break_ = (np.pi * gamma * radius**2 / (8 * modulus)) ** (1 / 3)  # dd/da = 0
+    cycle = quad(rate, touch, break_, epsrel=1e-12)[0]
+    np.testing.assert_allclose(found.work[-1], cycle, rtol=1e-8)
+    np.testing.assert_allclose(found.dissipated[-1], cycle, rtol=1e-8)
+    half = np.argmax(found.depth)
+    end = found.contact_radius[half]
+    np.testing.assert_allclose(found.work[half], quad(rate, touch, end, epsrel=1e-12)[0], rtol=1e-8)
+
+
+# ---------------------------------------------------------------- shear and traction
+
+
+def test_shear_in_an_elastic_contact():
+    """Oblique motion in straight pieces: int F dU by Gauss' rule over the force, against stored energy and slip."""
+    node, weight = np.polynomial.legendre.leggauss(3)
+    corners = np.linspace(0, 2, 201)
+    inner = corners[:-1, None] + np.diff(corners)[:, None] * (node + 1) / 2
+    time = np.sort(np.concatenate([corners, inner.ravel()]))
+    u = 1e-4 * np.interp(time, [0, 0.7, 1.3, 2], [0, 1, -0.5, 0.8])
+    found = em.shear(
+        em.Foundation(4e6, [], []), em.Paraboloid(0.01), time=time, displacement=u, friction=0.5,
+        tangential=em.Foundation(8e6 / 3, [], []), load=20 * np.interp(time, [0, 1, 2], [0.5, 1, 0.4]), elements=20_000,
+    )  # fmt: skip
+    scale = np.abs(found.work).max()
+    np.testing.assert_allclose(found.work, found.stored + found.slip_loss, rtol=0, atol=1e-12 * scale)
+    at = np.isin(time, corners)
+    done = np.cumsum(found.force[~at].reshape(inner.shape) @ weight / 2 * np.diff(u[at]))
+    np.testing.assert_allclose(found.work[at][1:], done, rtol=0, atol=1e-6 * scale)
+
+
+def test_shear_of_a_viscoelastic_contact_that_sticks():
+    """Infinite friction, a ramp: F = 2 a int G(t-s) dU, so that work and loss of the branch are closed forms."""
+    a, rate, g0, g1, tau = 2e-3, 1e-4, 2e6, 6e6, 0.3
+    time = np.linspace(0, 2, 9)
+    found = em.shear(
+        em.Foundation(4e6, [], []), em.Paraboloid(0.01), time=time, displacement=rate * time, friction=np.inf,
+        tangential=em.Foundation(g0, [g1], [tau]), depth=a**2 / 0.01, elements=2000,
+    )  # fmt: skip
+    y = time / tau
+    f = g1 * tau * rate * -np.expm1(-y)  # of the branch
+    width = found.force[-1] / (g0 * rate * time[-1] + f[-1])  # of the elements in contact
+    np.testing.assert_allclose(width, 2 * a, rtol=1e-5)
+    stored = width * (0.5 * g0 * (rate * time) ** 2 + 0.5 * f**2 / g1)
+    heat = width * g1 * tau**2 * rate**2 * (y - 1.5 + 2 * np.exp(-y) - 0.5 * np.exp(-2 * y))  # int f^2/(G_1 tau) dt
+    heat[0] = 0.0
+    scale = (stored + heat)[-1]
+    np.testing.assert_allclose(found.stored, stored, rtol=0, atol=1e-8 * scale)
+    np.testing.assert_allclose(found.work - found.stored - found.slip_loss, heat, rtol=0, atol=1e-8 * scale)
+
+
+def test_traction_power_of_an_elastic_brush():
+    """F_x xi v is the power of slip: int mu q (xi - s') dx over the elements that slip, s = mu q/G."""
+    modulus, shear, radius, mu, a, xi = 4e6, 8e6 / 3, 0.01, 0.5, 2e-3, 0.05
+    found = em.traction(
+        em.Foundation(modulus, [], []), em.Paraboloid(radius), velocity=2.0, creep=xi, friction=mu,
+        depth=a**2 / radius, tangential=em.Foundation(shear, [], []),
+    )  # fmt: skip
+    slip_from = a * (1 - 2 * xi * radius * shear / (2 * a * mu * modulus))  # behind it tau = mu q, x from +a to -a
+
+    def power(x):
+        q, slope = modulus * (a**2 - x**2) / radius, -2 * modulus * x / radius
+        return mu * q * (xi + mu * slope / shear)  # the element moves towards -x
+
+    lost = 2.0 * quad(power, -a, -slip_from, epsrel=1e-12)[0]
+    np.testing.assert_allclose(found.slip_power, lost, rtol=1e-8)
+
+
+# ---------------------------------------------------------------- sliding
+
+
+def test_sliding_on_a_partial_contact_converges_with_the_square_of_the_step():
+    """int F_N dd + F_x dX over the steps, against what the elements received; a rest, a start, a step of load."""
+    law = Relaxation(*map(jnp.asarray, (4e6, np.array([12e6]), np.array([1e-3]), 0.0)))
+
+    def gap(n):
+        spacing = 8e-3 / n
+        steps = n // 2
+        x = np.linspace(0, 4e-3, steps + 1)[1:]
+        h, load = np.full(steps, 1e-3 / n * 8), np.interp(x, [0, 2e-3, 4e-3], [10.0, 10.0, 5.0])
+        h[0], x[0] = 1e-12, 0.0
+        with jax.enable_x64(True):
+            surface = indenter(SingleLine(em.Paraboloid(0.01)), -2.5e-3 + 0.3 * spacing, spacing, n, 1.0)
+            steps = Steps(*map(jnp.asarray, (h, x, load)))
+            forces, _ = march(law, surface, steps, control="load")
+        normal, drag, depth, work = (np.asarray(a) for a in (forces.normal, forces.drag, forces.depth, forces.work))
+        done = (normal[1:] + normal[:-1]) @ np.diff(depth) / 2 + (drag[1:] + drag[:-1]) @ np.diff(x) / 2
+        return abs(done - (work[-1] - work[0])) / work[-1]
+
+    counts = np.array([128, 256, 512, 1024])  # half as many steps: whole blocks of the march
+    slope = np.polyfit(np.log(counts), np.log([gap(n) for n in counts]), 1)[0]
+    assert -2.8 < slope < -1.5
+
+
+@pytest.mark.slow
+def test_steady_sliding_turns_all_its_power_into_heat():
+    rubber, ball, speed = em.Foundation(4e6, [12e6], [1e-3]), em.Paraboloid(0.01), 1.0
+    time = np.linspace(0, 0.024, 49)
+    found = em.slide(rubber, ball, time=time, position=speed * time, load=10.0, rtol=1e-3)
+    steady = em.friction(rubber, ball, velocity=speed, load=10.0, average=None)
+    power = (found.dissipated[-1] - found.dissipated[-9]) / (time[-1] - time[-9])
+    np.testing.assert_allclose(power, steady.friction_force * speed, rtol=1e-3)
+
+
+# ---------------------------------------------------------------- random elements, against an integrator with events
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_elements_with_renewed_contact(seed):
+    """Random branches and paths: force, work and heat against scipy, contact by contact."""
+    from itertools import pairwise
+
+    from elastomdr.foundation.episode import follow, force, pressed
+    from elastomdr.foundation.modes import recovery_modes
+
+    from .test_indentation import _one_element
+
+    rng = np.random.default_rng(seed)
+    times = np.sort(10 ** rng.uniform(-1.5, 1, 3))
+    law = Relaxation(*map(np.asarray, (rng.uniform(0.2, 2), rng.uniform(0.2, 4, 3), times, 0.0)))
+    corners = list(zip(np.arange(10) * 0.4, np.append(-0.1, rng.uniform(-0.4, 1, 9)), strict=True))
+    corners[4] = (corners[4][0], -0.3)  # let go at least once
+    with jax.enable_x64(True):
+        modes = recovery_modes(law)
+        state = pressed(law, modes, jnp.array([corners[0][1]]))
+        v = 0.0
+        for (t0, w0), (t1, w1) in pairwise(corners):
+            v = (w1 - w0) / (t1 - t0)
+            state = follow(law, modes, state, jnp.array([w0]), v, t1 - t0)
+        got = [float(x[0]) for x in (state.u, force(law, state, v), state.work, state.heat)]
+    np.testing.assert_allclose(got, _one_element(law, corners), rtol=1e-8, atol=1e-10)
