@@ -16,8 +16,10 @@ def root(function, low, high, digits=55):
         value = function(middle)
         step = (middle - low) * mp.sign(value_low) * value / mp.sqrt(value**2 - value_low * value_high)
         for x, at in ((middle, value), (middle + step, function(middle + step))):
-            if low < x < high:
-                low, value_low, high, value_high = (x, at, high, value_high) if at * value_low > 0 else (low, value_low, x, at)
+            if low < x < high and at * value_low > 0:
+                low, value_low = x, at
+            elif low < x < high:
+                high, value_high = x, at
     return low if value_low == 0 else high if value_high == 0 else (low + high) / 2
 
 
