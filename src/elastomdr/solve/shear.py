@@ -192,9 +192,14 @@ def step(
     tau = jnp.where(slips, bound, trial)
     moved = jnp.where(slips, (bound - rest) / ct.stiffness, carried)
     slid = jnp.where(slips, jnp.abs(carried - moved), 0.0)
-    # Slip begins at mu q of the last step, or when the limit has fallen to the traction of an element that stuck.
+    # Slip begins where traction and limit, both linear in the step, meet: at once if the element slipped before.
     before = jnp.where(state.q > 0, scene.friction * jnp.where(state.q > 0, state.q, 1.0), 0.0)
-    heat = jnp.where(slips, 0.5 * (jnp.minimum(before, jnp.abs(trial)) + jnp.where(slips, limit, 0.0)) * slid, 0.0)
+    known = slips & jnp.isfinite(before)
+    last, now = jnp.where(known, before, 0.0), jnp.where(slips, limit, 0.0)
+    room = jnp.maximum(last - jnp.sign(trial) * (ct.equilibrium * state.s + jnp.sum(state.p, axis=0)), 0.0)
+    over = jnp.where(known, jnp.abs(trial) - now, 1.0)
+    first = jnp.where(known, last + (now - last) * room / (room + over), jnp.abs(trial))
+    heat = jnp.where(slips, 0.5 * (first + now) * slid, 0.0)
 
     mean = ct.equilibrium * (state.s + 0.5 * moved) + jnp.sum(ct.mean * state.p, axis=0) + ct.drag * moved
     p = ct.decay * state.p + ct.gain * moved
