@@ -69,7 +69,7 @@ def condensed(law: Relaxation, how: Condensation) -> Relaxation:
         first, second = (moduli[dashpots] * times[dashpots]).sum(), (moduli[dashpots] * times[dashpots] ** 2).sum()
         fewer.append(((first / second * first)[None], (second / first)[None]))
     count = sum(e.size for e, _ in fewer)
-    padding = -count % (4 if count <= 8 else 8)
+    padding = 4 - count if count < 4 else -count % (4 if count <= 8 else 8)
     fewer.append((np.zeros(padding), np.ones(padding)))
     moduli, times = (np.concatenate(part) for part in zip(*fewer, strict=True))
     return Relaxation(law.equilibrium, moduli, times, law.viscosity)

@@ -13,7 +13,7 @@ from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
 from .adhesion import Sticky, elastic, receding
 from .creep import Creep, creep, levels_for
-from .history import indent_by_depth, padded
+from .history import indent_by_depth, indent_by_growing_depth, indent_by_smooth_depth, padded
 from .steps import Marched, extrapolated, limit, march, places, unaccounted
 
 _BATCH = 64  # histories computed at once
@@ -110,12 +110,15 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
     numpy = jnp if is_traced(given) else np
     frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
     found, levels = None, _LEVELS[1]
+    solve = indent_by_depth
+    if not is_traced(frozen) and bool((np.diff(frozen[-1], axis=-1) >= 0).all()):
+        solve = indent_by_growing_depth
     for levels in () if is_traced(frozen) else _LEVELS:
-        found, _ = over_histories(indent_by_depth, *frozen, levels=levels)
+        found, _ = over_histories(solve, *frozen, levels=levels)
         if not (found.error > 0.1 * rtol * abs(found.force).max(axis=-1, keepdims=True)).any():
             break
     if found is None or is_traced(given):
-        found, _ = over_histories(functools.partial(indent_by_depth, smooth=True), *given, levels=levels)
+        found, _ = over_histories(indent_by_smooth_depth, *given, levels=levels)
     largest = abs(found.force).max(axis=-1, keepdims=True)
     error = found.error / (largest + (largest == 0)) + _ROUNDING
     good = numpy.isfinite(found.force) & (error <= rtol)

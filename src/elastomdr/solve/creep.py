@@ -115,9 +115,11 @@ def levels_for(law: Relaxation, modes: Modes, time: Array) -> int:
     times = [np.asarray(law.times), 1 / np.asarray(modes.rate)[np.asarray(modes.rate) > 0]]
     shortest = min((float(t.min()) for t in times if t.size), default=math.inf)
     longest = float(np.diff(time).max(initial=0.0))
+    # A dashpot lets a load sink in from nothing, d ~ t^(2/3), and its heat begins with t^(-1/3).
+    least = 22 if np.asarray(law.viscosity) > 0 else 3
     if not 0 < longest / shortest < math.inf:
-        return 3
-    return min(max(3, 1 + math.ceil(math.log(longest / shortest, _RATIO))), 30)
+        return least
+    return min(max(least, 1 + math.ceil(math.log(longest / shortest, _RATIO))), 30)
 
 
 def _elastic(disc: Disc, radius: Array, depth: Array) -> Array:

@@ -25,8 +25,8 @@ from ..material.relaxation import Relaxation
 
 _COARSE = 49  # elements that bracket the edges
 _SEARCH = 8  # steps of that search
-_NODES = 6  # per panel
-_SIZES = (16, 32, 64, 104, 128, 160, 208, 256, 320, 416, 512)  # numbers of instants that are compiled
+NODES = 6  # per panel
+_SIZES = (32, 64, 104, 208, 320, 512)  # numbers of instants that are compiled
 _RATIO = 0.2  # of neighbouring panels within one that narrows
 
 
@@ -51,17 +51,20 @@ class Row(NamedTuple):
     u: Float[Array, "panels n"]  # displacement [m]
 
 
-@functools.partial(jax.jit, static_argnames=("levels", "smooth"))
+@functools.partial(jax.jit, static_argnames=("levels", "smooth", "growing"))
 def indent_by_depth(
-    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, *, levels: int = 0, smooth: bool = False
-) -> tuple[History, Row]:
+    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, *, levels: int = 0, smooth: bool = False,
+    growing: bool = False,
+) -> tuple[History, Row]:  # fmt: skip
     """Force, contact radius and energies under a depth that is linear between the m instants, depth[0] being a step.
-    `smooth` is for derivatives, which need the edges' own.
+
+    `growing` says that the depth never falls: the edge is then that of the undeformed surface, and need not be searched
+    for. `smooth` is for derivatives, which need the edges' own.
     """
     law, modes, disc, time, depth = jax.tree.map(jnp.asarray, (law, modes, disc, time, depth))
-    radius = _edges(law, modes, disc, time, depth, smooth)
-    edges = _divided(jnp.sort(jnp.append(radius, 0.0)), levels)
-    x, dx = gauss(edges, *np.polynomial.legendre.leggauss(_NODES))
+    radius = disc.radius_of_depth(depth) if growing else _edges(law, modes, disc, time, depth, smooth)
+    edges = divided(jnp.sort(jnp.append(radius, 0.0)), levels)
+    x, dx = gauss(edges, *np.polynomial.legendre.leggauss(NODES))
     weight = disc.weight(x) * dx
     spread = jnp.asarray(_spread())
 
@@ -69,21 +72,28 @@ def indent_by_depth(
         held, left = energies(law, modes, state)
         sums = [jnp.sum(weight * part) for part in (q, state.work, held, left, state.heat)]
         # What Gauss' rule with n points misses is about the 2n-th Legendre coefficient, by geometric fall of the six.
-        size = jnp.abs((weight * q).reshape(-1, _NODES) @ spread.T)
+        size = jnp.abs((weight * q).reshape(-1, NODES) @ spread.T)
         half, last = jnp.max(size[:, 1:3], axis=1), jnp.max(size[:, -2:], axis=1)
         return *sums, jnp.sum(last * jnp.minimum(last / jnp.where(half > 0, half, 1.0), 1.0) ** 2)
 
     state, q, (total, work, stored, locked, heat, error) = _run(law, modes, disc, x, time, depth, measure)
-    rows = (-1, _NODES)
+    rows = (-1, NODES)
     return History(total, radius, work, stored, locked, heat, error), Row(
         edges, x.reshape(rows), q.reshape(rows), state.u.reshape(rows)
     )
 
 
-def padded(*histories: Any) -> tuple[Any, ...]:
-    """Histories with their last interval divided, so that few sizes are compiled; instants along the last axis."""
+indent_by_growing_depth = functools.partial(indent_by_depth, growing=True)  # named once: JAX compiles per object
+indent_by_smooth_depth = functools.partial(indent_by_depth, smooth=True)
+
+
+def padded(*histories: Any, like: int = 0) -> tuple[Any, ...]:
+    """Histories with their last interval divided, so that few sizes are compiled; instants along the last axis.
+
+    The size is that of a history of `like` instants, if that is more.
+    """
     count = histories[0].shape[-1]
-    size = next(n for n in itertools.chain(_SIZES, itertools.count(2 * _SIZES[-1], _SIZES[-1])) if n >= count)
+    size = _size(max(count, like))
     part = np.arange(1, size - count + 1) / (size - count + 1)
 
     def pad(a: Any) -> Any:
@@ -92,6 +102,10 @@ def padded(*histories: Any) -> tuple[Any, ...]:
         return numpy.concatenate([a[..., :-1], inner, a[..., -1:]], axis=-1)
 
     return tuple(pad(a) for a in histories)
+
+
+def _size(count: int) -> int:
+    return next(n for n in itertools.chain(_SIZES, itertools.count(2 * _SIZES[-1], _SIZES[-1])) if n >= count)
 
 
 def _run(
@@ -182,7 +196,7 @@ def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array
     return jnp.where(count > 0, x, 0.0)
 
 
-def _divided(edges: Array, levels: int) -> Array:
+def divided(edges: Array, levels: int) -> Array:
     """Each panel divided: narrowing towards both ends, and from the second level on ever finer in between."""
     if levels == 0:
         return edges
@@ -197,5 +211,5 @@ def _divided(edges: Array, levels: int) -> Array:
 @functools.cache
 def _spread() -> np.ndarray:
     """From a panel's shares of an integral to the Legendre coefficients of its integrand, times the panel."""
-    nodes, _ = np.polynomial.legendre.leggauss(_NODES)
-    return np.polynomial.legendre.legvander(nodes, _NODES - 1).T * (2 * np.arange(_NODES)[:, None] + 1)
+    nodes, _ = np.polynomial.legendre.leggauss(NODES)
+    return np.polynomial.legendre.legvander(nodes, NODES - 1).T * (2 * np.arange(NODES)[:, None] + 1)

@@ -12,10 +12,11 @@ from numpy.polynomial import legendre
 
 from .._runtime import Array
 from ..foundation.modes import Modes
+from ..foundation.step import phi1
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
 from .control import over_histories
-from .history import indent_by_depth, padded
+from .history import NODES, divided, indent_by_depth, padded
 
 _LEVELS = 1  # of the panels
 _POINTS, _WEIGHTS = legendre.leggauss(12)
@@ -71,18 +72,51 @@ def surface_at(law: Relaxation, modes: Modes, disc: Disc, time: np.ndarray, dept
         at, time[0] + 1e-14 * (time[-1] - time[0])
     )  # what a step at the first instant leaves is looked at after it
     before = time < at
-    t, d = padded(np.append(time[before], at), np.append(depth[before], np.interp(at, time, depth)))
-    history, row = over_histories(indent_by_depth, law, modes, disc, t[None], d[None], levels=_LEVELS)
-    edges, q, u = row.edges[0], row.q[0], row.u[0]
+    t, d = np.append(time[before], at), np.append(depth[before], np.interp(at, time, depth))
+    if (np.diff(d) >= 0).all():
+        edges, q, u = _grown(law, disc, t, d)
+        radius = edges[-1]
+    else:
+        t, d = padded(t, d, like=time.size)  # one compiled size for every instant
+        history, row = over_histories(indent_by_depth, law, modes, disc, t[None], d[None], levels=_LEVELS)
+        edges, q, u = row.edges[0], row.q[0], row.u[0]
+        radius = float(history.radius[0, -1])
     wide = np.diff(edges) > 1e-13 * max(edges[-1], 1e-300)
     nodes, weights = legendre.leggauss(q.shape[1])
     to_series = (legendre.legvander(nodes, q.shape[1] - 1) * weights[:, None]).T * (
         np.arange(q.shape[1])[:, None] + 0.5
     )
     kept = np.concatenate([[0.0], edges[1:][wide]])
-    radius = float(history.radius[0, -1])
     jump = np.array([radius, float(q[0, 0])]) if disc.flat and radius > 0 else np.zeros(2)
     return Surface(kept, q[wide] @ to_series.T, u[wide] @ to_series.T, jump, disc.kind != "half-space")
+
+
+def _grown(law: Relaxation, disc: Disc, time: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Panels, q and u under a depth that has never fallen: elements touched at t0, when g = d(t0), and held since.
+
+    With C_k(t) = int exp(-(t - s)/tau_k) dd(s), branch k of an element carries E_k [C_k(t) - exp(-(t - t0)/tau_k)
+    C_k(t0)], and g in place of C_k(0) where it was touched at once.
+    """
+    edges = np.asarray(divided(np.sort(np.append(disc.radius_of_depth(depth), 0.0)), _LEVELS))
+    nodes = legendre.leggauss(NODES)[0]
+    x = edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (1 + nodes)
+    g = np.asarray(disc.profile(x))
+    h, rate = np.diff(time), np.diff(depth) / np.diff(time)
+    y = h[:, None] / law.times
+    gained = np.asarray(rate[:, None] * h[:, None] * phi1(y))
+    held = [np.full(np.shape(law.times), depth[0])]
+    for faded, more in zip(np.exp(-y), gained, strict=True):
+        held.append(held[-1] * faded + more)
+    i = np.clip(np.searchsorted(depth, g) - 1, 0, h.size - 1)  # the interval in which each element was touched
+    wait = np.clip((g - depth[i]) / np.where(rate[i] > 0, rate[i], 1.0), 0.0, h[i])[..., None]
+    then = np.stack(held)[i] * np.exp(-wait / law.times) + rate[i][..., None] * wait * np.asarray(
+        phi1(wait / law.times)
+    )
+    then = np.where((g <= depth[0])[..., None], g[..., None], then)
+    since = (time[-1] - time[i])[..., None] - wait
+    branches = (held[-1] - np.exp(-since / law.times) * then) @ law.moduli
+    u = depth[-1] - g
+    return edges, law.equilibrium * u + branches + law.viscosity * rate[-1], u
 
 
 def _value(edges: np.ndarray, series: np.ndarray, x: Array) -> np.ndarray:

@@ -141,7 +141,7 @@ def _padded(law, lines, rule: Rule, control: Control, value: Array, velocity: Ar
 
 def _sizes():
     """Few and far between where points cost less than compiling for their number."""
-    yield from (16, 64, 128)
+    yield 64
     size = 320
     while True:
         yield size
