@@ -116,8 +116,8 @@ def asymmetry(average: Array, line: Array, leading: Array, trailing: Array, expo
 
     with the edges a and b of the line in the direction of motion and the power n = a g'(a)/g(a) of its profile there. s
     is of first order in the loss, so that the average stays exact to first order; both factors tend to limits, and s to
-    0, at low and at high velocity. An empirical rule, fitted to 201 three-dimensional solutions with n = 1, 2 and 4 and
-    contrasts up to 1000 (docs/accuracy.md), as are the bounds: they cover 98 % and 97 % of those to the reference's 1 %.
+    0, at low and at high velocity. An empirical rule, fitted to three-dimensional solutions with n = 1, 2 and 4 and
+    contrasts up to 1000 (docs/accuracy.md), as are the two bounds.
     """
     numpy = jnp if is_traced(average, line, leading, trailing, exponent) else np
     s = (leading - trailing) / (leading + trailing)

@@ -10,7 +10,6 @@ half-space is not defined and left out. Contact by `reference.contact.settle`, w
 indenter of the array meets the wakes of those before it.
 """
 
-import functools
 import math
 import warnings
 from typing import Any, NamedTuple

@@ -75,7 +75,8 @@ class AbstractCurve(AbstractResult):
             points += f"; largest estimated error of {self.symbol}: {significant(largest, 2)}"
         yield "points", points
         if "model_error" in fields and np.isfinite(fields["model_error"]).any():
-            yield "model error", self._model_error(fields["model_error"].ravel(), fields[self.coefficient_field].ravel())
+            bound, value = (fields[key].ravel() for key in ("model_error", self.coefficient_field))
+            yield "model error", self._model_error(bound, value)
 
     def _model_error(self, bound: np.ndarray, value: np.ndarray) -> str:
         worst = int(np.nanargmax(bound))

@@ -17,6 +17,7 @@ from .plan import TRACED, Plan
 from .rule import Rule
 
 _ROUNDING = 1e-13  # relative, for what no estimate sees
+_CORRECTED = 6  # by which the correction for an asymmetric contact may enlarge the error of the average
 _BATCH = 4096  # points solved at once, and
 _NUMBERS = 5_000_000  # of the largest array, 40 MB: both bound the memory
 
@@ -42,7 +43,7 @@ def run(
     if plan.traced:
         return _traced(plan, law, lines, value, velocity)
     law = condensed(law, plan.condensation)
-    rtol = plan.rtol
+    rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
         every = own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
         lossy = 0.0 if plan.elastic else 1.0
@@ -53,7 +54,7 @@ def run(
         average = _shared if plan.shared else _direct
         mu, error, good, every, own = average(plan, law, lines, load, velocity, rtol)
         for finer in (rtol / 30, rtol / 1000):
-            if bool(np.all(error <= plan.rtol * mu)) or not bool(np.all(good)):
+            if bool(np.all(error <= rtol * mu)) or not bool(np.all(good)):
                 break
             mu, error, good, every, own = average(plan, law, lines, load, velocity, max(finer, 1e-15))
         if deep is not None:
