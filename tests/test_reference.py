@@ -1,5 +1,6 @@
 """The slow truths: half-plane and half-space against exact and independent answers, and what they say of the line."""
 
+import jax
 import numpy as np
 import pytest
 
@@ -111,6 +112,16 @@ def test_one_body_in_a_large_cell():
     law = em.Foundation(4e6, [12e6], [1e-3])
     got = half_space_sliding(law, BALL, velocity=1.0, load=LOAD, cell=0.03, points=128)
     np.testing.assert_allclose(got.mu, 0.07147, rtol=0.02)
+
+
+def test_corrected_average_is_differentiable():
+    def friction(modulus):
+        law = em.Foundation(4e6, [modulus], [1e-3])
+        return em.friction(law, BALL, velocity=0.8, load=LOAD, average="corrected").mu
+
+    with jax.enable_x64(True):
+        slope = float(jax.grad(friction)(36e6))
+    np.testing.assert_allclose(slope, (friction(36.01e6) - friction(35.99e6)) / 2e4, rtol=1e-4)
 
 
 # Half-space solutions of benchmarks/validity_map.py, 64 by 64 cells, own error below 0.1 %; E_1/E_inf, v, mu.

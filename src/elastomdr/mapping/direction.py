@@ -112,7 +112,8 @@ class Asymmetry(NamedTuple):
 def asymmetry(average: Array, line: Array, leading: Array, trailing: Array, exponent: Array) -> Asymmetry:
     """Excess of the direction average over the half-space, from the asymmetry of the line's contact.
 
-        ln(mu_average/mu_3D) = (0.1 + 0.03 n^2) s (2 mu_average/mu_line - 1)^min(n-1, 1),    s = (a - b)/(a + b)
+        ln(mu_average/mu_3D) = c_n s^(1+|n-2|/4) (2 mu_average/mu_line - 1)^min(n-1, 1),    s = (a - b)/(a + b)
+        c_n = 0.28 - 0.225 n + 0.096 n^2
 
     with the edges a and b of the line in the direction of motion and the power n = a g'(a)/g(a) of its profile there. s
     is of first order in the loss, so that the average stays exact to first order; both factors tend to limits, and s to
@@ -120,13 +121,13 @@ def asymmetry(average: Array, line: Array, leading: Array, trailing: Array, expo
     contrasts up to 1000 (docs/accuracy.md), as are the two bounds.
     """
     numpy = jnp if is_traced(average, line, leading, trailing, exponent) else np
-    s = (leading - trailing) / (leading + trailing)
+    s = numpy.maximum((leading - trailing) / (leading + trailing), 1e-12)
     ratio = average / numpy.where(line > 0, line, 1.0)
     n = numpy.clip(exponent, 1.0, 4.0)
     share = numpy.maximum(2 * ratio - 1, 1e-9) ** numpy.minimum(n - 1, 1.0)
-    factor = 0.1 + 0.03 * n**2
-    excess = numpy.where(line > 0, factor * s * share, 0.0)
-    return Asymmetry(excess, 1.5 * excess + 0.1 * s, 0.5 * excess + 0.1 * s, 4 * factor * s)
+    factor = (0.28 - 0.225 * n + 0.096 * n**2) * s ** (1 + numpy.abs(n - 2) / 4)
+    excess = numpy.where(line > 0, factor * share, 0.0)
+    return Asymmetry(excess, 1.5 * excess + 0.1 * s, 0.5 * excess + 0.1 * s, 4 * factor)
 
 
 def _spacing(rtol: float) -> float:
