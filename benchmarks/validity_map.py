@@ -10,6 +10,7 @@ friction is above 5% of its peak. Writes the table of the documentation, results
 how many of the points the bounds on the models' error cover.
 """
 
+import shutil
 import sys
 import warnings
 from typing import Any
@@ -120,6 +121,7 @@ def main() -> None:
     lines += ["| " + " | ".join(_cell(value) for value in row) + " |" for row in rows]
     (RESULTS / "validity_map.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     save("validity_map", record, draw(clouds))
+    shutil.copy(RESULTS / "validity_map.png", RESULTS.parents[1] / "docs" / "figures")
 
 
 def _cell(value: Any) -> str:
