@@ -37,7 +37,7 @@ COLUMNS = (
 
 PRICED = 9.0  # E_1/E_inf
 SPEEDS = np.array([0.23, 0.8, 2.8])  # about its peak [m/s]
-GRIDS, FINE, WANTED = (16, 32, 48, 64), 128, 0.01  # cells along a side; that of the truth; error to be met
+GRIDS, FINE, WANTED = (32, 48, 64), 96, 0.01  # cells along a side; that of the truth; error to be met
 
 
 def friction(ratio: float, velocity: float, average: str | None) -> float:
