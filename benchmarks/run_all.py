@@ -6,8 +6,8 @@ import time
 from pathlib import Path
 
 SCRIPTS = (
-    "steady_sliding", "skipping", "cold_start", "half_space", "extremes", "indentation", "creep_tamaas", "energy",
-    "impacts", "transient", "fit_coverage",
+    "steady_sliding", "skipping", "cold_start", "half_space", "validity_map", "extremes", "indentation", "creep_tamaas",
+    "energy", "impacts", "transient", "fit_coverage",
 )  # fmt: skip
 
 

@@ -155,7 +155,7 @@ def _numerics(content: Any) -> dict[str, Any]:
     if "rtol" in keys:
         arguments["rtol"] = keys.get("rtol", positive_number)
     if "average" in keys:
-        average = keys.get("average", choice("direction", "line"))
+        average = keys.get("average", choice("direction", "corrected", "line"))
         arguments["average"] = None if average == "line" else average
     return arguments
 

@@ -57,14 +57,20 @@ def grid(
 
 
 def settle(
-    on: Grid, height: Float[Array, "along across"], start: Bool[Array, "along across"], control: str, value: Array
+    on: Grid,
+    height: Float[Array, "along across"],
+    start: Bool[Array, "along across"],
+    control: str,
+    value: Array,
+    *,
+    periodic: bool = False,
 ) -> Solution:
-    """Contact at a depth [m], or at a load over the area of a cell [Pa]."""
+    """Contact at a depth [m], or at a load over the area of a cell [Pa]; `periodic` wraps around, without doubling."""
     shape = height.shape
-    doubled = (2 * shape[0], 2 * shape[1] if shape[1] > 1 else 1)
+    transformed = shape if periodic else (2 * shape[0], 2 * shape[1] if shape[1] > 1 else 1)
 
     def convolve(transform: Array, field: Array) -> Array:
-        spread = jnp.fft.irfft2(jnp.fft.rfft2(field, doubled) * transform, doubled)
+        spread = jnp.fft.irfft2(jnp.fft.rfft2(field, transformed) * transform, transformed)
         return spread[: shape[0], : shape[1]]
 
     @functools.partial(jax.vmap, in_axes=(None, 0, 0))

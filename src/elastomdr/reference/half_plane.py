@@ -12,7 +12,6 @@ from jaxtyping import Float
 from .._runtime import Array, in_float64, positive, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
-from ..mapping.shapes import Paraboloid
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..results.curve import Contact
 from ..results.half_plane import HalfPlaneCurve
@@ -79,8 +78,7 @@ def half_plane_sliding(
     fine = [pair[0] for pair in found]
     mu = field([f.mu for f in fine])
     load = asked.value.reshape(asked.shape)
-    rows = dict(asked.inputs(foundation, Paraboloid(radius)))
-    rows["shape"] = f"cylinder, radius {float(radius):g} m"
+    rows = asked.inputs(foundation, f"cylinder, radius {float(radius):g} m")
     return HalfPlaneCurve(
         velocity=asked.given.reshape(asked.shape),
         mu=mu,
@@ -92,7 +90,7 @@ def half_plane_sliding(
         temperature=asked.temperature,
         model=MODEL,
         plan=f"{points} cells, and half as many for the error",
-        inputs=tuple(("load per length", v.replace(" N", " N/m")) if k == "load" else (k, v) for k, v in rows.items()),
+        inputs=tuple(("load per length", v.replace(" N", " N/m")) if k == "load" else (k, v) for k, v in rows),
     )
 
 

@@ -16,9 +16,12 @@ from ..mapping.lines import SingleLine
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..results.curve import Contact, FrictionCurve
+from ..results.half_space import HalfSpaceCurve
+from ..scenes.steady import describe
 from ..solve.passage import Control, estimate_sizes
 from .contact import grid, settle, work_against
 from .kernel import area_cell, sliding_kernel
+from .periodic import slide_periodic
 from .points import Points, broadcast
 
 MODEL = "half-space in three dimensions, cells of constant pressure (no reduction)"
@@ -52,13 +55,20 @@ def half_space_sliding(
     depth: Any = None,
     temperature: Any = None,
     points: int = 64,
-) -> FrictionCurve:
-    """Friction of a rigid axisymmetric body in steady, frictionless sliding on a half-space, in three dimensions.
+    cell: Any = None,
+) -> FrictionCurve | HalfSpaceCurve:
+    """Friction of a rigid body in steady, frictionless sliding on a half-space, in three dimensions.
+
+    One axisymmetric body, or with `cell`, the sides (L_x, L_y) [m] of a periodic cell, one such body in each cell or a
+    map of heights: an array (n_x, n_y) [m], positive into the rubber, x along the motion.
 
     Exact but for the grid: `points` by `points` cells of constant pressure over a window around the contact, with the
     influence function of a cell that slides (`elastomdr.reference.kernel`), so that the body is alone on an infinite
     surface and never meets its wake. The friction force is what the material dissipates. Arguments as for
     `em.friction`; a point takes 0.1 to 1 s.
+
+    In a cell: exact but for the grid, the map's own or `points` by `points` (`elastomdr.reference.periodic`). `load` is
+    that of one cell, and there is no depth, since the mean displacement of a periodic half-space is not defined.
 
     `error` is the change of mu from half as many cells to all of them. `contact` holds the edges on the central line,
     to half a cell. Points whose contact does not settle are NaN and counted in one `ConvergenceWarning`: a single
@@ -66,13 +76,19 @@ def half_space_sliding(
     leading edge is much thinner than a cell. Raises `InputError`, also for a liquid, which has no steady state here.
     """
     foundation = as_foundation(material)
+    if foundation.per_area:
+        raise InputError("material must be a half-space, got a layer: em.friction is exact for layers.")
+    if cell is not None:
+        if depth is not None:
+            raise InputError(f"depth has no meaning in a periodic cell, give load; got depth={depth}.")
+        return slide_periodic(
+            foundation, shape, cell=cell, velocity=velocity, load=load, temperature=temperature, points=points
+        )
     if not isinstance(shape, AbstractShape) or isinstance(shape, (Cylinder, FlatPunch)):
         raise InputError(
             f"shape must be an axisymmetric body with a smooth edge (em.Paraboloid, em.Sphere, em.Cone, em.PowerLaw, "
-            f"em.Profile), got {shape!r}."
+            f"em.Profile), or a map of heights with its cell, got {shape!r}."
         )
-    if foundation.per_area:
-        raise InputError("material must be a half-space, got a layer: em.friction is exact for layers.")
     law = foundation.law()
     asked = broadcast(foundation, velocity=velocity, load=load, depth=depth, temperature=temperature, points=points)
     chain = to_kelvin(law)
@@ -102,7 +118,7 @@ def half_space_sliding(
         temperature=asked.temperature,
         model=MODEL,
         plan=f"{points} by {points} cells, and half as many for the error",
-        inputs=asked.inputs(foundation, shape),
+        inputs=asked.inputs(foundation, describe(shape)),
     )
 
 

@@ -8,8 +8,7 @@ from jaxtyping import Float
 from .._runtime import as_float64, is_traced, positive
 from ..errors import InputError
 from ..foundation.law import Foundation
-from ..mapping.shapes import AbstractShape
-from ..scenes.steady import brief, describe
+from ..scenes.steady import brief
 from ..solve.passage import Control
 
 
@@ -24,9 +23,9 @@ class Points(NamedTuple):
     shape: tuple[int, ...]
     cells: int
 
-    def inputs(self, foundation: Foundation, shape: AbstractShape) -> tuple[tuple[str, str], ...]:
+    def inputs(self, foundation: Foundation, shape: str) -> tuple[tuple[str, str], ...]:
         unit = "N" if self.control == "load" else "m"
-        rows = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
+        rows = [("material", foundation.name or "given directly"), ("shape", shape)]
         rows += [(self.control, brief(self.value, unit)), ("velocity", brief(self.given, "m/s"))]
         if self.temperature is not None:
             rows.append(("temperature", brief(self.temperature, "K")))

@@ -74,6 +74,16 @@ class AbstractCurve(AbstractResult):
             largest = float(np.fmax.reduce(fields["error"], axis=None))
             points += f"; largest estimated error of {self.symbol}: {significant(largest, 2)}"
         yield "points", points
+        if "model_error" in fields and np.isfinite(fields["model_error"]).any():
+            bound, value = (fields[key].ravel() for key in ("model_error", self.coefficient_field))
+            yield "model error", self._model_error(bound, value)
+
+    def _model_error(self, bound: np.ndarray, value: np.ndarray) -> str:
+        worst = int(np.nanargmax(bound))
+        if bound[worst] == 0:
+            return "none, the model is exact by definition"
+        share = significant(100 * float(bound[worst] / value[worst]), 2)
+        return f"{self.symbol} is off the half-space's by {significant(float(bound[worst]), 2)} ({share} %) at most"
 
     def _extremes(self, velocity: np.ndarray, value: np.ndarray, beyond: np.ndarray) -> str:
         order = np.argsort(velocity, kind="stable")
@@ -99,7 +109,9 @@ class AbstractCurve(AbstractResult):
 class FrictionCurve(AbstractCurve):
     """Friction of an indenter that slides steadily over a viscoelastic foundation; every field has one value per point.
 
-    `mu` is the friction force over the normal force, `error` its estimated error (absolute). A point that did not
+    `mu` is the friction force over the normal force, `error` its estimated numerical error (absolute), `model_error` a
+    bound on how far the model is from the half-space (absolute, empirical: `docs/accuracy.md`). It is 0 where the model
+    is exact by definition: layers, and the bare line of a `Foundation` given directly. A point that did not
     converge is NaN with `converged=False`. `temperature` is None where none was given, `extrapolated` where the range
     of the material is not known.
     """
@@ -117,6 +129,7 @@ class FrictionCurve(AbstractCurve):
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
     extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
+    model_error: Float[Array, "..."] | None = None  # bound on the model's error of mu; None: no reduced model
 
     quantity: ClassVar[str] = "Friction"
     symbol: ClassVar[str] = "mu"
@@ -158,6 +171,7 @@ class RollingCurve(AbstractCurve):
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
     extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
+    model_error: Float[Array, "..."] | None = None  # bound on the model's error of the coefficient
 
     quantity: ClassVar[str] = "Rolling resistance"
     symbol: ClassVar[str] = "coefficient"
@@ -182,6 +196,7 @@ _CONTACT = (
     Column("contact.leading", "leading edge", "m"),
     Column("contact.trailing", "trailing edge", "m"),
     Column("error", "estimated error of the coefficient", "-"),
+    Column("model_error", "bound on the error of the model", "-", optional=True),
     Column("converged", "converged", ""),
     Column("extrapolated", "beyond the range of the material", "", optional=True),
 )

@@ -48,6 +48,7 @@ def rolling(
         depth=found.depth,
         contact=found.contact,
         error=found.error,
+        model_error=found.model_error,
         converged=found.converged,
         extrapolated=found.extrapolated,
         temperature=scene.temperature,

@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float
 from .._runtime import Array, as_float64, is_traced, positive, require
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from ..foundation.law import Foundation, as_foundation
+from ..mapping.direction import BARE_LINE
 from ..mapping.lines import AbstractLines, SingleLine, Strips
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch, PowerLaw
 from ..material.relaxation import Relaxation
@@ -21,6 +22,7 @@ from ..solve.plan import Plan, make_plan
 from ..solve.sweep import run
 
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
+CORRECTED = "MDR line averaged over directions, corrected for an asymmetric contact (estimate for the half-space)"
 BARE = "bare MDR line (textbook; overstates half-space sliding friction by up to a factor of 2)"
 _FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _UNITS = {"radius": " m", "length": " m"}
@@ -49,6 +51,7 @@ class Steady(NamedTuple):
     velocity: Float[Array, "..."]
     mu: Float[Array, "..."]
     error: Float[Array, "..."]
+    model_error: Float[Array, "..."]
     normal_force: Float[Array, "..."]
     friction_force: Float[Array, "..."]
     depth: Float[Array, "..."]
@@ -71,8 +74,8 @@ def set_up(
     if (load is None) == (depth is None):
         given = "neither" if load is None else f"load={load} and depth={depth}"
         raise InputError(f"load or depth must be given, and only one of them, got {given}.")
-    if average not in ("direction", None):
-        raise InputError(f"average must be 'direction' or None (the bare line), got {average!r}.")
+    if average not in ("direction", "corrected", None):
+        raise InputError(f"average must be 'direction', 'corrected' or None (the bare line), got {average!r}.")
     if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
         rtol = rtol.item()
     if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-1:
@@ -111,14 +114,14 @@ def set_up(
             _check_shift(kelvin, velocity, factor)
     reduced = flat(velocity * factor)
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
-    model = LAYER if layer else AVERAGED if average == "direction" else BARE
+    model = LAYER if layer else {"direction": AVERAGED, "corrected": CORRECTED, None: BARE}[average]
     name = f"{describe(shape)} on {foundation.name or ('a layer' if layer else 'a half-space')}"
     plan = make_plan(
         quantity, name, model, law, lines, control, None if traced else flat(value), None if traced else reduced,
         int(np.prod(result_shape)), 1 if kelvin is None else int(np.size(kelvin)),
-        average == "direction" and not layer, float(rtol), skip,
+        average is not None and not layer, float(rtol), skip,
     )  # fmt: skip
-    plan = dataclasses.replace(plan, range=foundation.range)
+    plan = dataclasses.replace(plan, range=foundation.range, corrected=average == "corrected")
     inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
     inputs.append((control, brief(value, "N" if control == "load" else "m")))
     inputs.append(("velocity", brief(velocity, "m/s")))
@@ -163,12 +166,15 @@ def solve(scene: Scene) -> Steady:
                 )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
     force = result.line.normal_force
+    # A Foundation given directly is a line by definition; a half-space under the bare line is not.
+    bare = BARE_LINE if scene.plan.model == BARE and scene.foundation.per_area is False else 0.0
     contact = Contact(shaped(result.line.leading), shaped(result.line.trailing))
     extrapolated, said = _beyond(scene, contact)
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
         mu=shaped(result.mu),
         error=shaped(result.error),
+        model_error=shaped(result.model_error + bare * result.mu),
         normal_force=shaped(force),
         friction_force=shaped(result.mu * force),
         depth=shaped(result.line.depth),

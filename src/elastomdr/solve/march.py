@@ -24,7 +24,7 @@ from .._runtime import Array, is_traced
 from ..foundation.step import ContactStep, Elements, RigidSurface, rest
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
-from .passage import Control, Passages, estimate_sizes
+from .passage import Control, Passages, estimate_sizes, exponent_at
 
 _BLOCK = 64  # contact steps per step of the solver
 _FEWEST, _MOST = 256, 2**15  # samples per passage
@@ -100,6 +100,7 @@ def march_passages(
         depth=lines.depth(limit.size),
         leading=lines.entry(limit.size)[0],
         trailing=limit.trailing,
+        exponent=exponent_at(lines, limit.size),
         error=error,
         converged=limit.good,
     )

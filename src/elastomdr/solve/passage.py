@@ -38,6 +38,7 @@ class Passages(NamedTuple):
     depth: Float[Array, " points"]  # [m]
     leading: Float[Array, " points"]  # leading edge of the central line [m]
     trailing: Float[Array, " points"]  # its trailing edge, counted backwards from the apex [m]
+    exponent: Float[Array, " points"]  # a g'(a)/g(a), the power with which the profile rises at the leading edge
     error: Float[Array, " points"]  # estimated error of mu from sampling
     converged: Bool[Array, " points"]
 
@@ -242,9 +243,16 @@ def _polish(law, lines, value, velocity, found: _Found, *, rule: Rule, control: 
         depth=lines.depth(size),
         leading=entry[0],
         trailing=(ratio * entry)[0],
+        exponent=exponent_at(lines, size),
         error=jax.lax.stop_gradient((drag_error + jnp.abs(mu) * normal_error) / normal),
         converged=found.converged,
     )
+
+
+def exponent_at(lines: AbstractLines, size: Array) -> Array:
+    """a g'(a)/g(a) on the central line: 1 for a cone, 2 for a paraboloid."""
+    entry, central = lines.entry(size)[:1], jnp.zeros((1, 1), int)
+    return (entry * lines.slope(entry, size, central) / lines.profile(entry, size, central))[0]
 
 
 def _small(step: Array, base: Array) -> Array:

@@ -39,6 +39,7 @@ class Plan:
     range: Range | None = None  # where the material's numbers hold; None: not known
     traced: bool = False  # under a JAX transformation: values are not known, so nothing that depends on them is skipped
     skip: bool = True
+    corrected: bool = False  # whether the average is corrected for the asymmetry of the contact
     elastic: bool = False  # no branch and no dashpot: nothing is lost, mu is zero
 
     def __str__(self) -> str:

@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array
-from ..mapping.direction import directions, interpolation_error, quadrature_error, shared_grid
+from .._runtime import Array, is_traced
+from ..mapping.direction import asymmetry, directions, interpolation_error, quadrature_error, shared_grid
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .condense import condensed
@@ -17,6 +17,7 @@ from .plan import TRACED, Plan
 from .rule import Rule
 
 _ROUNDING = 1e-13  # relative, for what no estimate sees
+_CORRECTED = 6  # by which the correction for an asymmetric contact may enlarge the error of the average
 _BATCH = 4096  # points solved at once, and
 _NUMBERS = 5_000_000  # of the largest array, 40 MB: both bound the memory
 
@@ -27,6 +28,7 @@ class Sweep(NamedTuple):
     mu: Float[Array, " points"]
     error: Float[Array, " points"]  # estimated error of mu
     line: Passages
+    model_error: Float[Array, " points"]  # bound on the error of mu that the reduction to the line leaves
     sunk: bool = False  # somewhere, in some direction, the load would need a wider contact than the shape has
 
 
@@ -41,26 +43,38 @@ def run(
     if plan.traced:
         return _traced(plan, law, lines, value, velocity)
     law = condensed(law, plan.condensation)
-    rtol = plan.rtol
+    rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
         every = own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
         lossy = 0.0 if plan.elastic else 1.0
-        mu, error, good = lossy * own.mu, lossy * own.error, own.converged
+        mu, error, good, model_error = lossy * own.mu, lossy * own.error, own.converged, 0.0 * own.mu
     else:
         deep = _solve(plan, law, lines, "depth", value, velocity, rtol) if plan.control == "depth" else None
         load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
         average = _shared if plan.shared else _direct
         mu, error, good, every, own = average(plan, law, lines, load, velocity, rtol)
         for finer in (rtol / 30, rtol / 1000):
-            if bool(np.all(error <= plan.rtol * mu)) or not bool(np.all(good)):
+            if bool(np.all(error <= rtol * mu)) or not bool(np.all(good)):
                 break
             mu, error, good, every, own = average(plan, law, lines, load, velocity, max(finer, 1e-15))
         if deep is not None:
             own, good = deep, good & deep.converged
+        mu, error, model_error = _against_half_space(plan, mu, error, own)
     error = error + mu * (plan.condensation.cost + _ROUNDING)
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
     sunk = bool(np.any(~every.converged & (every.leading > 0.999 * np.asarray(lines.shape.largest_contact))))
-    return Sweep(mu, error, own._replace(converged=good), sunk)
+    return Sweep(mu, error, own._replace(converged=good), model_error, sunk)
+
+
+def _against_half_space(plan: Plan, mu: Array, error: Array, own: Passages) -> tuple[Array, Array, Array]:
+    """Friction, its numerical error and the model's: the average as it is, or corrected for an asymmetric contact."""
+    numpy = jnp if is_traced(mu) else np
+    found = asymmetry(mu, own.mu, own.leading, own.trailing, own.exponent)
+    if not plan.corrected:
+        return mu, error, mu * found.bound
+    factor = numpy.exp(-found.excess)
+    error = factor * (error + found.sensitivity * (error + mu * own.error / own.mu))
+    return mu * factor, error, mu * factor * found.corrected
 
 
 def _shared(plan, law, lines, load, velocity, rtol):
@@ -162,7 +176,7 @@ def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, vel
 
     if not plan.averaged:
         own = solve(plan.control, value, velocity)
-        mu, error, good = own.mu, own.error, own.converged
+        mu, error, good, model_error = own.mu, own.error, own.converged, 0.0 * own.mu
     else:
         average = directions(plan.rtol * TRACED)
         load = value if plan.control == "load" else solve("depth", value, velocity).normal_force
@@ -174,9 +188,10 @@ def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, vel
         relative = jnp.abs(every.mu @ average.check / mu - 1)
         error = mu * (0.1 * relative**2 + average.tail) + every.error @ average.weights
         good = every.converged.all(axis=1)
+        mu, error, model_error = _against_half_space(plan, mu, error, own)
     error = jax.lax.stop_gradient(error + mu * _ROUNDING)
     good = jax.lax.stop_gradient(good & (error <= plan.rtol * mu))
-    return Sweep(mu, error, own._replace(converged=good))
+    return Sweep(mu, error, own._replace(converged=good), jax.lax.stop_gradient(model_error))
 
 
 def _as_numpy(passages: Passages) -> Passages:

@@ -1,0 +1,130 @@
+"""Steady sliding of a periodic height map on a three-dimensional viscoelastic half-space, in Fourier space.
+
+In the frame of the map, which moves along +x with velocity v, the wave (kx, ky) shakes the rubber at the frequency
+kx v, and a pressure p of that wave displaces the surface by
+
+    u = 2 p / (|k| E*(-kx v)),    so that    tau = <p dh/dx> = sum_k |p_k|^2 2 kx E''(kx v) / (|k| |E*(kx v)|^2)
+
+is the mean friction stress: only the loss, so that the smallest keeps its digits. The mean displacement of a periodic
+half-space is not defined and left out. Contact by `reference.contact.settle`, without doubling the grid. Every
+indenter of the array meets the wakes of those before it.
+"""
+
+import math
+import warnings
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float
+
+from .._runtime import Array, as_float64, positive
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import Foundation
+from ..mapping.shapes import AbstractShape
+from ..material.relaxation import Relaxation
+from ..results.half_space import HalfSpaceCurve
+from ..scenes.steady import brief, describe
+from .contact import Grid, settle
+from .points import broadcast
+
+MODEL = "periodic half-space in three dimensions, one pressure per point of the map (no reduction)"
+
+
+class _Found(NamedTuple):
+    """One contact."""
+
+    stress: Float[Array, ""]  # friction force over the area of the cell [Pa]
+    area: Float[Array, ""]  # part of the points in contact
+    settled: Bool[Array, ""]
+
+
+def slide_periodic(
+    foundation: Foundation, shape: Any, *, cell: Any, velocity: Any, load: Any, temperature: Any, points: int
+) -> HalfSpaceCurve:
+    """`half_space_sliding` of a map or an array of bodies on a periodic cell."""
+    sides = _sides(cell)
+    heights, name = _heights(shape, sides, points)
+    asked = broadcast(foundation, velocity=velocity, load=load, depth=None, temperature=temperature, points=points)
+    law, area = foundation.law(), float(np.prod(sides))
+    found = []
+    for value, speed in zip(asked.value / area, asked.velocity, strict=True):
+        fine, coarse = (_solve(law, speed, value, jnp.asarray(map_), sides) for map_ in (heights, heights[::2, ::2]))
+        found.append((fine, coarse))
+    good = np.array([bool(fine.settled & coarse.settled) for fine, coarse in found])
+    if not good.all():
+        text = f"{int((~good).sum())} of {good.size} contacts did not settle; they are NaN."
+        warnings.warn(text, ConvergenceWarning, stacklevel=4)
+
+    def field(values: list[Any]) -> Any:
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(asked.shape)
+
+    drag, force = field([area * fine.stress for fine, _ in found]), asked.value.reshape(asked.shape)
+    grid = f"{heights.shape[0]} by {heights.shape[1]} points"
+    inputs = {**dict(asked.inputs(foundation, name)), "cell": _metres(sides), "grid": grid}
+    return HalfSpaceCurve(
+        velocity=asked.given.reshape(asked.shape),
+        mu=drag / force,
+        normal_force=force,
+        friction_force=drag,
+        area=field([fine.area for fine, _ in found]),
+        error=field([area * abs(fine.stress - coarse.stress) for fine, coarse in found]) / force,
+        converged=good.reshape(asked.shape),
+        temperature=asked.temperature,
+        model=MODEL,
+        plan=f"{grid}, and every second of them along each side for the error",
+        inputs=tuple(inputs.items()),
+    )
+
+
+@jax.jit
+def _solve(law: Relaxation, velocity: Array, pressure: Array, heights: Array, sides: Array) -> _Found:
+    """Contact at a mean pressure, and the friction stress."""
+    kx = 2 * jnp.pi * jnp.fft.fftfreq(heights.shape[0], 1 / heights.shape[0])[:, None] / sides[0]
+    ky = 2 * jnp.pi * jnp.fft.rfftfreq(heights.shape[1], 1 / heights.shape[1])[None] / sides[1]
+    k = jnp.hypot(kx, ky)
+    k = jnp.where(k == 0, jnp.min(jnp.where(k > 0, k, jnp.inf)), k)  # any will do: it only counts depths from elsewhere
+    x = (kx * velocity)[..., None] * law.times
+    storage = law.equilibrium + jnp.sum(law.moduli * x**2 / (1 + x**2), axis=-1)
+    loss = jnp.sum(law.moduli * x / (1 + x**2), axis=-1) + kx * velocity * law.viscosity
+    nyquist = jnp.arange(heights.shape[0])[:, None] == heights.shape[0] // 2  # a wave that has no direction of its own
+    modulus = storage - 1j * jnp.where(nyquist, 0.0, loss)
+    height = jnp.max(heights) - heights
+    on = Grid(2 / (k * modulus), k * modulus / 2)
+    start = height <= jnp.quantile(height, 0.5)
+    solution = settle(on, height, start, "load", pressure * heights.size, periodic=True)
+    waves = jnp.abs(jnp.fft.rfft2(solution.pressure) / heights.size) ** 2
+    twice = jnp.where((ky == 0) | (ky == jnp.max(ky)), 1.0, 2.0)  # waves that the transform of a real map leaves out
+    stress = jnp.sum(jnp.where(nyquist, 0.0, twice * waves * 2 * kx * loss / (k * jnp.abs(modulus) ** 2)))
+    return _Found(stress, jnp.mean(solution.pressure > 0), solution.settled)
+
+
+def _sides(cell: Any) -> np.ndarray:
+    sides = as_float64("cell", cell)
+    if sides.shape not in ((), (2,)):
+        raise InputError(f"cell must be the sides (L_x, L_y) of a periodic cell in m, or one for both, got {cell!r}.")
+    positive("cell", sides)
+    return np.broadcast_to(sides, (2,)).copy()
+
+
+def _heights(shape: Any, sides: np.ndarray, points: int) -> tuple[np.ndarray, str]:
+    """Heights into the rubber [m] on the cell, and what they are in words."""
+    if isinstance(shape, AbstractShape):
+        x, y = (np.arange(points) / points - 0.5 for _ in range(2))
+        r = np.hypot(x[:, None] * sides[0], y[None] * sides[1])
+        widest = float(shape.largest_contact)
+        if widest < r.max():
+            raise InputError(f"cell must lie within the body, whose radius is {widest:g} m, got {_metres(sides)}.")
+        return -np.asarray(shape.height(r)), f"{describe(shape)}, one in each cell"
+    heights = as_float64("shape", shape)
+    if heights.ndim != 2 or any(n % 4 or n < 8 for n in heights.shape) or not np.isfinite(heights).all():
+        raise InputError(
+            "shape must be a body or a map of heights [m] into the rubber, finite, (n_x, n_y), with n_x and n_y "
+            f"multiples of 4 and at least 8, got shape {heights.shape}."
+        )
+    return heights, f"map of heights, {math.sqrt(np.var(heights)):.3g} m rms"
+
+
+def _metres(sides: np.ndarray) -> str:
+    return f"{brief(sides[0], 'm')} by {brief(sides[1], 'm')}"
