@@ -191,8 +191,10 @@ def _iterate(rise, stride, spacing, law, velocity, load, stiffness, control, sta
         size = np.where(np.isfinite(r).all(axis=1), np.abs(r).max(axis=1), np.inf)
         late = np.abs(end.q - force) * np.abs(depth) / np.maximum(np.abs(end.work), 1e-300) / count
         finished = active & (size <= goal) & (late < 1e-6)
-        for field, new in zip(out, (end.work / (count * stride * spacing) / mean, mean, end.touching / count, size), strict=True):
-            field[active] = new[active]
+        length = count * stride * spacing
+        work = end.work[active] / (length * np.where(mean > 0, mean, np.nan)[active])
+        for field, new in zip(out, (work, mean[active], end.touching[active] / count, size[active]), strict=True):
+            field[active] = new
         active = active & ~finished
         if not active.any():
             break
@@ -201,17 +203,17 @@ def _iterate(rise, stride, spacing, law, velocity, load, stiffness, control, sta
         force = np.where(active, end.q, force)
         if kept is None:
             kept = (depth.copy(), branches.copy(), r.copy())
-        worse = ~(size <= 2 * best)
+        worse = active & ~(size <= 2 * best)
         failures = np.where(worse, failures + 1, 0)
         retry = failures >= 3  # what was learnt misleads: start over from the best point, with shorter steps
         inverse = np.where(retry[:, None, None], np.eye(unknowns) * 0.5 ** np.minimum(failures, 8)[:, None, None], inverse)
         depth, branches = np.where(worse, kept[0], depth), np.where(worse, kept[1], branches)
         r = np.where(worse[:, None], kept[2], r)
-        better = size <= best
+        better = active & (size <= best)
         kept = (
             np.where(better, depth, kept[0]), np.where(better, branches, kept[1]), np.where(better[:, None], r, kept[2])
         )  # fmt: skip
-        best = np.minimum(best, size)
+        best = np.where(better, size, best)
         moved = np.einsum("vij,vj->vi", inverse, r)
         down = moved[:, -1] * load / stiffness
         moved *= (np.minimum(1.0, 0.5 * depth / np.maximum(np.abs(down), 1e-300)) * active)[:, None]
