@@ -16,6 +16,7 @@ _HOMES = {
     "mapping.shapes": ("Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Cylinder"),
     "mapping.profile": ("Profile",),
     "mapping.rough_line": ("RoughLine",),
+    "mapping.spectrum": ("SelfAffine", "Spectrum"),
     "foundation.law": ("Foundation", "half_space", "layer"),
     "foundation.step": ("ContactStep",),
     "solve.plan": ("Plan",),

@@ -15,6 +15,7 @@ Every periodic motion has mean q = E_inf mean u (Popov & Hess 2015, ch. 7: the m
 load gives mean u, and with the branches split into slow ones, f_k = E_k (u - mean u), and relaxed ones, the first guess.
 """
 
+import hashlib
 import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Literal, NamedTuple
@@ -23,6 +24,7 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float
 
+from .. import __version__
 from ..material.relaxation import Relaxation
 from .condense import Condensation, choose, condensed
 from .period import Coefficients, Swept, coefficients, sweep
@@ -75,6 +77,7 @@ def solve_line(
     rtol: float,
     skip: bool = True,
     done: Any = None,  # called with the number of lanes whenever some are finished
+    store: Any = None,  # keeps what is finished: get(key) gives None or what was put(key, arrays)
 ) -> Line:
     """Solves all lanes on one line, in batches on every core."""
     rise = rises(height)
@@ -85,7 +88,14 @@ def solve_line(
 
     def run(batch: np.ndarray) -> Line:
         with jax.enable_x64(True):  # the setting belongs to the thread
-            found = _batch(rise, float(spacing), law, velocity[batch], value[batch], control, rtol, skip)
+            key = "" if store is None else _key(rise, law, velocity[batch], value[batch], (spacing, control, rtol, skip))
+            kept = None if store is None else store.get(key)
+            if kept is None:
+                found = _batch(rise, float(spacing), law, velocity[batch], value[batch], control, rtol, skip)
+                if store is not None:
+                    store.put(key, np.array(found, dtype=np.float64))
+            else:
+                found = Line(*kept[:-1], kept[-1] > 0)
         if done is not None:
             done(batch.size)
         return found
@@ -94,6 +104,14 @@ def solve_line(
         parts = list(pool.map(run, batches))
     back = np.argsort(np.concatenate(batches), kind="stable")
     return Line(*(np.concatenate(fields)[back] for fields in zip(*parts, strict=True)))
+
+
+def _key(rise: np.ndarray, law: Relaxation, velocity: np.ndarray, value: np.ndarray, how: tuple) -> str:
+    """What a batch depends on, in a few letters."""
+    digest = hashlib.sha256(repr((__version__, how)).encode())
+    for part in (rise, *jax.tree.leaves(law), velocity, value):
+        digest.update(np.ascontiguousarray(part, dtype=np.float64).tobytes())
+    return digest.hexdigest()[:24]
 
 
 def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> Line:
