@@ -30,6 +30,7 @@ _HOMES = {
     "scenes.slide": ("slide",),
     "scenes.drive": ("drive",),
     "solve.dynamics": ("Mount",),
+    "fit.surface_file": ("surface_from_file",),
     "results.curve": ("FrictionCurve", "RollingCurve"),
     "results.indentation": ("Indentation",),
     "results.impact": ("Impact",),

@@ -30,11 +30,11 @@ from .condense import Condensation, choose, condensed
 from .period import Coefficients, Swept, coefficients, sweep
 
 RESIDUAL = 1e-9  # of the state and of the load, relative to the load
-_COARSE = 1e-6  # residual on the coarser samples, which serve as a start and for the error
+_SMALL = 0.1  # mu below which the residual has to be smaller in proportion: friction is a small part of the forces
 _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period
 _SLOW = 1e-2  # T/tau below which a branch is made periodic by its mean
-_LANES = (4, 8, 16, 32)  # sizes that are compiled
+_LANES = (8, 32)  # sizes that are compiled
 _SWEEPS = 60  # at most, per level
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
@@ -81,6 +81,10 @@ def solve_line(
 ) -> Line:
     """Solves all lanes on one line, in batches on every core."""
     rise = rises(height)
+    how = Condensation(np.size(law.moduli))
+    if skip:  # between the passage of one sample and that of the whole line
+        how = choose(law, spacing / velocity.max(), rise.size * spacing / velocity.min(), rtol)
+    law = condensed(law, how)
     order = np.argsort(velocity, kind="stable")
     threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     size = min(_LANES[-1], max(_LANES[0], -(-velocity.size // threads)))
@@ -91,7 +95,7 @@ def solve_line(
             key = "" if store is None else _key(rise, law, velocity[batch], value[batch], (spacing, control, rtol, skip))
             kept = None if store is None else store.get(key)
             if kept is None:
-                found = _batch(rise, float(spacing), law, velocity[batch], value[batch], control, rtol, skip)
+                found = _batch(rise, float(spacing), law, velocity[batch], value[batch], control, how.cost)
                 if store is not None:
                     store.put(key, np.array(found, dtype=np.float64))
             else:
@@ -114,29 +118,43 @@ def _key(rise: np.ndarray, law: Relaxation, velocity: np.ndarray, value: np.ndar
     return digest.hexdigest()[:24]
 
 
-def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> Line:
+def _batch(rise, spacing, law, velocity, value, control, cost) -> Line:
     n = rise.size
-    how = Condensation(np.size(law.moduli))
-    if skip:
-        how = choose(law, spacing / velocity.max(), n * spacing / velocity.min(), rtol)
-    law = condensed(law, how)
     state, load, stiffness = _first_guess(rise, spacing, law, velocity, value, control)
     strides = [s for s in ((64, 16, 4, 1) if n >= _LONG else (16, 4, 1)) if s == 1 or (n % s == 0 and n // s >= _FEWEST)]
-    coarse, sweeps = np.full(velocity.size, np.nan), np.zeros(velocity.size)
-    fine = _Solved(state, *(np.full(velocity.size, np.nan) for _ in range(5)), np.zeros(velocity.size, bool))
+    sweeps, mus, full = np.zeros(velocity.size), [np.full(velocity.size, np.nan)], np.ones(velocity.size, bool)
     for stride in strides:
-        guess, coarse = state, fine.mu
+        guess = state
         fine = _iterate(rise, stride, spacing, law, velocity, load, stiffness, control, state)
         sweeps += fine.sweeps / stride
         good = fine.converged
+        mus.append(np.where(good, fine.mu, np.nan))
+        full &= fine.share == 1
         state = _State(
             np.where(good, fine.state.branches, guess.branches), np.where(good, fine.state.depth, guess.depth),
             np.where(good[:, None, None], fine.state.inverse, np.eye(guess.inverse.shape[1])),
         )  # fmt: skip
     good = fine.converged & np.isfinite(fine.mu)
-    error = np.abs(fine.mu - coarse) / 3 + 1e-9 * np.abs(fine.mu)  # a third bounds first order, a 15th would be second
-    lanes = (fine.mu, fine.load, fine.state.depth, fine.share, error, np.full(velocity.size, how.cost), fine.residual)
+    mu, error = _limit(mus, full)
+    lanes = (mu, fine.load, fine.state.depth, fine.share, error, np.full(velocity.size, cost), fine.residual)
     return Line(*(np.where(good, x, np.nan) for x in lanes), sweeps, good)
+
+
+def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """mu and its error from the sampling, from the mu of steps that are a quarter of the one before each.
+
+    In full contact everything is smooth and the error falls as the square of the step: the limit is extrapolated, where
+    the fall itself is as it should be. Otherwise edges of contacts fall anywhere between samples: the last value stands,
+    and a third of the last change bounds an error of first order, where a 15th would be the second.
+    """
+    fine, change = mus[-1], mus[-1] - mus[-2]
+    error = np.abs(change) / 3
+    if len(mus) > 3:
+        before = mus[-2] - mus[-3]
+        smooth = full & (np.abs(before - 16 * change) < 0.2 * np.abs(before))
+        fine = np.where(smooth, fine + change / 15, fine)
+        error = np.where(smooth, np.abs(change - before / 16) / 15, error)
+    return fine, error + 1e-9 * np.abs(fine)
 
 
 class _Solved(NamedTuple):
@@ -190,7 +208,6 @@ def _iterate(rise, stride, spacing, law, velocity, load, stiffness, control, sta
     slow = x < _SLOW
     sums = np.where(slow, by.keep * whole / -np.expm1(-step / np.asarray(law.times)[:, None]), 1.0)
     floor = 1e-15 * np.sqrt(count) * state.depth / (by.give * load)  # what rounding of u leaves
-    goal = np.maximum(RESIDUAL if stride == 1 else _COARSE, floor)
     lanes, unknowns = velocity.size, state.inverse.shape[1]
     branches, depth, inverse = (np.array(a) for a in state)
     best, kept, failures = np.full(lanes, np.inf), None, np.zeros(lanes, int)
@@ -208,11 +225,12 @@ def _iterate(rise, stride, spacing, law, velocity, load, stiffness, control, sta
         r = np.concatenate([r, last[None]]).T
         size = np.where(np.isfinite(r).all(axis=1), np.abs(r).max(axis=1), np.inf)
         late = np.abs(end.q - force) * np.abs(depth) / np.maximum(np.abs(end.work), 1e-300) / count
-        finished = active & (size <= goal) & (late < 1e-6)
         length = count * stride * spacing
-        work = end.work[active] / (length * np.where(mean > 0, mean, np.nan)[active])
-        for field, new in zip(out, (work, mean[active], end.touching[active] / count, size[active]), strict=True):
-            field[active] = new
+        mu = end.work / (length * np.where(mean > 0, mean, np.nan))
+        goal = np.maximum(RESIDUAL * np.clip(mu / _SMALL, 1e-4, 1.0), floor)
+        finished = active & (size <= goal) & (late < 1e-6)
+        for field, new in zip(out, (mu, mean, end.touching / count, size), strict=True):
+            field[active] = new[active]
         active = active & ~finished
         if not active.any():
             break
