@@ -26,6 +26,7 @@ class Scene:
     material: Any  # a Prony, or a Foundation where the scene has a layer or two bodies
     shape: Any
     arguments: dict[str, Any]  # keyword arguments: velocity, load or depth, temperature, average, rtol
+    rough: bool = False  # whether the scene has a [surface]
 
 
 @contextlib.contextmanager
@@ -79,7 +80,7 @@ def _scene(path: Path, content: dict[str, Any]) -> Scene:
     else:
         shape = read_indenter(content["indenter"], path.parent)
     material = read_material(top, content.get("layer"), shape, path.parent, arguments)
-    return Scene(path, title, material, shape, _on_axes(arguments))
+    return Scene(path, title, material, shape, _on_axes(arguments), rough)
 
 
 def read_material(top: Keys, layer: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Any:

@@ -30,7 +30,7 @@ from .condense import Condensation, choose, condensed
 from .period import Coefficients, Swept, coefficients, sweep
 
 RESIDUAL = 1e-9  # of the state and of the load, relative to the load
-_SMALL = 0.1  # mu below which the residual has to be smaller in proportion: friction is a small part of the forces
+_SMALL = 1.0  # mu below which the residual is smaller in proportion: friction is a small part of the forces
 _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period
 _SLOW = 1e-2  # T/tau below which a branch is made periodic by its mean
@@ -207,7 +207,7 @@ def _iterate(rise, stride, spacing, law, velocity, load, stiffness, control, sta
     whole = -np.expm1(-x)
     slow = x < _SLOW
     sums = np.where(slow, by.keep * whole / -np.expm1(-step / np.asarray(law.times)[:, None]), 1.0)
-    floor = 1e-15 * np.sqrt(count) * state.depth / (by.give * load)  # what rounding of u leaves
+    floor = 2e-16 * np.sqrt(count) * state.depth / (by.give * load)  # what rounding of u leaves
     lanes, unknowns = velocity.size, state.inverse.shape[1]
     branches, depth, inverse = (np.array(a) for a in state)
     best, kept, failures = np.full(lanes, np.inf), None, np.zeros(lanes, int)
