@@ -91,7 +91,7 @@ def test_full_contact_of_cosines():
 
 
 def test_direction_average_of_a_cosine():
-    """<cos(phi) E''(w cos(phi))> = E_1/(w tau) (1 - 1/sqrt(1 + (w tau)^2)); values of the oracle at w tau = 0.1, 1, 10."""
+    """<cos(phi) E''(w cos(phi))> = E_1/(w tau) (1 - 1/sqrt(1 + (w tau)^2)), at w tau = 0.1, 1, 10."""
     kernel = np.array([0.04962809790010864, 0.2928932188134525, 0.09004962809790011])
     x = np.arange(1024) * 2 * np.pi / 1e3 / 1024
     one = em.Foundation(1e6, [1e6], [1e-3])

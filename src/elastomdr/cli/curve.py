@@ -16,6 +16,8 @@ from .scene import Scene, in_file
 
 def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> int:
     """Computes, prints and writes; returns the exit status. Nothing is written before everything is computed."""
+    if scene.rough and verb != "friction":
+        raise InputError(f"{scene.path.name}: a [surface] has friction, no {verb}: use elastomdr friction.")
     folder = _folder(out)
     enable_cache()
     with warnings.catch_warnings(record=True) as said:

@@ -67,9 +67,11 @@ def _scene(path: Path, content: dict[str, Any]) -> Scene:
     if "indenter" in top and "surface" in top:
         raise InputError("[indenter] and [surface] exclude each other.")
     rough = "surface" in top
-    if not rough and "indenter" not in top or "contact" not in top:
+    if (not rough and "indenter" not in top) or "contact" not in top:
         missing = "contact" if rough or "indenter" in top else "indenter"
-        raise InputError(f"[{missing}] is missing: a scene has a material, an [indenter] or a [surface], and a [contact].")
+        raise InputError(
+            f"[{missing}] is missing: a scene has a material, an [indenter] or a [surface], and a [contact]."
+        )
     arguments = _contact(top.get("contact", lambda _, value: value), rough)
     if "temperature" in top:
         arguments["temperature"] = top.get("temperature", one_or_more(TEMPERATURE))

@@ -52,7 +52,11 @@ def _size(keys: Keys) -> dict[str, float]:
 def _cutoffs(keys: Keys) -> dict[str, float]:
     """The cutoffs as wave numbers; each may be given as such or as a wavelength, longest or shortest."""
     found = {}
-    for name, wave, needed in (("q_low", "longest", True), ("q_high", "shortest", True), ("q_rolloff", "rolloff", False)):
+    for name, wave, needed in (
+        ("q_low", "longest", True),
+        ("q_high", "shortest", True),
+        ("q_rolloff", "rolloff", False),
+    ):
         if name in keys and wave in keys:
             raise InputError(f"[surface] {name} and {wave} say the same thing: give one of them.")
         if name in keys:

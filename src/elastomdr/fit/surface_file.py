@@ -27,7 +27,9 @@ def surface_from_file(
     """
     name = Path(path).name
     try:
-        lines = [line for line in Path(path).read_text().splitlines() if line.strip() and not line.lstrip().startswith("#")]
+        lines = [
+            line for line in Path(path).read_text().splitlines() if line.strip() and not line.lstrip().startswith("#")
+        ]
     except (OSError, ValueError) as error:
         raise InputError(f"path must be a text file that can be read, got {name!r}: {error}.") from error
     if not lines:
@@ -39,7 +41,9 @@ def surface_from_file(
     body = rows[1:] if titled else rows
     wrong = next((i for i, row in enumerate(body) if len(row) != len(rows[0])), None)
     if wrong is not None:
-        raise InputError(f"path: {name!r} has {len(body[wrong])} cells in row {wrong + 1}, {len(rows[0])} in the first.")
+        raise InputError(
+            f"path: {name!r} has {len(body[wrong])} cells in row {wrong + 1}, {len(rows[0])} in the first."
+        )
     data = np.array([[_number(cell) for cell in row] for row in body]).reshape(-1, len(scale)) * scale
     if shortest is not None:
         shortest = plain("shortest", shortest)

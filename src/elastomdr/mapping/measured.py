@@ -53,7 +53,9 @@ def from_profile(x: np.ndarray, height: np.ndarray, shortest: float | None, detr
     levels = np.unique(height).size
     if levels <= _COARSE:
         step = float(np.diff(np.unique(height)).min()) if levels > 1 else 0.0
-        report.append(f"heights are coarsely rounded: {levels} levels, {step:.3g} m apart; short waves are rounding noise")
+        report.append(
+            f"heights are coarsely rounded: {levels} levels, {step:.3g} m apart; short waves are rounding noise"
+        )
     n = int(round((x[-1] - x[0]) / np.median(np.diff(x)))) + 1
     even = np.linspace(x[0], x[-1], n)
     if n != x.size or np.abs(x - even).max() > _EVEN * (even[1] - even[0]):
@@ -72,7 +74,9 @@ def from_profile(x: np.ndarray, height: np.ndarray, shortest: float | None, detr
     return _scaled(found, float(height.std()), report)
 
 
-def from_map(x: np.ndarray, y: np.ndarray, height: np.ndarray, shortest: float | None, detrend: bool) -> MeasuredSurface:
+def from_map(
+    x: np.ndarray, y: np.ndarray, height: np.ndarray, shortest: float | None, detrend: bool
+) -> MeasuredSurface:
     """A surface from heights (len(x), len(y)) on an even grid."""
     report: list[str] = []
     missing = ~np.isfinite(height)
@@ -125,6 +129,11 @@ def _scaled(found: Spectrum, measured: float, report: list[str]) -> MeasuredSurf
         raise InputError("the heights must differ, got a flat surface.")
     blank = object.__new__(MeasuredSurface)
     factor = (measured / found.rms_height) ** 2
-    for name, value in (("q", found.q), ("c", found.c * factor), ("measured_height", measured), ("report", tuple(report))):
+    for name, value in (
+        ("q", found.q),
+        ("c", found.c * factor),
+        ("measured_height", measured),
+        ("report", tuple(report)),
+    ):
         object.__setattr__(blank, name, value)
     return blank

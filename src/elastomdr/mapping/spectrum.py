@@ -9,7 +9,6 @@ and a self-affine spectrum is a table of two or three points. The line of the MD
 it keeps <h^2>, and its mean square slope is the full <|grad h|^2>, twice that of a cut (Popov & Hess 2015, ch. 10).
 """
 
-import abc
 from typing import Any, ClassVar
 
 import equinox as eqx
@@ -117,9 +116,7 @@ class SelfAffine(AbstractSpectrum):
         positive("q_low", low)
         positive("q_high", high)
         if not low <= knee < high:
-            raise InputError(
-                f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} and {high:g} rad/m."
-            )
+            raise InputError(f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} and {high:g} rad/m.")
         self.q = np.array([low, high] if knee == low else [low, knee, high])
         self.c = np.where(self.q <= knee, 1.0, (self.q / knee) ** (-2 - 2 * self.hurst))
         name, wanted = ("rms_slope", rms_slope) if rms_height is None else ("rms_height", rms_height)

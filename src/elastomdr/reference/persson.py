@@ -60,7 +60,9 @@ def persson(
         factor = np.asarray(foundation.shift.a(as_float64("temperature", temperature)))
     v, p, a = np.broadcast_arrays(velocity, pressure, factor)
     q, c = _wave_numbers(surface)
-    found = np.array([_one(foundation, q, c, x * y, z, gamma, stored) for x, y, z in zip(v.flat, a.flat, p.flat, strict=True)])
+    found = np.array(
+        [_one(foundation, q, c, x * y, z, gamma, stored) for x, y, z in zip(v.flat, a.flat, p.flat, strict=True)]
+    )
     mu, area, spread = (found[:, i].reshape(v.shape) for i in range(3))
     where = "in mu and in G" if stored else "in mu"
     return Persson(v.copy(), mu, area, spread, f"Persson's theory, S with gamma = {gamma:g} {where}")

@@ -109,7 +109,10 @@ def rough_friction(
     extrapolated = None if outside is None else outside > _OUTSIDE
     inputs = [("material", foundation.name or "given directly"), ("surface", _words(surface, lines[0]))]
     inputs += [("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []
-    inputs += [(f"line {control}", brief(value, "N/m" if control == "load" else "m")), ("velocity", brief(velocity, "m/s"))]
+    inputs += [
+        (f"line {control}", brief(value, "N/m" if control == "load" else "m")),
+        ("velocity", brief(velocity, "m/s")),
+    ]
     inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
     inputs += [("ensemble", f"{seeds} line{'s' * (seeds > 1)} of {lines[0].count} samples")]
     if foundation.range is not None and outside is not None and extrapolated is not None and extrapolated.any():
@@ -233,7 +236,9 @@ def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_leng
     given = {k: v for k, v in (("load", load), ("depth", depth), ("pressure", pressure)) if v is not None}
     if len(given) != 1:
         got = " and ".join(f"{k}={v}" for k, v in given.items()) or "none of them"
-        raise InputError(f"pressure, load (per length of line) or depth must be given, and only one of them, got {got}.")
+        raise InputError(
+            f"pressure, load (per length of line) or depth must be given, and only one of them, got {got}."
+        )
     ((name, value),) = given.items()
     value = as_float64(name, value)
     positive(name, value)

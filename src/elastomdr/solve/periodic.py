@@ -92,7 +92,9 @@ def solve_line(
 
     def run(batch: np.ndarray) -> Line:
         with jax.enable_x64(True):  # the setting belongs to the thread
-            key = "" if store is None else _key(rise, law, velocity[batch], value[batch], (spacing, control, rtol, skip))
+            key = (
+                "" if store is None else _key(rise, law, velocity[batch], value[batch], (spacing, control, rtol, skip))
+            )
             kept = None if store is None else store.get(key)
             if kept is None:
                 found = _batch(rise, float(spacing), law, velocity[batch], value[batch], control, how.cost)
@@ -121,7 +123,9 @@ def _key(rise: np.ndarray, law: Relaxation, velocity: np.ndarray, value: np.ndar
 def _batch(rise, spacing, law, velocity, value, control, cost) -> Line:
     n = rise.size
     state, load, stiffness = _first_guess(rise, spacing, law, velocity, value, control)
-    strides = [s for s in ((64, 16, 4, 1) if n >= _LONG else (16, 4, 1)) if s == 1 or (n % s == 0 and n // s >= _FEWEST)]
+    strides = [
+        s for s in ((64, 16, 4, 1) if n >= _LONG else (16, 4, 1)) if s == 1 or (n % s == 0 and n // s >= _FEWEST)
+    ]
     sweeps, mus, full = np.zeros(velocity.size), [np.full(velocity.size, np.nan)], np.ones(velocity.size, bool)
     for stride in strides:
         guess = state
@@ -242,7 +246,9 @@ def _iterate(rise, stride, spacing, law, velocity, load, stiffness, control, sta
         worse = active & ~(size <= 2 * best)
         failures = np.where(worse, failures + 1, 0)
         retry = failures >= 3  # what was learnt misleads: start over from the best point, with shorter steps
-        inverse = np.where(retry[:, None, None], np.eye(unknowns) * 0.5 ** np.minimum(failures, 8)[:, None, None], inverse)
+        inverse = np.where(
+            retry[:, None, None], np.eye(unknowns) * 0.5 ** np.minimum(failures, 8)[:, None, None], inverse
+        )
         depth, branches = np.where(worse, kept[0], depth), np.where(worse, kept[1], branches)
         r = np.where(worse[:, None], kept[2], r)
         better = active & (size <= best)
