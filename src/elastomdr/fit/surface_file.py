@@ -21,9 +21,9 @@ def surface_from_file(
     """A measured surface from a CSV file: a profile in two columns, x and height, or a map in three, x, y and height.
 
     The line of titles carries the units, such as "x [mm], height [um]"; without them `unit` names the one unit of all
-    columns. Cells that are empty or no number are holes. Lines that start with # are passed over; comma, semicolon or tab
-    separates. `shortest` [m] is the shortest wavelength to keep (default: two steps), `detrend` takes a straight line or
-    plane off. What had to be mended is in `report`. The surface is taken to be isotropic. Raises `InputError`.
+    columns. Cells that are empty or no number are holes. Lines that start with # are passed over; comma, semicolon or
+    tab separates. `shortest` [m] is the shortest wavelength to keep (default: two steps), `detrend` takes a straight
+    line or plane off. What had to be mended is in `report`. The surface is taken to be isotropic. Raises `InputError`.
     """
     name = Path(path).name
     try:

@@ -4,8 +4,9 @@ With a Hann window w, <w^2> = 1, and heights h about their straight line or plan
 
     C_cut(q) = L/(2 pi) |a_q|^2,   C(q) = L_x L_y/(4 pi^2) |a_q|^2,   a_q = (1/n) sum w h exp(-i q x),
 
-averaged over bands of even width in log q. A profile's C_cut is made to fall with q and turned into the C of an isotropic
-surface (`mapping.spectrum`); C is then scaled to the measured rms height. What had to be mended stands in `report`.
+averaged over bands of even width in log q. A profile's C_cut is made to fall with q and turned into the C of an
+isotropic surface (`mapping.spectrum`); C is then scaled to the measured rms height. What had to be mended stands in
+`report`.
 """
 
 from typing import ClassVar
@@ -56,7 +57,7 @@ def from_profile(x: np.ndarray, height: np.ndarray, shortest: float | None, detr
         report.append(
             f"heights are coarsely rounded: {levels} levels, {step:.3g} m apart; short waves are rounding noise"
         )
-    n = int(round((x[-1] - x[0]) / np.median(np.diff(x)))) + 1
+    n = round(float((x[-1] - x[0]) / np.median(np.diff(x)))) + 1
     even = np.linspace(x[0], x[-1], n)
     if n != x.size or np.abs(x - even).max() > _EVEN * (even[1] - even[0]):
         report.append(f"x was not evenly spaced: {n} even points by straight lines")

@@ -1,12 +1,13 @@
 """Roughness spectra of isotropic surfaces: self-affine ones and tables, with the normalisation named.
 
-C(q) [m^4] is the two-dimensional power spectrum with <h^2> = int C d^2q = 2 pi int q C dq, no factor 4 pi^2. Between its
-points it is a power law, so that every moment is a sum of closed forms,
+C(q) [m^4] is the two-dimensional power spectrum with <h^2> = int C d^2q = 2 pi int q C dq, no factor 4 pi^2. Between
+its points it is a power law, so that every moment is a sum of closed forms,
 
     int_a^b q^m C dq,    C = C_a (q/a)^s:    C_a a^(m+1) [(b/a)^(m+s+1) - 1]/(m+s+1),
 
-and a self-affine spectrum is a table of two or three points. The line of the MDR has the spectrum C_1D = pi q C, two-sided:
-it keeps <h^2>, and its mean square slope is the full <|grad h|^2>, twice that of a cut (Popov & Hess 2015, ch. 10).
+and a self-affine spectrum is a table of two or three points. The line of the MDR has the spectrum C_1D = pi q C,
+two-sided: it keeps <h^2>, and its mean square slope is the full <|grad h|^2>, twice that of a cut (Popov & Hess 2015,
+ch. 10).
 """
 
 from typing import Any, ClassVar
@@ -90,8 +91,8 @@ class AbstractSpectrum(eqx.Module):
 class SelfAffine(AbstractSpectrum):
     """A self-affine surface, C ~ q^(-2-2H) from q_rolloff to q_high and constant from q_low to q_rolloff.
 
-    Given by the Hurst exponent H (0 to 1), either the rms slope (of the surface, |grad h|) or the rms height [m], and the
-    cutoffs [rad/m]; without `q_rolloff` it is self-affine from q_low on. Raises `InputError`.
+    Given by the Hurst exponent H (0 to 1), either the rms slope (of the surface, |grad h|) or the rms height [m], and
+    the cutoffs [rad/m]; without `q_rolloff` it is self-affine from q_low on. Raises `InputError`.
     """
 
     q: Float[np.ndarray, " n"]
@@ -136,8 +137,8 @@ class Spectrum(AbstractSpectrum):
       "1d/2pi": int C dq/(2 pi) over all q. Turned into the two-dimensional one of an isotropic surface,
       C = -(1/pi) int_q^inf C_cut'(k)/sqrt(k^2 - q^2) dk, by pieces, exact for a table joined by straight lines.
 
-    `q` [rad/m] ascends, without repeats. Compare `rms_height` and `rms_slope` with what is known of the surface: a wrong
-    convention shows there. Raises `InputError`.
+    `q` [rad/m] ascends, without repeats. Compare `rms_height` and `rms_slope` with what is known of the surface: a
+    wrong convention shows there. Raises `InputError`.
     """
 
     q: Float[np.ndarray, " n"]
@@ -178,8 +179,8 @@ def _from_cut(q: np.ndarray, cut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if not (c > 0).all():
         where = q[:-1][c <= 0][0]
         raise InputError(
-            f"c must fall with q where it is the spectrum of a cut through an isotropic surface, which it does not about "
-            f"q = {where:g} rad/m: average it over wider bands of q, or leave the part below the roll-off out."
+            f"c must fall with q where it is the spectrum of a cut through an isotropic surface, which it does not "
+            f"about q = {where:g} rad/m: average it over wider bands of q, or leave the part below the roll-off out."
         )
     return q[:-1], c
 

@@ -4,8 +4,8 @@ On a period L the waves are q_j = 2 pi j/L, and the wave j carries what the band
 
     A_j^2/2 = 2 int C_1D dq = 2 pi int_band q C dq,     h(x) = sum A_j cos(q_j x + phase_j),
 
-so that the rms height is that of the surface whatever the period. Amplitudes are those of the spectrum, phases even between
-0 and 2 pi: every seed has the same rms values. Source: Popov & Hess 2015, ch. 10.
+so that the rms height is that of the surface whatever the period. Amplitudes are those of the spectrum, phases even
+between 0 and 2 pi: every seed has the same rms values. Source: Popov & Hess 2015, ch. 10.
 """
 
 import math

@@ -4,9 +4,9 @@
     P = erf(1/(2 sqrt G)),     S = gamma + (1 - gamma) P^2,
     G(q) = (1/8) int_q_low^q k^3 C(k) [S(k)] dk int_0^2pi |E*(k v cos phi)/p|^2 dphi,
 
-E* the half-space's E/(1 - nu^2), C the two-dimensional spectrum. P(q) is the apparent share of contact seen at wave number q.
-In Persson 2001 G has no S. Later work reduces the stored energy by S there too: `stored=True`; P(q) then follows from the
-part of the spectrum below q. Source: B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840; Scaraggi and
+E* the half-space's E/(1 - nu^2), C the two-dimensional spectrum. P(q) is the apparent share of contact seen at wave
+number q. In Persson 2001 G has no S. Later work reduces the stored energy by S there too: `stored=True`; P(q) then
+follows from the part of the spectrum below q. Source: B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840; Scaraggi and
 Persson, J. Phys.: Condens. Matter 27 (2015) 105102.
 """
 

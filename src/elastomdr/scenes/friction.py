@@ -41,12 +41,12 @@ def friction(
       textbook. Depth, normal force and contact edges are those of the line at the velocity itself.
     - `rtol`, 1e-3 to 1e-10: relative error of mu to be met. `skip=False` computes also what the plan would leave out.
 
-    A rough line (`RoughLine`) takes `load` per length [N/m] or `depth` of its highest point [m]. A surface (`SelfAffine`,
-    `Spectrum`, measured) takes a nominal `pressure` [Pa], turned into the line load p L with L = 2 pi/q_low or
-    `equivalent_length` [m], and is computed on `seeds` lines of random phases, each `periods` longest waves long, of
-    `samples` samples (default: eight per shortest wave). There `rtol` is that of the solution on these samples; `error`
-    has the sampling too, and a point where it exceeds `sampling` times mu is NaN. `progress(done, total)` is called after
-    each batch; `store` keeps finished batches (`get(key)`, `put(key, arrays)`). No gradients.
+    A rough line (`RoughLine`) takes `load` per length [N/m] or `depth` of its highest point [m]. A surface
+    (`SelfAffine`, `Spectrum`, measured) takes a nominal `pressure` [Pa], turned into the line load p L with L = 2
+    pi/q_low or `equivalent_length` [m], and is computed on `seeds` lines of random phases, each `periods` longest
+    waves long, of `samples` samples (default: eight per shortest wave). There `rtol` is that of the solution on these
+    samples; `error` has the sampling too, and a point where it exceeds `sampling` times mu is NaN. `progress(done,
+    total)` is called after each batch; `store` keeps finished batches (`get(key)`, `put(key, arrays)`). No gradients.
 
     Exact for the line and for layers; for the half-space see `elastomdr.mapping.direction`. Raises `InputError`;
     points that do not converge are NaN and counted in one `ConvergenceWarning`. Differentiable with respect to moduli,

@@ -117,8 +117,8 @@ def rough_friction(
     inputs += [("ensemble", f"{seeds} line{'s' * (seeds > 1)} of {lines[0].count} samples")]
     if foundation.range is not None and outside is not None and extrapolated is not None and extrapolated.any():
         text = (
-            f"at {int(extrapolated.sum())} of {outside.size} points more than {_OUTSIDE:.0%} of the mean square slope, at "
-            f"most {outside.max():.0%}, is excited beyond the frequencies of the material's data"
+            f"at {int(extrapolated.sum())} of {outside.size} points more than {_OUTSIDE:.0%} of the mean square slope, "
+            f"at most {outside.max():.0%}, is excited beyond the frequencies of the material's data"
         )
         inputs.append(("extrapolated", text))
         if not foundation.range.illustrative:
@@ -173,7 +173,10 @@ def _averaged(ask: _Ask, line: RoughLine, solved: Callable[..., Line]) -> _Run:
         every = solved(line, slowed.ravel(), load.ravel(), "load")
         each = every.mu.reshape(slowed.shape)
         mu = each @ rule.weights
-        error = quadrature_error(mu, each @ rule.check, rule.tail) + every.error.reshape(slowed.shape) @ rule.weights
+        error = (
+            np.asarray(quadrature_error(mu, each @ rule.check, rule.tail))
+            + every.error.reshape(slowed.shape) @ rule.weights
+        )
         return _Run(mu, error + own.cost * mu, own.load, own.depth, own.share, own.converged & np.isfinite(mu))
     grids = _grids(ask)
     speeds = np.concatenate([grid.velocity for grid, _ in grids])

@@ -3,7 +3,8 @@
 In steady sliding every element sees the same periodic history, so that one element is the whole line. With
 e_k = exp(-h/tau_k), g_k = E_k (1-e_k) tau_k/h and S = E_inf + eta/h + sum g_k a step of length h = dx/v is
 
-    u_free = u - (E_inf u + sum e_k f_k)/S,   u+ = max(u_free, w+),   f_k+ = e_k f_k + g_k (u+ - u),   q+ = S (u+ - u_free),
+    u_free = u - (E_inf u + sum e_k f_k)/S,   u+ = max(u_free, w+),   f_k+ = e_k f_k + g_k (u+ - u),   q+ = S (u+ -
+    u_free),
 
 and the period starts at the highest point of the line, which touches in every steady motion: u = d there.
 """

@@ -11,8 +11,9 @@ Repeating the motion is a contraction, but a slow one for light contacts with sl
 learns the Jacobian as it goes, needs 5 to 10 sweeps. It is done on every 16th sample first (and every 64th of long
 lines), then on every 4th, then on all: state, depth and Jacobian pass from one to the next.
 
-Every periodic motion has mean q = E_inf mean u (Popov & Hess 2015, ch. 7: the mean sees only the relaxed modulus). So the
-load gives mean u, and with the branches split into slow ones, f_k = E_k (u - mean u), and relaxed ones, the first guess.
+Every periodic motion has mean q = E_inf mean u (Popov & Hess 2015, ch. 7: the mean sees only the relaxed modulus). So
+the load gives mean u, and with the branches split into slow ones, f_k = E_k (u - mean u), and relaxed ones, the first
+guess.
 """
 
 import hashlib
@@ -62,7 +63,7 @@ class _State(NamedTuple):
 
 
 def rises(height: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-    """Heights against the highest, from there on backwards: the order in which a line moving to +x passes an element."""
+    """Heights against the highest, from there on backwards: in the order in which a line moving to +x passes."""
     height = np.asarray(height)[::-1]
     return np.roll(height, -int(np.argmax(height))) - height.max()
 
@@ -101,7 +102,7 @@ def solve_line(
                 if store is not None:
                     store.put(key, np.array(found, dtype=np.float64))
             else:
-                found = Line(*kept[:-1], kept[-1] > 0)
+                found = Line._make((*kept[:-1], kept[-1] > 0))
         if done is not None:
             done(batch.size)
         return found
@@ -127,6 +128,7 @@ def _batch(rise, spacing, law, velocity, value, control, cost) -> Line:
         s for s in ((64, 16, 4, 1) if n >= _LONG else (16, 4, 1)) if s == 1 or (n % s == 0 and n // s >= _FEWEST)
     ]
     sweeps, mus, full = np.zeros(velocity.size), [np.full(velocity.size, np.nan)], np.ones(velocity.size, bool)
+    fine = None
     for stride in strides:
         guess = state
         fine = _iterate(rise, stride, spacing, law, velocity, load, stiffness, control, state)
@@ -138,18 +140,19 @@ def _batch(rise, spacing, law, velocity, value, control, cost) -> Line:
             np.where(good, fine.state.branches, guess.branches), np.where(good, fine.state.depth, guess.depth),
             np.where(good[:, None, None], fine.state.inverse, np.eye(guess.inverse.shape[1])),
         )  # fmt: skip
+    assert fine is not None  # the last stride is always 1
     good = fine.converged & np.isfinite(fine.mu)
     mu, error = _limit(mus, full)
     lanes = (mu, fine.load, fine.state.depth, fine.share, error, np.full(velocity.size, cost), fine.residual)
-    return Line(*(np.where(good, x, np.nan) for x in lanes), sweeps, good)
+    return Line._make((*(np.where(good, x, np.nan) for x in lanes), sweeps, good))
 
 
 def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """mu and its error from the sampling, from the mu of steps that are a quarter of the one before each.
 
     In full contact everything is smooth and the error falls as the square of the step: the limit is extrapolated, where
-    the fall itself is as it should be. Otherwise edges of contacts fall anywhere between samples: the last value stands,
-    and a third of the last change bounds an error of first order, where a 15th would be the second.
+    the fall itself is as it should be. Otherwise edges of contacts fall anywhere between samples: the last value
+    stands, and a third of the last change bounds an error of first order, where a 15th would be the second.
     """
     fine, change = mus[-1], mus[-1] - mus[-2]
     error = np.abs(change) / 3
@@ -188,8 +191,8 @@ def _first_guess(rise, spacing, law, velocity, value, control) -> tuple[_State, 
     def depth_of(level):  # d for a mean u of `level`: u is the line in contact, u_free = level (1 - part) outside
         return over(level * part) + level * (1 - part)
 
+    level = value / relaxed
     if control == "load":
-        level = value / relaxed
         depth = depth_of(level)
     else:
         depth, low, high = value, np.zeros_like(value), value.copy()
@@ -200,7 +203,7 @@ def _first_guess(rise, spacing, law, velocity, value, control) -> tuple[_State, 
     share = np.maximum(np.searchsorted(below, depth - level * (1 - part)) / n, 2 / n)
     unknowns = elastic.shape[0] + 1
     state = _State(elastic * (depth - level), depth, np.tile(np.eye(unknowns), (velocity.size, 1, 1)))
-    return state, relaxed * level, (relaxed + memory) * share
+    return state, np.asarray(relaxed * level), (relaxed + memory) * share
 
 
 def _iterate(rise, stride, spacing, law, velocity, load, stiffness, control, state: _State) -> _Solved:
