@@ -1,4 +1,4 @@
-"""Steady sliding on a rough line: time against the targets, against a compiled C loop, and what skipping and cores give.
+"""Steady sliding on a rough line: time against the targets and against a C loop, what skipping and cores give.
 
     python benchmarks/rough_sliding.py
 
