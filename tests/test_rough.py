@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.cli.main import main
 from elastomdr.mapping.synthesis import synthesise
 
 RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
@@ -243,3 +244,38 @@ def test_bad_surfaces():
         em.Spectrum([2.0, 1.0], [1.0, 1.0], convention="2d")
     with pytest.raises(em.InputError, match="only one of them"):
         em.SelfAffine(0.8, rms_slope=0.1, rms_height=1e-6, q_low=1.0, q_high=2.0)
+
+
+SCENE = """
+material = "tread-passenger-synthetic"
+temperature = "20 degC"
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_slope = 0.2
+longest = "5 mm"
+shortest = "0.2 mm"
+[contact]
+{contact}
+velocity = ["0.01 m/s", "0.1 m/s"]
+[numerics]
+average = "line"
+"""
+
+
+def test_scene(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
+    scene = tmp_path / "road.toml"
+    scene.write_text(SCENE.format(contact='pressure = "0.05 MPa"'))
+    assert main(["friction", str(scene), "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    for word in ("rms height", "rms slope", "cutoffs", "2 pi/q_low"):
+        assert word in said
+    table = (tmp_path / "road-friction.csv").read_text()
+    assert "not the real contact area" in table
+    assert (tmp_path / "road-friction.png").stat().st_size > 10_000
+    assert not list(tmp_path.glob(".*parts"))
+    assert main(["rolling", str(scene)]) == 2
+    scene.write_text(SCENE.format(contact=""))
+    assert main(["friction", str(scene)]) == 2
+    assert "pressure" in capsys.readouterr().err
