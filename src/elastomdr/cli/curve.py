@@ -10,18 +10,27 @@ from typing import Any
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from .cache import enable_cache
 from .main import DONE, NOT_CONVERGED
+from .parts import Bar, Parts
 from .scene import Scene, in_file
 
 
 def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> int:
     """Computes, prints and writes; returns the exit status. Nothing is written before everything is computed."""
+    if scene.rough and verb != "friction":
+        raise InputError(f"{scene.path.name}: a [surface] has friction, no {verb}: use elastomdr friction.")
     folder = _folder(out)
     enable_cache()
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", ConvergenceWarning)
         warnings.simplefilter("always", ExtrapolationWarning)
         with in_file(scene.path):
-            curve = call(scene.material, scene.shape, **scene.arguments)
+            if scene.rough:
+                parts, bar = Parts(folder / f".{scene.path.stem}-{verb}.parts"), Bar()
+                curve = call(scene.material, scene.shape, **scene.arguments, progress=bar, store=parts)
+                bar.end()
+                parts.remove()
+            else:
+                curve = call(scene.material, scene.shape, **scene.arguments)
     notes = [("scene", scene.path.name)] + ([("title", scene.title)] if scene.title else [])
     stem = f"{scene.path.stem}-{verb}"
     files = {

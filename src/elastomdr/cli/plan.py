@@ -2,6 +2,7 @@
 
 import argparse
 
+from ..errors import InputError
 from .cache import enable_cache
 from .main import DONE
 from .scene import in_file, read_scene
@@ -10,6 +11,8 @@ from .scene import in_file, read_scene
 def run(arguments: argparse.Namespace) -> int:
     """Prints the plan of a scene; returns the exit status."""
     scene = read_scene(arguments.scene)
+    if scene.rough:
+        raise InputError(f"{scene.path.name}: a plan is made for an [indenter]; a [surface] has none.")
     enable_cache()
     from .. import plan
 

@@ -10,7 +10,8 @@ from typing import Any
 from ..errors import InputError
 from .indenter import read_indenter
 from .keys import Keys, choice, flag, one, one_or_more, positive_number, text
-from .units import FORCE, LENGTH, TEMPERATURE, VELOCITY
+from .surface import read_surface
+from .units import FORCE, LENGTH, LINE_LOAD, PRESSURE, TEMPERATURE, VELOCITY
 
 _MOST_POINTS = 100_000
 _MOST_BYTES = 10_000_000  # a scene is a page of text; what is larger is some other file
@@ -25,6 +26,7 @@ class Scene:
     material: Any  # a Prony, or a Foundation where the scene has a layer or two bodies
     shape: Any
     arguments: dict[str, Any]  # keyword arguments: velocity, load or depth, temperature, average, rtol
+    rough: bool = False  # whether the scene has a [surface]
 
 
 @contextlib.contextmanager
@@ -59,18 +61,28 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def _scene(path: Path, content: dict[str, Any]) -> Scene:
-    top = Keys(content, "", ("title", "material", "other", "temperature", "indenter", "layer", "contact", "numerics"))
+    keys = ("title", "material", "other", "temperature", "indenter", "surface", "layer", "contact", "numerics")
+    top = Keys(content, "", keys)
     title = top.get("title", text) if "title" in top else None
-    if "indenter" not in top or "contact" not in top:
-        missing = "indenter" if "indenter" not in top else "contact"
-        raise InputError(f"[{missing}] is missing: a scene has a material, an [indenter] and a [contact].")
-    arguments = _contact(top.get("contact", lambda _, value: value))
+    if "indenter" in top and "surface" in top:
+        raise InputError("[indenter] and [surface] exclude each other.")
+    rough = "surface" in top
+    if (not rough and "indenter" not in top) or "contact" not in top:
+        missing = "contact" if rough or "indenter" in top else "indenter"
+        raise InputError(
+            f"[{missing}] is missing: a scene has a material, an [indenter] or a [surface], and a [contact]."
+        )
+    arguments = _contact(top.get("contact", lambda _, value: value), rough)
     if "temperature" in top:
         arguments["temperature"] = top.get("temperature", one_or_more(TEMPERATURE))
     arguments |= _numerics(content.get("numerics", {}))
-    shape = read_indenter(content["indenter"], path.parent)
+    if rough:
+        shape, more = read_surface(content["surface"], path.parent)
+        arguments |= more
+    else:
+        shape = read_indenter(content["indenter"], path.parent)
     material = read_material(top, content.get("layer"), shape, path.parent, arguments)
-    return Scene(path, title, material, shape, _on_axes(arguments))
+    return Scene(path, title, material, shape, _on_axes(arguments), rough)
 
 
 def read_material(top: Keys, layer: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Any:
@@ -121,8 +133,18 @@ def _two_bodies(material: Any, other: Any, arguments: dict[str, Any]) -> Any:
     )  # fmt: skip
 
 
-def _contact(content: Any) -> dict[str, Any]:
-    keys = Keys(content, "contact", ("load", "depth", "velocity"))
+def _contact(content: Any, rough: bool = False) -> dict[str, Any]:
+    kinds = {"pressure": PRESSURE, "load": LINE_LOAD, "depth": LENGTH} if rough else {"load": FORCE, "depth": LENGTH}
+    keys = Keys(content, "contact", (*kinds, "velocity"))
+    if rough:
+        given = [name for name in kinds if name in keys]
+        if len(given) != 1:
+            got = " and ".join(given) or "none of them"
+            raise InputError(
+                '[contact] must have one of a pressure, such as "0.3 MPa", a load per length, such as "1 N/mm", and a '
+                f'depth, such as "0.1 mm", got {got}.'
+            )
+        return {"velocity": keys.get("velocity", _velocity), given[0]: keys.get(given[0], one_or_more(kinds[given[0]]))}
     if ("load" in keys) == ("depth" in keys):
         got = "both" if "load" in keys else "neither"
         raise InputError(f'[contact] must have either a load, such as "10 N", or a depth, such as "0.1 mm", got {got}.')
@@ -165,7 +187,7 @@ def _on_axes(arguments: dict[str, Any]) -> dict[str, Any]:
     import numpy as np
 
     shaped, after = dict(arguments), 0
-    for name in ("velocity", "load", "depth", "temperature"):
+    for name in ("velocity", "pressure", "load", "depth", "temperature"):
         if np.ndim(arguments.get(name, 0.0)) == 1:
             shaped[name] = np.asarray(arguments[name]).reshape(-1, *[1] * after)
             after += 1

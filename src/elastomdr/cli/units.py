@@ -32,6 +32,10 @@ SPEED = Kind("a velocity", "m/s", "0.1 m/s", VELOCITY.usual, "of any sign")
 FREQUENCY = Kind("a frequency", "Hz", "10 Hz", "Hz kHz mHz hertz")
 ADHESION = Kind("an energy per area", "J/m^2", "50 mJ/m^2", "J/m^2 mJ/m^2 N/m mN/m")
 
+PRESSURE = Kind("a pressure", "Pa", "0.3 MPa", "Pa kPa MPa GPa bar psi")
+LINE_LOAD = Kind("a force per length", "N/m", "1 N/mm", "N/m N/mm kN/m")
+WAVE_NUMBER = Kind("a wave number", "1/m", "1e3 1/m", "1/m 1/mm 1/um rad/m")
+
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 
 

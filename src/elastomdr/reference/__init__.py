@@ -2,5 +2,6 @@
 
 from .half_plane import half_plane_sliding
 from .half_space import half_space_sliding
+from .persson import persson
 
-__all__ = ["half_plane_sliding", "half_space_sliding"]
+__all__ = ["half_plane_sliding", "half_space_sliding", "persson"]

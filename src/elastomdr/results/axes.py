@@ -13,6 +13,7 @@ _CANDIDATES = (
     ("time", "time", "s"),
     ("velocity", "velocity", "m/s"),
     ("temperature", "temperature", "K"),
+    ("pressure", "pressure", "Pa"),
     ("normal_force", "load", "N"),
     ("force", "load", "N"),
     ("depth", "depth", "m"),
@@ -92,6 +93,8 @@ def in_words(name: str, value: float) -> str:
     """A velocity, temperature, load or depth with the unit an engineer would write."""
     if name == "temperature":
         return f"{significant(round(value - 273.15, 3), 5)} degC"
+    if name == "pressure":
+        return f"{significant(1e-6 * value)} MPa"
     if name in ("depth", "radius", "length"):
         return f"{significant(1e3 * value)} mm"
     return f"{significant(value)} {'m/s' if name == 'velocity' else 'N'}"

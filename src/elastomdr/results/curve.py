@@ -21,6 +21,16 @@ class Contact(NamedTuple):
     trailing: Float[Array, "..."]  # trailing edge b, behind the apex [m]
 
 
+class Rough(NamedTuple):
+    """What belongs to a rough line or surface only; a field that does not apply is None."""
+
+    pressure: Float[Array, "..."] | None  # nominal pressure p [Pa]
+    share: Float[Array, "..."]  # share of the line in contact; NOT the real contact area of the surface
+    scatter: Float[Array, "..."] | None  # standard error of mu over the lines of the ensemble
+    outside: Float[Array, "..."] | None  # share of <|grad h|^2> excited beyond the frequencies of the material's data
+    seeds: int  # lines in the ensemble
+
+
 class AbstractCurve(AbstractResult):
     """A coefficient against velocity, and what belongs to each of its points."""
 
@@ -121,7 +131,7 @@ class FrictionCurve(AbstractCurve):
     normal_force: Float[Array, "..."]  # F_N [N]
     friction_force: Float[Array, "..."]  # F_x, against the motion [N]
     depth: Float[Array, "..."]  # indentation depth d [m]
-    contact: Contact  # leading and trailing edge [m]
+    contact: Contact | None  # leading and trailing edge [m]; None for a rough line
     error: Float[Array, "..."]  # estimated error of mu
     converged: Bool[Array, "..."]
     temperature: Float[Array, "..."] | None  # T [K]
@@ -130,6 +140,7 @@ class FrictionCurve(AbstractCurve):
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
     extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
     model_error: Float[Array, "..."] | None = None  # bound on the model's error of mu; None: no reduced model
+    rough: Rough | None = None  # of a rough line or surface: forces are then per length of line [N/m], contact is None
 
     quantity: ClassVar[str] = "Friction"
     symbol: ClassVar[str] = "mu"
@@ -137,13 +148,15 @@ class FrictionCurve(AbstractCurve):
 
     @property
     def table(self) -> tuple[Column, ...]:
+        unit, per = ("N", "") if self.rough is None else ("N/m", " per length")
         return (
             Column("velocity", "velocity", "m/s"),
             Column("temperature", "temperature", "K", optional=True),
+            *(() if self.rough is None else _ROUGH),
             Column("mu", "friction coefficient", "-"),
-            Column("normal_force", "normal force", "N"),
-            Column("friction_force", "friction force", "N"),
-            *_CONTACT,
+            Column("normal_force", f"normal force{per}", unit),
+            Column("friction_force", f"friction force{per}", unit),
+            *(_CONTACT if self.rough is None else (c for c in _CONTACT if not c.field.startswith("contact."))),
         )
 
 
@@ -199,4 +212,10 @@ _CONTACT = (
     Column("model_error", "bound on the error of the model", "-", optional=True),
     Column("converged", "converged", ""),
     Column("extrapolated", "beyond the range of the material", "", optional=True),
+)
+_ROUGH = (
+    Column("rough.pressure", "nominal pressure", "Pa", optional=True),
+    Column("rough.share", "share of the line in contact (not the real contact area)", "-"),
+    Column("rough.scatter", "standard error over the lines", "-", optional=True),
+    Column("rough.outside", "share of the slope beyond the material's range", "-", optional=True),
 )

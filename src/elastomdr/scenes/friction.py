@@ -3,7 +3,10 @@
 from typing import Any
 
 from .._runtime import in_float64
+from ..errors import InputError
+from ..mapping.synthesis import PERIODS
 from ..results.curve import FrictionCurve
+from .rough import is_rough, rough_friction
 from .steady import set_up, solve
 
 
@@ -20,8 +23,15 @@ def friction(
     average: str | None = "direction",
     rtol: float = 1e-6,
     skip: bool = True,
+    equivalent_length: Any = None,
+    samples: int | None = None,
+    periods: int = PERIODS,
+    seeds: int = 1,
+    sampling: float = 0.1,
+    progress: Any = None,
+    store: Any = None,
 ) -> FrictionCurve:
-    """Friction coefficient of an indenter in steady sliding against velocity, load or depth, and temperature.
+    """Friction coefficient of an indenter or a rough surface in steady sliding against velocity, load and temperature.
 
     Arguments broadcast against each other; every field of the result has the broadcast shape.
 
@@ -34,11 +44,26 @@ def friction(
       the distance to the half-space.
     - `rtol`, 1e-3 to 1e-10: relative error of mu to be met. `skip=False` computes also what the plan would leave out.
 
+    A rough line (`RoughLine`) takes `load` per length [N/m] or `depth` of its highest point [m]. A surface
+    (`SelfAffine`, `Spectrum`, measured) takes a nominal `pressure` [Pa], turned into the line load p L with L = 2
+    pi/q_low or `equivalent_length` [m], and is computed on `seeds` lines of random phases, each `periods` longest
+    waves long, of `samples` samples (default: eight per shortest wave). There `rtol` is that of the solution on these
+    samples; `error` has the sampling too, and a point where it exceeds `sampling` times mu is NaN. `progress(done,
+    total)` is called after each batch; `store` keeps finished batches (`get(key)`, `put(key, arrays)`). No gradients.
+
     Exact for the line and for layers; for the half-space see `elastomdr.mapping.direction`. Raises `InputError`;
     points that do not converge are NaN and counted in one `ConvergenceWarning`. Differentiable with respect to moduli,
     times, geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7 and 10, and
     `docs/theory.md`.
     """
+    if is_rough(shape):
+        return rough_friction(
+            material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
+            average=average, rtol=rtol, skip=skip, equivalent_length=equivalent_length, samples=samples,
+            periods=periods, seeds=seeds, sampling=sampling, progress=progress, store=store,
+        )  # fmt: skip
+    if equivalent_length is not None:
+        raise InputError("equivalent_length belongs to a rough surface: it turns its pressure into a line load.")
     scene = set_up(
         "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
         temperature=temperature, average=average, rtol=rtol, skip=skip,

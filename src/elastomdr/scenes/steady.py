@@ -111,7 +111,7 @@ def set_up(
         if 0 in result_shape:
             raise InputError(f"velocity, {control} and temperature must not be empty, got shape {result_shape}.")
         if kelvin is not None:
-            _check_shift(kelvin, velocity, factor)
+            check_shift(kelvin, velocity, factor)
     reduced = flat(velocity * factor)
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
     model = LAYER if layer else {"direction": AVERAGED, "corrected": CORRECTED, None: BARE}[average]
@@ -259,7 +259,7 @@ def _check_size(lines: AbstractLines, control: Control, value: Any) -> None:
         )
 
 
-def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
+def check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
     with np.errstate(over="ignore", invalid="ignore"):
         kelvin, reduced = np.broadcast_arrays(kelvin, velocity * np.asarray(factor))
         bad = ~((reduced > 1 / _FASTEST) & (reduced < _FASTEST))

@@ -1,0 +1,123 @@
+"""Steady sliding on a rough line: time against the targets and against a C loop, what skipping and cores give.
+
+    python benchmarks/rough_sliding.py
+
+64 velocities x 16384 samples x 20 branches over 14 decades of relaxation time, a load given. The C loop (`cc -O3
+-march=native`) does one plain sweep of the same samples, velocities and branches, with nothing but the contact step, on
+one core. Compile time is left out: every call is made once before it is timed.
+"""
+
+import ctypes
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from common import heading, save, table, timed, verdict
+
+import elastomdr as em
+from elastomdr.mapping.synthesis import synthesise
+from elastomdr.solve import periodic
+
+TIMES = np.geomspace(1e-10, 1e4, 20)  # tau_k [s]
+LAW = em.Foundation(1e6, 1e6 * (TIMES / 1e4) ** -0.15, TIMES)
+VELOCITY = np.geomspace(1e-6, 10, 64)  # v [m/s]
+SURFACE = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-2, q_high=2 * np.pi / 1e-2 * 200)
+SOURCE = """
+#include <math.h>
+void sweep(long n, long lanes, long m, const double *w, const double *d, const double *e, const double *g,
+           const double *c, double soft, double *f, double *u, double *sum) {
+  for (long i = 0; i < n; i++) {
+    double p[64];
+    for (long v = 0; v < lanes; v++) p[v] = soft * u[v];
+    for (long k = 0; k < m; k++)
+      for (long v = 0; v < lanes; v++) { f[k*lanes+v] *= e[k*lanes+v]; p[v] += f[k*lanes+v]; }
+    double du[64];
+    for (long v = 0; v < lanes; v++) {
+      double free = u[v] - p[v] * c[v], up = w[i] + d[v];
+      double new = free > up ? free : up;
+      sum[v] += (new - free) / c[v];
+      du[v] = new - u[v]; u[v] = new;
+    }
+    for (long k = 0; k < m; k++)
+      for (long v = 0; v < lanes; v++) f[k*lanes+v] += g[k*lanes+v] * du[v];
+  }
+}
+"""
+
+
+def c_sweep(line: em.RoughLine, depth: np.ndarray) -> float:
+    """Seconds of processor time of one sweep in C, the least of seven."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, library = Path(folder) / "sweep.c", Path(folder) / "sweep.so"
+        source.write_text(SOURCE)
+        subprocess.run(["cc", "-O3", "-march=native", "-shared", "-fPIC", "-o", library, source], check=True)
+        run = ctypes.CDLL(str(library)).sweep
+    by = periodic.coefficients(LAW.law(), float(line.spacing) / VELOCITY)
+    rise = np.ascontiguousarray(periodic.rises(line.height))
+    f, u, total = np.zeros((TIMES.size, VELOCITY.size)), depth.copy(), np.zeros(VELOCITY.size)
+
+    def pointer(array: np.ndarray) -> ctypes.c_void_p:
+        return ctypes.c_void_p(array.ctypes.data)
+
+    def call() -> None:
+        run(
+            ctypes.c_long(rise.size), ctypes.c_long(VELOCITY.size), ctypes.c_long(TIMES.size), pointer(rise),
+            pointer(depth), pointer(by.keep), pointer(by.gain), pointer(by.give), ctypes.c_double(1e6), pointer(f),
+            pointer(u), pointer(total),
+        )  # fmt: skip
+
+    return timed(call, 7).cpu
+
+
+def main() -> None:
+    record = heading("Steady sliding on a rough line", f"{VELOCITY.size} velocities, {TIMES.size} branches, {SURFACE}")
+    line = synthesise(SURFACE, 1, 8, 16384)
+    rows = []
+    for load in (10.0, 200.0, 3000.0):
+        asked = {"velocity": VELOCITY, "load": np.full(VELOCITY.size, load), "control": "load", "rtol": 1e-6}
+
+        def run(asked=asked, skip=True, line=line):
+            return periodic.solve_line(
+                line.height, float(line.spacing), LAW.law(), asked["velocity"], asked["load"], "load", 1e-6, skip
+            )
+
+        run(), run(skip=False)
+        lean, full = timed(run, 5), timed(lambda run=run: run(skip=False), 3)
+        found = lean.value
+        plain = c_sweep(line, np.nan_to_num(found.depth, nan=1e-5))
+        change = float(np.nanmax(np.abs(found.mu / full.value.mu - 1)))
+        rows.append((
+            load, float(np.nanmin(found.share)), float(np.nanmax(found.share)), int(found.converged.sum()),
+            float(found.sweeps.mean()), lean.wall, lean.cpu, plain, lean.cpu / plain, full.cpu / lean.cpu, change,
+        ))  # fmt: skip
+    columns = (
+        "load [N/m]", "least share", "largest share", "converged", "sweeps", "wall [s]", "cpu [s]", "C sweep [s]",
+        "cpu over C sweep", "gain by skipping", "change of mu by it",
+    )  # fmt: skip
+    record["loads"] = table(columns, rows)
+    middle = rows[1]
+    print()
+    record["verdicts"] = [
+        verdict("wall clock, warm, 200 N/m", middle[5], 1.0, " s"),
+        verdict("processor time over one sweep in C", middle[8], 15.0),
+        verdict("gain by skipping at a share of 5 % or less", rows[0][9], 3.0, least=True),
+    ]
+    if hasattr(os, "sched_setaffinity") and len(os.sched_getaffinity(0)) > 1:
+        every = os.sched_getaffinity(0)
+        os.sched_setaffinity(0, {min(every)})
+        one = timed(run, 5).wall
+        os.sched_setaffinity(0, every)
+        two = timed(run, 5).wall
+        record["verdicts"].append(verdict(f"{len(every)} cores over one", one / two, 1.7, least=True))
+    sizes = []
+    for n in (2**14, 2**16, 2**18):
+        long = synthesise(SURFACE, 1, n // 2048, n)
+        sizes.append((n, timed(lambda long=long: run(line=long)).cpu / n * 1e6))
+    record["sizes"] = table(("samples", "cpu per sample [us], all 64 velocities"), sizes)
+    save("rough_sliding", record)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,74 @@
+"""The [surface] table of a scene file becomes a surface, and the arguments of `em.friction` that go with it."""
+
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from .keys import Keys, choice, flag, number, numbers, one, positive_number, text
+from .units import LENGTH, WAVE_NUMBER
+
+_CUTOFFS = ("q_low", "q_high", "q_rolloff", "longest", "shortest", "rolloff")
+_KEYS = {
+    "self_affine": ("hurst", "rms_slope", "rms_height", *_CUTOFFS),
+    "spectrum": ("q", "c", "convention"),
+    "file": ("file", "shortest", "unit", "detrend"),
+}
+_LINES = ("equivalent_length", "seeds", "periods", "samples")
+
+
+def read_surface(content: Any, folder: Path) -> tuple[Any, dict[str, Any]]:
+    """A surface from its table, and seeds, periods, samples, equivalent_length. Raises `InputError`."""
+    every = ("shape", *dict.fromkeys(key for keys in _KEYS.values() for key in keys), *_LINES)
+    shape = Keys(content, "surface", every).get("shape", choice(*_KEYS))
+    keys = Keys(content, "surface", ("shape", *_KEYS[shape], *_LINES))
+    more: dict[str, Any] = {name: keys.get(name, _whole) for name in ("seeds", "periods", "samples") if name in keys}
+    if "equivalent_length" in keys:
+        more["equivalent_length"] = keys.get("equivalent_length", one(LENGTH))
+    from .. import SelfAffine, Spectrum, surface_from_file
+
+    try:
+        if shape == "self_affine":
+            return SelfAffine(keys.get("hurst", number), **_size(keys), **_cutoffs(keys)), more
+        if shape == "spectrum":
+            q, c = keys.get("q", numbers), keys.get("c", numbers)
+            return Spectrum(q, c, convention=keys.get("convention", text)), more
+        options: dict[str, Any] = {"shortest": keys.get("shortest", one(LENGTH))} if "shortest" in keys else {}
+        options |= {"unit": keys.get("unit", text)} if "unit" in keys else {}
+        options |= {"detrend": keys.get("detrend", flag)} if "detrend" in keys else {}
+        return surface_from_file(folder / keys.get("file", text), **options), more
+    except InputError as error:
+        raise InputError(str(error) if str(error).startswith("[surface]") else f"[surface] {error}") from error
+
+
+def _size(keys: Keys) -> dict[str, float]:
+    if ("rms_slope" in keys) == ("rms_height" in keys):
+        got = "both" if "rms_slope" in keys else "neither"
+        raise InputError(f"[surface] must have either rms_slope or rms_height, got {got}.")
+    if "rms_slope" in keys:
+        return {"rms_slope": keys.get("rms_slope", positive_number)}
+    return {"rms_height": keys.get("rms_height", one(LENGTH))}
+
+
+def _cutoffs(keys: Keys) -> dict[str, float]:
+    """The cutoffs as wave numbers; each may be given as such or as a wavelength, longest or shortest."""
+    found = {}
+    for name, wave, needed in (
+        ("q_low", "longest", True),
+        ("q_high", "shortest", True),
+        ("q_rolloff", "rolloff", False),
+    ):
+        if name in keys and wave in keys:
+            raise InputError(f"[surface] {name} and {wave} say the same thing: give one of them.")
+        if name in keys:
+            found[name] = keys.get(name, one(WAVE_NUMBER))
+        elif wave in keys:
+            found[name] = 2 * 3.141592653589793 / keys.get(wave, one(LENGTH))
+        elif needed:
+            raise InputError(f'[surface] {wave} is missing: the {wave} wavelength, such as "5 mm" (or {name}).')
+    return found
+
+
+def _whole(name: str, value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise InputError(f"{name} must be a whole number, 1 or more, got {value!r}.")
+    return value

@@ -1,0 +1,91 @@
+"""Reading a measured surface: a CSV file of a profile or of a map, every column with its unit."""
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._runtime import plain, positive
+from ..errors import InputError
+from ..mapping.measured import MeasuredSurface, from_map, from_profile
+
+_METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}
+_TITLE = re.compile(r"\s*(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]\s*")
+
+
+def surface_from_file(
+    path: str | os.PathLike[str], *, unit: str | None = None, shortest: Any = None, detrend: bool = True
+) -> MeasuredSurface:
+    """A measured surface from a CSV file: a profile in two columns, x and height, or a map in three, x, y and height.
+
+    The line of titles carries the units, such as "x [mm], height [um]"; without them `unit` names the one unit of all
+    columns. Cells that are empty or no number are holes. Lines that start with # are passed over; comma, semicolon or
+    tab separates. `shortest` [m] is the shortest wavelength to keep (default: two steps), `detrend` takes a straight
+    line or plane off. What had to be mended is in `report`. The surface is taken to be isotropic. Raises `InputError`.
+    """
+    name = Path(path).name
+    try:
+        lines = [
+            line for line in Path(path).read_text().splitlines() if line.strip() and not line.lstrip().startswith("#")
+        ]
+    except (OSError, ValueError) as error:
+        raise InputError(f"path must be a text file that can be read, got {name!r}: {error}.") from error
+    if not lines:
+        raise InputError(f"path must be a table of heights, got {name!r} without a line.")
+    mark = next((m for m in ("\t", ";", ",") if m in lines[0]), None)
+    rows = [[cell.strip() for cell in (line.split(mark) if mark else line.split())] for line in lines]
+    titled = any(np.isnan(_number(cell)) for cell in rows[0])
+    scale = _units(rows[0] if titled else None, len(rows[0]), unit, name)
+    body = rows[1:] if titled else rows
+    wrong = next((i for i, row in enumerate(body) if len(row) != len(rows[0])), None)
+    if wrong is not None:
+        raise InputError(
+            f"path: {name!r} has {len(body[wrong])} cells in row {wrong + 1}, {len(rows[0])} in the first."
+        )
+    data = np.array([[_number(cell) for cell in row] for row in body]).reshape(-1, len(scale)) * scale
+    if shortest is not None:
+        shortest = plain("shortest", shortest)
+        positive("shortest", shortest)
+    try:
+        if data.shape[1] == 2:
+            return from_profile(data[:, 0], data[:, 1], shortest, detrend)
+        return from_map(*_grid(data), shortest, detrend)
+    except InputError as error:
+        raise InputError(f"path: {name!r}: {error}") from error
+
+
+def _grid(data: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    data = data[np.isfinite(data[:, :2]).all(axis=1)]
+    (x, i), (y, j) = (np.unique(data[:, k], return_inverse=True) for k in (0, 1))
+    if min(x.size, y.size) < 16 or x.size * y.size > 4 * len(data):
+        raise InputError(f"a map must lie on a grid of 16 by 16 points or more, got {x.size} x and {y.size} y values.")
+    for axis, values in (("x", x), ("y", y)):
+        if np.ptp(np.diff(values)) > 1e-3 * np.diff(values).mean():
+            raise InputError(f"{axis} of a map must be evenly spaced.")
+    height = np.full((x.size, y.size), np.nan)
+    height[i, j] = data[:, 2]
+    return x, y, height
+
+
+def _units(titles: list[str] | None, count: int, unit: str | None, name: str) -> np.ndarray:
+    if count not in (2, 3):
+        raise InputError(f"path must have two columns (x, height) or three (x, y, height), got {count} in {name!r}.")
+    found = [_TITLE.fullmatch(title) for title in titles or [""] * count]
+    units = [match[2] if match else unit for match in found]
+    for given in units:
+        if given is None:
+            raise InputError(
+                f'path: {name!r} has columns without a unit; write titles such as "x [mm], height [um]", or give unit=.'
+            )
+        if given not in _METRES:
+            raise InputError(f"path: {name!r} has the unit {given!r}; accepted are {', '.join(_METRES)}.")
+    return np.array([_METRES[str(u)] for u in units])
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return np.nan

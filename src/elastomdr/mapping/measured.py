@@ -1,0 +1,140 @@
+"""Measured profiles and maps: put in order, detrended, windowed, and turned into an isotropic spectrum.
+
+With a Hann window w, <w^2> = 1, and heights h about their straight line or plane,
+
+    C_cut(q) = L/(2 pi) |a_q|^2,   C(q) = L_x L_y/(4 pi^2) |a_q|^2,   a_q = (1/n) sum w h exp(-i q x),
+
+averaged over bands of even width in log q. A profile's C_cut is made to fall with q and turned into the C of an
+isotropic surface (`mapping.spectrum`); C is then scaled to the measured rms height. What had to be mended stands in
+`report`.
+"""
+
+from typing import ClassVar
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Float
+
+from ..errors import InputError
+from .spectrum import AbstractSpectrum, Spectrum
+
+_BANDS = 10  # per decade of q
+_EVEN = 1e-4  # unevenness of x, relative to its step, that counts as rounding
+_COARSE = 64  # different heights, or fewer, that count as coarsely rounded
+
+
+class MeasuredSurface(AbstractSpectrum):
+    """A measured surface by its spectrum, with what was found and mended in the data."""
+
+    q: Float[np.ndarray, " n"]
+    c: Float[np.ndarray, " n"]
+    measured_height: float = eqx.field(static=True)  # rms of the data about the straight line or plane [m]
+    report: tuple[str, ...] = eqx.field(static=True)
+    label: ClassVar[str] = "measured surface"
+
+    def __repr__(self) -> str:
+        return f"MeasuredSurface({self.words()}; {'; '.join(self.report) or 'nothing to report'})"
+
+
+def from_profile(x: np.ndarray, height: np.ndarray, shortest: float | None, detrend: bool) -> MeasuredSurface:
+    """A surface from a profile; `shortest` [m] cuts the spectrum, the least it can be is two steps of x."""
+    report: list[str] = []
+    known = np.isfinite(x) & np.isfinite(height)
+    if not known.all():
+        report.append(f"{int((~known).sum())} of {known.size} points without a value bridged by straight lines")
+    x, height = x[known], height[known]
+    if (np.diff(x) < 0).any():
+        report.append("x was not ascending: sorted")
+    x, place = np.unique(x, return_inverse=True)
+    if x.size < place.size:
+        report.append(f"{place.size - x.size} points at an x that came before: heights averaged")
+    height = np.bincount(place, height) / np.bincount(place)
+    if x.size < 64:
+        raise InputError(f"a profile must have 64 points or more at different x, got {x.size}.")
+    levels = np.unique(height).size
+    if levels <= _COARSE:
+        step = float(np.diff(np.unique(height)).min()) if levels > 1 else 0.0
+        report.append(
+            f"heights are coarsely rounded: {levels} levels, {step:.3g} m apart; short waves are rounding noise"
+        )
+    n = round(float((x[-1] - x[0]) / np.median(np.diff(x)))) + 1
+    even = np.linspace(x[0], x[-1], n)
+    if n != x.size or np.abs(x - even).max() > _EVEN * (even[1] - even[0]):
+        report.append(f"x was not evenly spaced: {n} even points by straight lines")
+    height = np.interp(even, x, height)
+    height = height - (np.polyval(np.polyfit(even, height, 1), even) if detrend else height.mean())
+    window = np.hanning(n) * np.sqrt(8 / 3)
+    length = n * (even[1] - even[0])
+    power = length / (2 * np.pi) * np.abs(np.fft.rfft(window * height) / n) ** 2
+    q = 2 * np.pi / length * np.arange(power.size)
+    q, cut = _bands(q[2:], power[2:], _cut(shortest, even[1] - even[0]))  # a Hann window mixes the first two waves
+    falling = np.sqrt(np.minimum.accumulate(cut) * np.maximum.accumulate(cut[::-1])[::-1])
+    if (np.abs(falling / cut - 1) > 0.3).any():
+        report.append("its spectrum does not fall everywhere, as that of a cut of an isotropic surface must: smoothed")
+    found = Spectrum(q, falling * (q / q[0]) ** -1e-3, convention="1d")
+    return _scaled(found, float(height.std()), report)
+
+
+def from_map(
+    x: np.ndarray, y: np.ndarray, height: np.ndarray, shortest: float | None, detrend: bool
+) -> MeasuredSurface:
+    """A surface from heights (len(x), len(y)) on an even grid."""
+    report: list[str] = []
+    missing = ~np.isfinite(height)
+    if missing.any():
+        from scipy.ndimage import distance_transform_edt
+
+        nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
+        assert nearest is not None
+        height = height[tuple(nearest)]
+        report.append(f"{int(missing.sum())} of {missing.size} points without a value filled from their neighbours")
+    flat = np.stack([np.ones(height.size), *(a.ravel() for a in np.meshgrid(x, y, indexing="ij"))], axis=1)
+    if detrend:
+        height = height - (flat @ np.linalg.lstsq(flat, height.ravel(), rcond=None)[0]).reshape(height.shape)
+    height = height - height.mean()
+    dx, dy = float(x[1] - x[0]), float(y[1] - y[0])
+    window = np.hanning(x.size)[:, None] * np.hanning(y.size) * 8 / 3
+    area = x.size * dx * y.size * dy
+    power = area / (4 * np.pi**2) * np.abs(np.fft.fft2(window * height) / height.size) ** 2
+    q = np.hypot(*np.meshgrid(*(2 * np.pi * np.fft.fftfreq(a.size, d) for a, d in ((x, dx), (y, dy))), indexing="ij"))
+    first = 4 * np.pi / min(x.size * dx, y.size * dy)
+    keep = q >= 0.999 * first
+    q, c = _bands(q[keep], power[keep], _cut(shortest, max(dx, dy)))
+    return _scaled(Spectrum(q, c, convention="2d"), float(height.std()), report)
+
+
+def _cut(shortest: float | None, step: float) -> float:
+    least = 2 * step
+    if shortest is None:
+        return 2 * np.pi / least
+    if shortest < least:
+        raise InputError(f"shortest must be two steps of the data or more, {least:.4g} m, got {shortest:.4g} m.")
+    return 2 * np.pi / shortest
+
+
+def _bands(q: np.ndarray, power: np.ndarray, highest: float) -> tuple[np.ndarray, np.ndarray]:
+    low = q.min()
+    if highest < 2 * low:
+        raise InputError(f"the data are too short for a spectrum from {low:.4g} to {highest:.4g} rad/m.")
+    edges = np.geomspace(low * 0.999, highest * 1.001, max(3, round(_BANDS * np.log10(highest / low)) + 1))
+    band = np.digitize(q, edges) - 1
+    inside = (band >= 0) & (band < edges.size - 1)
+    count, total = (np.bincount(band[inside], w, edges.size - 1) for w in (None, power[inside]))
+    middle = np.bincount(band[inside], np.log(q[inside]), edges.size - 1)
+    used = (count > 0) & (total > 0)
+    return np.exp(middle[used] / count[used]), total[used] / count[used]
+
+
+def _scaled(found: Spectrum, measured: float, report: list[str]) -> MeasuredSurface:
+    if not measured > 0:
+        raise InputError("the heights must differ, got a flat surface.")
+    blank = object.__new__(MeasuredSurface)
+    factor = (measured / found.rms_height) ** 2
+    for name, value in (
+        ("q", found.q),
+        ("c", found.c * factor),
+        ("measured_height", measured),
+        ("report", tuple(report)),
+    ):
+        object.__setattr__(blank, name, value)
+    return blank

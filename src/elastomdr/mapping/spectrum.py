@@ -1,0 +1,192 @@
+"""Roughness spectra of isotropic surfaces: self-affine ones and tables, with the normalisation named.
+
+C(q) [m^4] is the two-dimensional power spectrum with <h^2> = int C d^2q = 2 pi int q C dq, no factor 4 pi^2. Between
+its points it is a power law, so that every moment is a sum of closed forms,
+
+    int_a^b q^m C dq,    C = C_a (q/a)^s:    C_a a^(m+1) [(b/a)^(m+s+1) - 1]/(m+s+1),
+
+and a self-affine spectrum is a table of two or three points. The line of the MDR has the spectrum C_1D = pi q C,
+two-sided: it keeps <h^2>, and its mean square slope is the full <|grad h|^2>, twice that of a cut (Popov & Hess 2015,
+ch. 10).
+"""
+
+from typing import Any, ClassVar
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Float
+
+from .._runtime import ascending, plain, positive
+from ..errors import InputError, closest
+
+CONVENTIONS = {
+    "2d": "<h^2> = int C d^2q",
+    "2d/4pi^2": "<h^2> = int C d^2q / (4 pi^2)",
+    "1d": "of a straight cut, <h^2> = int C dq over all q, positive and negative",
+    "1d one-sided": "of a straight cut, <h^2> = int C dq over q > 0",
+    "1d/2pi": "of a straight cut, <h^2> = int C dq / (2 pi) over all q, positive and negative",
+}
+
+
+class AbstractSpectrum(eqx.Module):
+    """An isotropic surface by its power spectrum, a power law between the points q."""
+
+    q: eqx.AbstractVar[Float[np.ndarray, " n"]]  # wave numbers, ascending [rad/m]
+    c: eqx.AbstractVar[Float[np.ndarray, " n"]]  # C, normalised by <h^2> = int C d^2q [m^4]
+    label: ClassVar[str]
+
+    @property
+    def q_low(self) -> float:
+        """Lower cutoff [rad/m]."""
+        return float(self.q[0])
+
+    @property
+    def q_high(self) -> float:
+        """Upper cutoff [rad/m]."""
+        return float(self.q[-1])
+
+    @property
+    def rms_height(self) -> float:
+        """Root of the mean square height [m]."""
+        return float(np.sqrt(2 * np.pi * self.moment(1)))
+
+    @property
+    def rms_slope(self) -> float:
+        """Root of the mean of |grad h|^2; that of a straight cut is smaller by the root of 2."""
+        return float(np.sqrt(2 * np.pi * self.moment(3)))
+
+    def at(self, q: Any) -> Float[np.ndarray, "..."]:
+        """C(q) [m^4], zero outside the cutoffs."""
+        q = np.asarray(q, dtype=np.float64)
+        with np.errstate(divide="ignore"):
+            value = np.exp(np.interp(np.log(q), np.log(self.q), np.log(self.c)))
+        inside = (q >= self.q_low * (1 - 1e-12)) & (q <= self.q_high * (1 + 1e-12))
+        return np.where(inside, value, 0.0)
+
+    def moment(self, power: float, low: Any = None, high: Any = None) -> Any:
+        """int q^power C dq from `low` to `high` (default: the cutoffs), arrays of limits allowed."""
+        low = self.q_low if low is None else low
+        high = self.q_high if high is None else high
+        return self._until(power, high) - self._until(power, low)
+
+    def _until(self, power: float, q: Any) -> Any:
+        q = np.clip(np.asarray(q, dtype=np.float64), self.q_low, self.q_high)
+        start = np.log(self.q[:-1])
+        slope = np.diff(np.log(self.c)) / np.diff(np.log(self.q)) + power + 1
+        width = np.clip(np.log(q)[..., None] - start, 0.0, np.diff(np.log(self.q)))
+        flat = np.abs(slope * width) < 1e-9
+        safe = np.where(slope == 0, 1.0, slope)
+        part = np.where(flat, width * (1 + 0.5 * slope * width), np.expm1(slope * width) / safe)
+        return np.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
+
+    def words(self) -> str:
+        """rms values and both cutoffs, in a few words."""
+        return (
+            f"rms height {self.rms_height:.4g} m, rms slope {self.rms_slope:.4g} (of the surface; of a cut "
+            f"{self.rms_slope / np.sqrt(2):.4g}), cutoffs {self.q_low:.4g} and {self.q_high:.4g} rad/m "
+            f"(wavelengths {2 * np.pi / self.q_low:.4g} and {2 * np.pi / self.q_high:.4g} m)"
+        )
+
+
+class SelfAffine(AbstractSpectrum):
+    """A self-affine surface, C ~ q^(-2-2H) from q_rolloff to q_high and constant from q_low to q_rolloff.
+
+    Given by the Hurst exponent H (0 to 1), either the rms slope (of the surface, |grad h|) or the rms height [m], and
+    the cutoffs [rad/m]; without `q_rolloff` it is self-affine from q_low on. Raises `InputError`.
+    """
+
+    q: Float[np.ndarray, " n"]
+    c: Float[np.ndarray, " n"]
+    hurst: float = eqx.field(static=True)
+    label: ClassVar[str] = "self-affine surface"
+
+    def __init__(
+        self, hurst: Any, rms_slope: Any = None, q_low: Any = None, q_high: Any = None, q_rolloff: Any = None,
+        *, rms_height: Any = None,
+    ):  # fmt: skip
+        self.hurst = plain("hurst", hurst)
+        if not 0 <= self.hurst <= 1:
+            raise InputError(f"hurst must be from 0 to 1, got {self.hurst:g}.")
+        if (rms_slope is None) == (rms_height is None):
+            given = "neither" if rms_slope is None else "both"
+            raise InputError(f"rms_slope or rms_height must be given, and only one of them, got {given}.")
+        if q_low is None or q_high is None:
+            raise InputError("q_low and q_high must be given [rad/m]: friction depends on both cutoffs.")
+        low, high = plain("q_low", q_low), plain("q_high", q_high)
+        knee = low if q_rolloff is None else plain("q_rolloff", q_rolloff)
+        positive("q_low", low)
+        positive("q_high", high)
+        if not low <= knee < high:
+            raise InputError(f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} and {high:g} rad/m.")
+        self.q = np.array([low, high] if knee == low else [low, knee, high])
+        self.c = np.where(self.q <= knee, 1.0, (self.q / knee) ** (-2 - 2 * self.hurst))
+        name, wanted = ("rms_slope", rms_slope) if rms_height is None else ("rms_height", rms_height)
+        value = plain(name, wanted)
+        positive(name, value)
+        self.c = self.c * (value / getattr(self, name)) ** 2
+
+    def __repr__(self) -> str:
+        return f"SelfAffine(hurst={self.hurst:g}, {self.words()})"
+
+
+class Spectrum(AbstractSpectrum):
+    """An isotropic surface by a table of its power spectrum; `convention` says how it is normalised, never guessed.
+
+    - "2d": C(q) [m^4] with <h^2> = int C d^2q;  "2d/4pi^2": with <h^2> = int C d^2q/(4 pi^2)
+    - "1d": spectrum of a straight cut [m^3], <h^2> = int C dq over all q;  "1d one-sided": over q > 0;
+      "1d/2pi": int C dq/(2 pi) over all q. Turned into the two-dimensional one of an isotropic surface,
+      C = -(1/pi) int_q^inf C_cut'(k)/sqrt(k^2 - q^2) dk, by pieces, exact for a table joined by straight lines.
+
+    `q` [rad/m] ascends, without repeats. Compare `rms_height` and `rms_slope` with what is known of the surface: a
+    wrong convention shows there. Raises `InputError`.
+    """
+
+    q: Float[np.ndarray, " n"]
+    c: Float[np.ndarray, " n"]
+    convention: str = eqx.field(static=True)
+    label: ClassVar[str] = "surface by its spectrum"
+
+    def __init__(self, q: Any, c: Any, *, convention: str):
+        if convention not in CONVENTIONS:
+            hint = closest(str(convention), CONVENTIONS)
+            listed = "; ".join(f"{name!r}: {meaning}" for name, meaning in CONVENTIONS.items())
+            raise InputError(f"convention must be one of {listed}; got {convention!r}.{hint}")
+        q, c = np.array(q, dtype=np.float64), np.array(c, dtype=np.float64)
+        if q.ndim != 1 or q.shape != c.shape or q.size < 2:
+            raise InputError(f"q and c must be lists of the same length, two or more, got shapes {q.shape}, {c.shape}.")
+        positive("q", q)
+        ascending("q", q)
+        positive("c", c)
+        self.convention = convention
+        self.q, self.c = q, c
+        if convention == "2d/4pi^2":
+            self.c = c / (4 * np.pi**2)
+        elif convention != "2d":
+            factor = {"1d": 1.0, "1d one-sided": 0.5, "1d/2pi": 1 / (2 * np.pi)}[convention]
+            self.q, self.c = _from_cut(q, factor * c)
+
+    def __repr__(self) -> str:
+        return f"Spectrum({self.q.size} points, convention={self.convention!r}, {self.words()})"
+
+
+def _from_cut(q: np.ndarray, cut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The two-dimensional spectrum of an isotropic surface from that of its cuts, at all points but the last."""
+    slope = np.diff(cut) / np.diff(q)
+    ratio = np.maximum(q[None, :] / q[:-1, None], 1.0)
+    c = -(np.diff(np.arccosh(ratio), axis=1) @ slope) / np.pi
+    # Beyond the last point the cut falls to zero at once: its step there is that of the ring |q| = q_high.
+    c += cut[-1] / (np.pi * np.sqrt(q[-1] ** 2 - q[:-1] ** 2))
+    if not (c > 0).all():
+        where = q[:-1][c <= 0][0]
+        raise InputError(
+            f"c must fall with q where it is the spectrum of a cut through an isotropic surface, which it does not "
+            f"about q = {where:g} rad/m: average it over wider bands of q, or leave the part below the roll-off out."
+        )
+    return q[:-1], c
+
+
+def as_spectrum(name: str, value: Any) -> AbstractSpectrum:
+    """`value` if it is a spectrum. Raises `InputError`."""
+    if not isinstance(value, AbstractSpectrum):
+        raise InputError(f"{name} must be an em.SelfAffine, an em.Spectrum or a measured surface, got {value!r}.")
+    return value

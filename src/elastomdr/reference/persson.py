@@ -1,0 +1,119 @@
+"""Persson's theory of rubber friction on a self-affine or measured surface, to lay beside the line's answer.
+
+    mu = (1/2) int q^3 C(q) S(q) P(q) dq int_0^2pi cos(phi) Im E*(q v cos phi)/p dphi,
+    P = erf(1/(2 sqrt G)),     S = gamma + (1 - gamma) P^2,
+    G(q) = (1/8) int_q_low^q k^3 C(k) [S(k)] dk int_0^2pi |E*(k v cos phi)/p|^2 dphi,
+
+E* the half-space's E/(1 - nu^2), C the two-dimensional spectrum. P(q) is the apparent share of contact seen at wave
+number q. In Persson 2001 G has no S. Later work reduces the stored energy by S there too: `stored=True`; P(q) then
+follows from the part of the spectrum below q. Source: B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840; Scaraggi and
+Persson, J. Phys.: Condens. Matter 27 (2015) 105102.
+"""
+
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Float
+from scipy.special import erf
+
+from .._runtime import as_float64, in_float64, plain, positive, require
+from ..errors import InputError
+from ..foundation.law import as_foundation
+from ..mapping.spectrum import as_spectrum
+
+_ANGLES = 48  # nodes of the midpoint rule in log tan(phi/2), which converges exponentially
+_PER_DECADE = 200  # wave numbers per decade, Simpson's rule
+
+
+class Persson(eqx.Module):
+    """Friction coefficient and share of real contact, both of the arguments' common shape."""
+
+    velocity: Float[np.ndarray, "..."]  # [m/s]
+    mu: Float[np.ndarray, "..."]
+    area_ratio: Float[np.ndarray, "..."]  # A/A_0 at q_high
+    spread: Float[np.ndarray, "..."]  # G at q_high
+    model: str = eqx.field(static=True)
+
+
+@in_float64
+def persson(
+    material: Any, spectrum: Any, *, pressure: Any, velocity: Any, temperature: Any = None, gamma: Any = 0.5,
+    stored: bool = False,
+) -> Persson:  # fmt: skip
+    """Persson's mu and A/A_0 at nominal `pressure` [Pa]; arguments broadcast. Raises `InputError`.
+
+    `gamma` is that of S, 0 to 1, with 1 for S = 1; `stored` puts S inside G as well. Integrals to about 1e-8.
+    """
+    foundation, surface = as_foundation(material), as_spectrum("spectrum", spectrum)
+    if foundation.per_area:
+        raise InputError("material must be a half-space, got a layer.")
+    gamma = plain("gamma", gamma)
+    require("gamma", gamma, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
+    velocity, pressure = as_float64("velocity", velocity), as_float64("pressure", pressure)
+    positive("velocity", velocity)
+    positive("pressure", pressure)
+    factor = np.ones(())
+    if temperature is not None:
+        if foundation.shift is None:
+            raise InputError("temperature was given, but the material has no shift law.")
+        factor = np.asarray(foundation.shift.a(as_float64("temperature", temperature)))
+    v, p, a = np.broadcast_arrays(velocity, pressure, factor)
+    q, c = _wave_numbers(surface)
+    found = np.array(
+        [_one(foundation, q, c, x * y, z, gamma, stored) for x, y, z in zip(v.flat, a.flat, p.flat, strict=True)]
+    )
+    mu, area, spread = (found[:, i].reshape(v.shape) for i in range(3))
+    where = "in mu and in G" if stored else "in mu"
+    return Persson(v.copy(), mu, area, spread, f"Persson's theory, S with gamma = {gamma:g} {where}")
+
+
+def _wave_numbers(surface: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes in pieces of even steps of log q, with C; an even number of steps in each piece of the table."""
+    pieces = []
+    for low, high in zip(surface.q[:-1], surface.q[1:], strict=True):
+        steps = 2 * max(1, int(np.ceil(0.5 * _PER_DECADE * np.log10(high / low))))
+        pieces.append(np.geomspace(low, high, steps + 1))
+    q = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
+    return q, surface.at(q)
+
+
+def _one(foundation, q, c, velocity, pressure, gamma, stored) -> tuple[float, float, float]:
+    """One point; in log q by Simpson's rule, and P(q) by steps of it."""
+    t = 12.0 * (np.arange(_ANGLES) + 0.5) / _ANGLES  # cos(phi) = sech t, dphi = sech t dt, a quarter circle
+    cosine = 1 / np.cosh(t)
+    weight = 4 * 12.0 / _ANGLES * cosine
+    modulus = foundation.complex_modulus(q[:, None] * velocity * cosine) / pressure
+    stiff, loss = (np.abs(modulus) ** 2) @ weight, (modulus.imag * cosine) @ weight
+    log = np.log(q)
+    rate = q**4 * c / 8 * stiff  # dG/dlog q where S = 1
+    spread = np.zeros(q.size)
+    for i in range(0, q.size - 2, 2):
+        h = log[i + 1] - log[i]
+
+        def slope(k: int, value: float) -> float:
+            return rate[k] * (_factor(value, gamma) if stored else 1.0)
+
+        # Classical Runge-Kutta over two steps, the middle one between; Simpson's rule where S is not inside G.
+        one = slope(i, spread[i])
+        two = slope(i + 1, spread[i] + h * one)
+        three = slope(i + 1, spread[i] + h * two)
+        four = slope(i + 2, spread[i] + 2 * h * three)
+        spread[i + 2] = spread[i] + h / 3 * (one + 2 * two + 2 * three + four)
+        # Cubic Hermite in between.
+        after = slope(i + 2, spread[i + 2])
+        spread[i + 1] = 0.5 * (spread[i] + spread[i + 2]) + h / 4 * (one - after)
+    share = _share(spread)
+    under = 0.5 * q**4 * c * (gamma + (1 - gamma) * share**2) * share * loss
+    width = np.diff(log)
+    mu = float(np.sum((under[:-2:2] + 4 * under[1::2] + under[2::2]) * width[::2] / 3))
+    return mu, float(share[-1]), float(spread[-1])
+
+
+def _share(spread: Any) -> Any:
+    with np.errstate(divide="ignore"):
+        return erf(0.5 / np.sqrt(spread))
+
+
+def _factor(spread: float, gamma: float) -> float:
+    return gamma + (1 - gamma) * float(_share(np.float64(spread))) ** 2

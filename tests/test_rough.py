@@ -1,0 +1,281 @@
+"""Rough lines and surfaces: spectra, steady periodic sliding, the direction average, files, Persson's theory."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.main import main
+from elastomdr.mapping.synthesis import synthesise
+
+RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
+WAVES = np.array([1000.0, 5000.0, 30000.0])  # k [rad/m]
+HEIGHTS = np.array([2e-5, 8e-6, 2e-6])  # A [m]
+TABLE = np.array([1e3, 1e6])
+SURFACE = em.Spectrum(TABLE, 1e-17 * (TABLE / 1e3) ** -3.6, convention="2d")
+
+
+def cosines(points: int, heights=HEIGHTS) -> em.RoughLine:
+    x = np.arange(points) * 2 * np.pi / WAVES[0] / points
+    return em.RoughLine(x, heights @ np.cos(WAVES[:, None] * x))
+
+
+def rough(points: int = 4096, seed: int = 3) -> em.RoughLine:
+    return synthesise(em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e4), seed, 4, points)
+
+
+def march(line: em.RoughLine, law: em.Foundation, velocity: float, depth: float, periods: int) -> tuple[float, ...]:
+    """The contact step of one branch, period after period in plain Python: mu by work, by dissipation, and the load."""
+    (stiff,), (tau,), soft = law.moduli, law.times, float(law.equilibrium)
+    surface = np.roll(line.height[::-1], -int(np.argmax(line.height[::-1])) - 1) - line.height.max() + depth
+    h = float(line.spacing) / velocity
+    keep = np.exp(-h / tau)
+    gain = stiff * (1 - keep) * tau / h
+    u = f = q = work = heat = load = 0.0
+    for period in range(periods):
+        if period == periods - 1:
+            work = heat = load = 0.0
+        for w in surface:
+            free = u - (soft * u + keep * f) / (soft + gain)
+            new = max(free, w)
+            rate, after = (new - u) / h, (soft + gain) * (max(free, w) - free)
+            settled = stiff * tau * rate
+            # int f^2 ds/(E tau) of f = settled + (f - settled) exp(-s/tau), exactly
+            rest = f - settled
+            heat += (settled**2 * h + 2 * settled * rest * tau * (1 - keep) + rest**2 * tau / 2 * (1 - keep**2)) / (
+                stiff * tau
+            )
+            work += 0.5 * (q + after) * (new - u)
+            f, u, q = keep * f + gain * (new - u), new, after
+            load += q
+    load *= float(line.spacing)
+    return work / load, heat / load, load / float(line.period)
+
+
+def test_moments_of_a_spectrum():
+    np.testing.assert_allclose(SURFACE.rms_height, 6.266521027154632e-06, rtol=1e-9)
+    np.testing.assert_allclose(SURFACE.rms_slope, 0.04829559785736858, rtol=1e-9)
+    same = em.SelfAffine(0.8, rms_height=6.266521027154632e-06, q_low=1e3, q_high=1e6)
+    np.testing.assert_allclose(same.rms_slope, 0.04829559785736858, rtol=1e-9)
+    np.testing.assert_allclose(em.Spectrum(TABLE, 4 * np.pi**2 * SURFACE.c, convention="2d/4pi^2").c, SURFACE.c)
+
+
+def test_spectrum_of_a_cut():
+    """C_cut = int C(sqrt(q^2 + k^2)) dk of a self-affine surface, by quadrature, and back."""
+    true = em.SelfAffine(0.8, rms_height=1e-5, q_low=1e3, q_high=1e5)
+    q, k = np.geomspace(1e3, 0.998e5, 300), np.concatenate([[0], np.geomspace(1, 1e5, 20000)])
+    cut = np.array([2 * np.trapezoid(true.at(np.hypot(x, k)), k) for x in q])
+    for name, factor in (("1d", 1), ("1d one-sided", 2), ("1d/2pi", 2 * np.pi)):
+        back = em.Spectrum(q, factor * cut, convention=name)
+        np.testing.assert_allclose(back.rms_height, 1e-5, rtol=2e-3)
+        np.testing.assert_allclose(back.rms_slope, true.rms_slope, rtol=1e-2)
+
+
+def test_lines_of_a_spectrum():
+    surface = em.SelfAffine(0.7, rms_slope=0.2, q_low=1e3, q_high=4e4, q_rolloff=3e3)
+    lines = [synthesise(surface, seed) for seed in (0, 0, 1)]
+    assert (lines[0].height == lines[1].height).all()
+    assert (lines[0].height != lines[2].height).any()
+    np.testing.assert_allclose(lines[2].rms_height, surface.rms_height, rtol=1e-9)
+    np.testing.assert_allclose(lines[2].rms_slope, surface.rms_slope, rtol=1e-2)
+
+
+def test_full_contact_of_cosines():
+    got = em.friction(RUBBER, cosines(16384), velocity=0.3, load=600.0, average=None, samples=65536)
+    np.testing.assert_allclose(got.mu, 0.0014075137994553225, rtol=1e-9)
+    np.testing.assert_allclose(got.friction_force, 0.8445082796731935, rtol=1e-8)
+    np.testing.assert_allclose(got.depth, 6e-4 + HEIGHTS.sum(), rtol=1e-9)
+    assert got.rough.share == 1
+    by_depth = em.friction(RUBBER, cosines(16384), velocity=0.3, depth=got.depth, average=None, samples=65536)
+    np.testing.assert_allclose(by_depth.normal_force, 600.0, rtol=1e-8)
+
+
+def test_direction_average_of_a_cosine():
+    """<cos(phi) E''(w cos(phi))> = E_1/(w tau) (1 - 1/sqrt(1 + (w tau)^2)), at w tau = 0.1, 1, 10."""
+    kernel = np.array([0.04962809790010864, 0.2928932188134525, 0.09004962809790011])
+    x = np.arange(1024) * 2 * np.pi / 1e3 / 1024
+    one = em.Foundation(1e6, [1e6], [1e-3])
+    got = em.friction(one, em.RoughLine(x, 1e-5 * np.cos(1e3 * x)), velocity=[0.1, 1, 10], load=600.0, rtol=1e-5)
+    exact = 0.5 * 1e-10 * 1e3 * 1e6 * kernel / 600
+    np.testing.assert_allclose(got.mu, exact, rtol=1e-5)
+    assert (np.abs(got.mu - exact) <= got.error).all()
+
+
+def test_partial_contact_against_a_march():
+    line, one = rough(1024), em.Foundation(1e6, [2e7], [3e-4])
+    got = em.friction(one, line, velocity=1.0, depth=2e-5, average=None, samples=4096)
+    work, heat, load = march(line.finer(4), one, 1.0, 2e-5, 30)
+    assert 0.01 < got.rough.share < 0.9
+    np.testing.assert_allclose(got.mu, work, rtol=1e-7)
+    np.testing.assert_allclose(got.normal_force, load, rtol=1e-7)
+    np.testing.assert_allclose(work, heat, rtol=2e-3)
+    assert abs(heat - work) < got.error
+
+
+def test_order_in_the_sample_spacing():
+    line = cosines(1024, np.array([2e-5, 4e-6, 0.0]))
+    mu = [float(em.friction(RUBBER, line, velocity=0.1, load=3.0, average=None, samples=n).mu) for n in
+          (4096, 16384, 65536)]  # fmt: skip
+    assert np.log(abs((mu[1] - mu[0]) / (mu[2] - mu[1]))) / np.log(4) > 1.5
+
+
+def test_one_asperity_with_a_long_period():
+    ball = em.friction(RUBBER, em.Paraboloid(1e-3), velocity=[1e-3, 0.1], depth=1e-6, average=None)
+    gaps = []
+    for period in (4e-3, 16e-3):
+        n = round(period / 2e-6)
+        x = np.arange(n) * 2e-6
+        shape = -np.minimum((x - x[n // 2]) ** 2 / 1e-3, 3e-6)
+        line = em.friction(RUBBER, em.RoughLine(x, shape), velocity=[1e-3, 0.1], depth=1e-6, average=None)
+        gaps.append(np.abs(line.mu / ball.mu - 1).max())
+    assert gaps[1] < 5e-3
+    assert gaps[1] <= gaps[0] + 2e-4
+
+
+def test_master_curve_and_skipping():
+    wlf = em.WLF(c1=8.86, c2=101.6, reference=293.15)
+    rubber = em.Prony(0.5e6, 1e6 * np.ones(12), np.geomspace(1e-12, 1e10, 12), shift=wlf)
+    v = np.array([1e-3, 1.0])
+    asked = {"pressure": 1e5, "average": None, "samples": 4096}
+    surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e4)
+    cold = em.friction(rubber, surface, velocity=v, temperature=283.15, **asked)
+    same = em.friction(rubber, surface, velocity=v * wlf.a(283.15), temperature=293.15, **asked)
+    np.testing.assert_allclose(cold.mu, same.mu, rtol=1e-8)
+    every = em.friction(rubber, surface, velocity=v, temperature=283.15, skip=False, **asked)
+    np.testing.assert_allclose(every.mu, cold.mu, rtol=1e-6)
+    assert "2 pi/q_low" in cold.model
+    for word in ("rms height", "rms slope", "cutoffs"):
+        assert word in cold.summary()
+    wide = em.friction(rubber, surface, velocity=v, temperature=283.15, equivalent_length=1e-3, **asked)
+    np.testing.assert_allclose(wide.normal_force, 1e5 * 1e-3, rtol=1e-7)
+    lines = em.friction(rubber, surface, velocity=v, temperature=283.15, seeds=2, **asked)
+    assert (lines.rough.scatter > 0).all()
+
+
+def test_resumed_sweeps():
+    class Kept(dict):
+        put = dict.__setitem__
+
+    kept, calls = Kept(), []
+    one = em.friction(RUBBER, rough(), velocity=[0.1, 1.0], load=5.0, average=None, store=kept)
+    assert kept
+    two = em.friction(
+        RUBBER, rough(), velocity=[0.1, 1.0], load=5.0, average=None, store=kept, progress=lambda *at: calls.append(at)
+    )
+    assert (one.mu == two.mu).all()
+    assert calls[-1] == (2, 2)
+
+
+def test_random_scenes_converge_or_say_so():
+    rng = np.random.default_rng(7)
+    for seed in range(4):
+        load = 10.0 ** rng.uniform(-1, 4, 8)
+        velocity = 10.0 ** rng.uniform(-9, 5, 8)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", em.ConvergenceWarning)
+            got = em.friction(RUBBER, rough(seed=seed), velocity=velocity, load=load, average=None, sampling=1.0)
+        np.testing.assert_allclose(got.normal_force[got.converged], load[got.converged], rtol=1e-8)
+        assert (got.mu[got.converged] > 0).all()
+        assert np.isnan(got.mu[~got.converged]).all()
+        assert got.converged.mean() > 0.7
+
+
+def test_persson():
+    got = em.reference.persson(RUBBER, SURFACE, pressure=3e5, velocity=[0.3, 0.3], gamma=0.5)
+    np.testing.assert_allclose(got.mu, 0.012198893352743344, rtol=1e-6)
+    np.testing.assert_allclose(got.area_ratio, 0.639337598626935, rtol=1e-6)
+    np.testing.assert_allclose(got.spread, 0.5983828641409461, rtol=1e-6)
+    full = em.reference.persson(RUBBER, SURFACE, pressure=1e12, velocity=0.3, gamma=1.0)
+    np.testing.assert_allclose(full.mu * 1e12, 4592.225558045976, rtol=1e-8)
+    inside = em.reference.persson(RUBBER, SURFACE, pressure=3e5, velocity=0.3, stored=True)
+    assert inside.spread < got.spread[0]
+    whole = em.reference.persson(RUBBER, SURFACE, pressure=3e5, velocity=0.3, gamma=1.0, stored=True)
+    np.testing.assert_allclose(whole.spread, got.spread[0], rtol=1e-7)  # S = 1: nothing to put inside
+
+
+def test_measured_profile(tmp_path):
+    surface = em.SelfAffine(0.8, rms_height=2e-5, q_low=2e3, q_high=2e5)
+    x = np.arange(8192) * 5e-6
+    step = 2 * np.pi / (8192 * 5e-6)
+    rng = np.random.default_rng(0)
+    q, k = step * np.arange(1, 4096), np.concatenate([[0], np.geomspace(10, 2e5, 2000)])
+    power = np.array([2 * np.trapezoid(surface.at(np.hypot(w, k)), k) for w in q])
+    waves = np.concatenate([[0], 4096 * np.sqrt(4 * power * step) * np.exp(2j * np.pi * rng.random(q.size)), [0]])
+    cut = np.fft.irfft(waves, 8192) + 1e-3 * x
+    rows = [f"{1e3 * a!r},{1e6 * h!r}" for a, h in zip(x.tolist(), cut.tolist(), strict=True)]
+    rows[100] = f"{1e3 * x[100]!r},"
+    rows.append(rows[50])
+    file = tmp_path / "cut.csv"
+    file.write_text("x [mm],height [um]\n" + "\n".join(rows))
+    got = em.surface_from_file(file, shortest=2 * np.pi / 1.6e5)
+    np.testing.assert_allclose(got.rms_height, (cut - 1e-3 * x).std(), rtol=0.02)
+    assert 0.7 < got.rms_slope / surface.rms_slope < 1.2
+    for word in ("1 of 8193 points without a value", "came before", "sorted"):
+        assert word in " ".join(got.report)
+    file.write_text("x,height\n0,0\n1,1")
+    with pytest.raises(em.InputError, match="without a unit"):
+        em.surface_from_file(file)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"pressure": None}, "pressure, load"),
+        ({"load": 3.0}, "only one of them"),
+        ({"pressure": -1.0}, "pressure must be positive"),
+        ({"temperature": 300.0}, "no shift law"),
+        ({"average": "both"}, "average must be"),
+        ({"seeds": 0}, "seeds must be"),
+        ({"material": em.Foundation.maxwell(1e6, 1.0)}, "equilibrium modulus"),
+        ({"shape": rough()}, "equivalent_length"),
+    ],
+)
+def test_bad_input(change, message):
+    asked = {"material": RUBBER, "shape": SURFACE, "velocity": 1.0, "pressure": 1e5} | change
+    with pytest.raises(em.InputError, match=message):
+        em.friction(asked.pop("material"), asked.pop("shape"), **asked)
+
+
+def test_bad_surfaces():
+    with pytest.raises(em.InputError, match="convention must be one of"):
+        em.Spectrum(TABLE, SURFACE.c, convention="psd")
+    with pytest.raises(em.InputError, match="ascending"):
+        em.Spectrum([2.0, 1.0], [1.0, 1.0], convention="2d")
+    with pytest.raises(em.InputError, match="only one of them"):
+        em.SelfAffine(0.8, rms_slope=0.1, rms_height=1e-6, q_low=1.0, q_high=2.0)
+
+
+SCENE = """
+material = "tread-passenger-synthetic"
+temperature = "20 degC"
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_slope = 0.2
+longest = "5 mm"
+shortest = "0.2 mm"
+[contact]
+{contact}
+velocity = ["0.01 m/s", "0.1 m/s"]
+[numerics]
+average = "line"
+"""
+
+
+def test_scene(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
+    scene = tmp_path / "road.toml"
+    scene.write_text(SCENE.format(contact='pressure = "0.05 MPa"'))
+    assert main(["friction", str(scene), "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    for word in ("rms height", "rms slope", "cutoffs", "2 pi/q_low"):
+        assert word in said
+    table = (tmp_path / "road-friction.csv").read_text()
+    assert "not the real contact area" in table
+    assert (tmp_path / "road-friction.png").stat().st_size > 10_000
+    assert not list(tmp_path.glob(".*parts"))
+    assert main(["rolling", str(scene)]) == 2
+    scene.write_text(SCENE.format(contact=""))
+    assert main(["friction", str(scene)]) == 2
+    assert "pressure" in capsys.readouterr().err
