@@ -76,7 +76,7 @@ def rough_friction(
 
     def solved(line: RoughLine, velocity: np.ndarray, value: np.ndarray, control: Any) -> Line:
         return solve_line(
-            line.height, float(line.spacing), law, velocity, value, control, ask.rtol, ask.skip, tick, store
+            np.asarray(line.height), float(line.spacing), law, velocity, value, control, ask.rtol, ask.skip, tick, store
         )
 
     own_only = average is None
