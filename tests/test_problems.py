@@ -59,6 +59,17 @@ def test_depth_control_is_exact_to_1e_10():
     np.testing.assert_allclose(got.mu, exact, rtol=1e-10)
 
 
+def test_saturated_cone():
+    # Kelvin-Voigt beyond z = v tau sqrt(E c/F_N) = sqrt(2/3): contact ends at the apex, and mu = c.
+    modulus, slope, tau = 4e6, 0.2, 2e-3
+    c = np.pi / 2 * slope
+    z = np.array([0.9, 3.0, 1e4])
+    rubber = em.KelvinVoigt(modulus / 4, modulus / 4 * tau)
+    velocity = z / (tau * np.sqrt(modulus * c))
+    got = em.friction(rubber, em.Cone(slope), velocity=velocity, load=1.0, average=None)
+    assert (np.abs(got.mu - c) <= got.error).all()
+
+
 def test_weak_loss_to_first_order():
     # mu = (E_1/E_inf) times a number that follows from the elastic contact alone (spectral integral, 3D and line).
     share = 1e-6

@@ -8,7 +8,7 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array, as_float64, in_float64, is_traced, positive, require, scalar
+from .._runtime import Array, as_float64, in_float64, is_traced, not_negative, positive, require, scalar
 from ..errors import InputError
 from .relaxation import AbstractRelaxation, KelvinChain, Relaxation, checked, scaled, to_kelvin, to_relaxation
 from .shift import AbstractShift
@@ -141,14 +141,22 @@ class Prony(AbstractRelaxation):
 
 def KelvinVoigt(modulus: Any, viscosity: Any, **properties: Any) -> Prony:
     """A spring [Pa] and a dashpot [Pa s] in parallel; keyword arguments as for `Prony`."""
+    not_negative("modulus", as_float64("modulus", modulus))
     return Prony(modulus, np.zeros(0), np.zeros(0), viscosity=viscosity, **properties)
 
 
 def Maxwell(modulus: Any, time: Any, **properties: Any) -> Prony:
     """A spring [Pa] and a dashpot in series with relaxation time [s]: a liquid; keyword arguments as for `Prony`."""
-    return Prony(0.0, as_float64("modulus", modulus)[None], as_float64("time", time)[None], **properties)
+    return Prony(0.0, *_one_branch(modulus, time), **properties)
 
 
 def StandardSolid(equilibrium: Any, modulus: Any, time: Any, **properties: Any) -> Prony:
     """A spring [Pa] beside one Maxwell branch [Pa, s]; keyword arguments as for `Prony`."""
-    return Prony(equilibrium, as_float64("modulus", modulus)[None], as_float64("time", time)[None], **properties)
+    return Prony(equilibrium, *_one_branch(modulus, time), **properties)
+
+
+def _one_branch(modulus: Any, time: Any) -> tuple[Array, Array]:
+    modulus, time = scalar("modulus", modulus), scalar("time", time)
+    not_negative("modulus", modulus)
+    positive("time", time)
+    return modulus[None], time[None]

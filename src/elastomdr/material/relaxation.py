@@ -56,8 +56,9 @@ class AbstractRelaxation(eqx.Module):
 
     @in_float64
     def complex_modulus(self, omega: Any) -> Any:
-        """E*(omega) = E_inf + sum E_k i w tau_k/(1 + i w tau_k) + i w eta [Pa], at omega > 0 [rad/s], any shape."""
+        """E*(omega) = E_inf + sum E_k i w tau_k/(1 + i w tau_k) + i w eta [Pa], at omega >= 0 [rad/s], any shape."""
         law, omega = self.law(), jnp.asarray(as_float64("omega", omega))
+        not_negative("omega", omega)
         x = omega[..., None] * law.times
         storage = _sum_branches(law.moduli, x / (x + 1 / x))
         loss = _sum_branches(law.moduli, 1 / (x + 1 / x))

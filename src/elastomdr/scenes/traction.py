@@ -93,7 +93,7 @@ def traction(
     pulled = tractions(rolling, rule, _STEPS[0])
     for steps in _STEPS[1:]:
         missed = ~(pulled.error <= rtol * pulled.force + rounding)
-        if is_traced(missed) or not np.any(missed & np.isfinite(pulled.force)):
+        if is_traced(missed, pulled.force) or not np.any(missed & np.isfinite(pulled.force)):
             break
         pulled = tractions(rolling, rule, steps)
     missed = ~(pulled.error <= rtol * pulled.force + rounding)

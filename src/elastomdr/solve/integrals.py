@@ -73,8 +73,9 @@ def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, 
     moduli = p.law.moduli[:, None]
     before, z = jnp.exp(-span.start / decay), span.width / decay
     # 1 - mu_0 = (z/2)(mu_0 + mu_1), hence the third row; one call serves all three.
-    later = c.at[0].set(0.0)
-    first = jnp.zeros_like(c).at[:2].set(c[0])
+    zero = jnp.zeros_like(c)
+    later = jnp.concatenate([zero[:1], c[1:]])
+    first = jnp.concatenate([c[:1], c[:1], zero[2:]])
     fast, later, first = contract(jnp.stack([c, later, first], axis=1), z)
     relaxed = -jnp.expm1(-span.start / decay) * c[0] + before * (0.5 * z * first - later)
     total = jnp.sum(moduli * jnp.where(slow, -relaxed, before * fast), axis=(1, 2))

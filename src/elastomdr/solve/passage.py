@@ -22,7 +22,7 @@ from .rule import Rule, gauss
 
 Control = Literal["load", "depth"]
 
-_NEAREST_EXIT = 1e-12  # b/a below which contact is lost at the apex itself (a kink under a dashpot)
+_NEAREST_EXIT = 1e-15  # b/a below which contact is lost at the apex itself (a kink under a dashpot)
 _ITERATIONS = 60  # after which a point is given up
 _MET = 1e-3  # relative miss of the load from which Newton's last step gets home
 _FAR = 1e-6  # relative distance of two values from which their difference gives a slope
