@@ -23,7 +23,7 @@ from ..solve.sweep import run
 
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
 CORRECTED = "MDR line averaged over directions, corrected for an asymmetric contact (estimate for the half-space)"
-BARE = "bare MDR line (textbook; overstates half-space sliding friction by up to a factor of 2)"
+BARE = "bare MDR line (textbook; overstates the losses of a half-space by up to a factor of 2)"
 _FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _UNITS = {"radius": " m", "length": " m"}
 LAYER = "thin layer of independent elements (exact for the layer; no direction average needed)"
