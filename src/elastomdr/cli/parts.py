@@ -5,8 +5,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 _PATIENCE = 2.0  # seconds before a bar appears
 _WIDTH = 30
 
@@ -19,13 +17,17 @@ class Parts:
 
     def get(self, key: str) -> Any:
         """The arrays kept under `key`, or None."""
+        import numpy as np
+
         try:
             return np.load(self._folder / f"{key}.npy", allow_pickle=False)
         except (OSError, ValueError, EOFError):
             return None
 
-    def put(self, key: str, arrays: np.ndarray) -> None:
+    def put(self, key: str, arrays: Any) -> None:
         """Keeps arrays; a folder that cannot be written costs the possibility to resume, not the sweep."""
+        import numpy as np
+
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             unfinished = self._folder / f"{key}.part.npy"
