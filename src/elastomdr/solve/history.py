@@ -155,9 +155,10 @@ def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array,
 
 
 def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
-    """Radius of the contact at every instant, by secants from both sides of the edge, where the residual has a kink, and
-    with a dashpot a jump. They run in g: what an element has seen depends on x through g alone, and is linear in it on
-    rubber that was not touched before, however small the contact.
+    """Radius of the contact at every instant, by secants from both sides of the edge, where the residual has a kink.
+
+    With a dashpot it has a jump. The secants run in g: what an element has seen depends on x through g alone, and the
+    gap to rubber that was not touched before is linear in it, however small the contact.
     """
     reach = disc.radius_of_depth(jnp.max(depth))
     reach = jnp.minimum(1.02 * reach, 0.5 * reach + 0.5 * disc.largest)  # so that every edge lies inside
