@@ -317,6 +317,19 @@ def test_a_liquid_keeps_its_imprint_and_is_touched_everywhere_at_once():
     np.testing.assert_allclose(result.force[1:][speed <= 0], 0, atol=1e-15)
 
 
+def test_a_dashpot_under_the_first_touch_of_a_history_that_returns():
+    """The force jumps at the edge: of a contact a thousandth as wide as the widest, the edge is still exact."""
+    time = np.append(0.0, np.geomspace(1e-5, 2.0, 30))
+    result = em.indent(em.Foundation(1.0, [3.0], [0.5], 0.2), BALL, time=time, depth=0.01 * np.minimum(time, 2 - time))
+    assert result.converged.all()
+    rising = time <= 1.0
+    np.testing.assert_allclose(result.contact_radius[rising], 0.1 * np.sqrt(time[rising]), rtol=1e-12)
+    s = time[rising]
+    branch = [quad(lambda r, t=t: 3 * np.exp(-(t - r) / 0.5) * 0.02 * 0.1 * np.sqrt(r), 0, t, epsabs=0)[0] for t in s]
+    force = 4 / 3 * 1e-3 * s**1.5 + 0.2 * 0.02 * 0.1 * np.sqrt(s) + branch  # int E(t-s) 2 a dd, Lee and Radok
+    np.testing.assert_allclose(result.force[rising], force, rtol=1e-7)
+
+
 def test_zero_load_and_negative_depth_touch_nothing():
     nothing = em.indent(SOLID, BALL, time=TIMES, load=0.0)
     away = em.indent(SOLID, BALL, time=TIMES, depth=-0.01)

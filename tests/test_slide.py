@@ -244,6 +244,16 @@ def test_result_is_a_table_and_a_figure(tmp_path):
 T2 = np.array([0.0, 1.0])
 
 
+@pytest.mark.parametrize("given", [{"load": 0.0}, {"depth": 0.0}, {"depth": np.array([-1e-3, -2e-3])}])
+def test_a_body_that_is_not_pressed_down_feels_nothing(given):
+    slide = em.slide(RUBBER, BALL, time=T2, position=T2, **given)
+    assert slide.converged.all()
+    assert np.isnan(slide.mu).all()  # there is none without a normal force
+    for field in (slide.normal_force, slide.friction_force, slide.work, slide.dissipated):
+        assert (field == 0).all()
+    np.testing.assert_allclose(slide.depth, given.get("depth", 0.0) + 0 * T2)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -22,7 +22,7 @@ from .steady import brief, describe
 HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin)"
 LAYER = "thin layer of independent elements with Coulomb friction"
 _EARLY = 18  # instants put between the first two: down to 1e-12 of the time between them
-_ELASTIC, _VISCOELASTIC = (100_000, 1), (2_000, 16)  # elements, and contact steps between two instants
+_ELASTIC, _VISCOELASTIC = (200_000, 1), (2_000, 16)  # elements, and contact steps between two instants
 
 
 @in_float64

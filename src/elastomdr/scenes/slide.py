@@ -96,6 +96,8 @@ def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
 
 def _indenter(lines: AbstractLines, history: GivenHistory) -> tuple[Levels, SlidePlan]:
     """Marches the elements that an indenter can touch; more of them where it turns out to reach further."""
+    if not history.traced and not is_traced(lines) and not (np.asarray(history.value) > 0).any():
+        return _apart(history)
     law = jax.tree.map(jnp.asarray, history.law)
     sizes = contact_sizes(law, lines, history.control, jnp.asarray(history.value), float(np.ptp(history.time)))
     reach = 1.6 * sizes[1]
@@ -104,6 +106,14 @@ def _indenter(lines: AbstractLines, history: GivenHistory) -> tuple[Levels, Slid
         if not outside or float(reach) > 30 * float(sizes[1]):
             return found, plan
         reach = 2 * reach
+
+
+def _apart(history: GivenHistory) -> tuple[Levels, SlidePlan]:
+    """A body that is never pressed down: no contact, hence no size of it either, by which to choose elements."""
+    none = np.zeros(history.time.shape)
+    depth = np.asarray(history.value) if history.control == "depth" else none
+    found = Levels(Forces(depth, none, none, none, none), none * np.nan, none * np.nan, none == 0, 0)
+    return found, SlidePlan(0, 0, int(history.law.times.size), 0, "the body touches no element")
 
 
 def _within(

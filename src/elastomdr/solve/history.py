@@ -76,7 +76,7 @@ def indent_by_depth(
         half, last = jnp.max(size[:, 1:3], axis=1), jnp.max(size[:, -2:], axis=1)
         return *sums, jnp.sum(last * jnp.minimum(last / jnp.where(half > 0, half, 1.0), 1.0) ** 2)
 
-    state, q, (total, work, stored, locked, heat, error) = _run(law, modes, disc, x, time, depth, measure)
+    state, q, (total, work, stored, locked, heat, error) = _run(law, modes, disc.profile(x), time, depth, measure)
     rows = (-1, NODES)
     return History(total, radius, work, stored, locked, heat, error), Row(
         edges, x.reshape(rows), q.reshape(rows), state.u.reshape(rows)
@@ -109,10 +109,9 @@ def _size(count: int) -> int:
 
 
 def _run(
-    law: Relaxation, modes: Modes, disc: Disc, x: Array, time: Array, depth: Array, measure: Callable[..., Any]
+    law: Relaxation, modes: Modes, g: Array, time: Array, depth: Array, measure: Callable[..., Any]
 ) -> tuple[Touching, Array, Any]:
-    """Elements at x through the whole history; `measure(state, q)` is kept for every instant."""
-    g = disc.profile(x)
+    """Elements of profile g through the whole history; `measure(state, q)` is kept for every instant."""
     start = pressed(law, modes, depth[0] - g)
 
     def step(state: Touching, interval: tuple[Array, Array, Array]) -> tuple[Touching, Any]:
@@ -127,28 +126,27 @@ def _run(
     return last, force(law, last, v[-1]), jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), first, kept)
 
 
-def _signed(law: Relaxation, modes: Modes, disc: Disc, x: Array, time: Array, depth: Array) -> tuple[Array, Array]:
-    """At every instant, for elements at x: the force density in contact, or minus the gap to the surface times a
-    stiffness; and whether they are free. Falls with x; the edge of the contact is where it passes zero. Shape (m, n).
+def _signed(law: Relaxation, modes: Modes, g: Array, time: Array, depth: Array) -> tuple[Array, Array]:
+    """At every instant, for elements of profile g: the force density in contact, or minus the gap to the surface times
+    a stiffness; and whether they are free. Falls with g; the edge of the contact is where it passes zero. Shape (m, n).
     """
-    g = disc.profile(x)
     scale = law.equilibrium + jnp.sum(law.moduli)
     scale = jnp.where(scale > 0, scale, law.viscosity / (time[-1] - time[0]))
-    value, free = _run(law, modes, disc, x, time, depth, lambda s, q: (jnp.where(s.contact, q, s.u + g), ~s.contact))[2]
+    value, free = _run(law, modes, g, time, depth, lambda s, q: (jnp.where(s.contact, q, s.u + g), ~s.contact))[2]
     return jnp.where(free, scale * (depth[:, None] - value), value), free
 
 
 def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, smooth: bool) -> Array:
     """Radius of the contact at every instant: a search, and if `smooth` a Newton step that carries derivatives."""
     if disc.flat:
-        _, free = _signed(law, modes, disc, jnp.zeros(1), time, depth)
+        _, free = _signed(law, modes, jnp.zeros(1), time, depth)
         return jnp.where(free[:, 0], 0.0, disc.shape.largest_contact)
     radius = _search(*jax.lax.stop_gradient((law, modes, disc, time, depth)))
     if not smooth:
         return radius
 
     def residual(x: Array) -> Array:
-        return jnp.diagonal(_signed(law, modes, disc, x, time, depth)[0])
+        return jnp.diagonal(_signed(law, modes, disc.profile(x), time, depth)[0])
 
     off, slope = jax.jvp(residual, (radius,), (jnp.ones_like(radius),))
     slope = jax.lax.stop_gradient(slope)
@@ -157,11 +155,15 @@ def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array,
 
 
 def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
-    """Radius of the contact at every instant, by secants from both sides of the edge, where the residual has a kink."""
+    """Radius of the contact at every instant, by secants from both sides of the edge, where the residual has a kink.
+
+    With a dashpot it has a jump. The secants run in g: what an element has seen depends on x through g alone, and the
+    gap to rubber that was not touched before is linear in it, however small the contact.
+    """
     reach = disc.radius_of_depth(jnp.max(depth))
     reach = jnp.minimum(1.02 * reach, 0.5 * reach + 0.5 * disc.largest)  # so that every edge lies inside
-    grid = reach * jnp.linspace(0.0, 1.0, _COARSE)
-    value, free = _signed(law, modes, disc, grid, time, depth)
+    grid = disc.profile(reach * jnp.linspace(0.0, 1.0, _COARSE))
+    value, free = _signed(law, modes, grid, time, depth)
     count = jnp.sum(~free, axis=1)  # elements in contact, the innermost ones
 
     def pick(i: Array) -> tuple[Array, Array]:
@@ -174,26 +176,28 @@ def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array
 
     def search(_: Any, ends: tuple) -> tuple:
         inner, inner_far, outer, outer_far = ends
-        x = 0.5 * (inner[0] + outer[0])
+        g = 0.5 * (inner[0] + outer[0])
         for guess in (secant(outer, outer_far), secant(inner, inner_far)):
-            x = jnp.where((guess > inner[0]) & (guess < outer[0]), guess, x)
-        value, free = (jnp.diagonal(part) for part in _signed(law, modes, disc, x, time, depth))
+            g = jnp.where((guess > inner[0]) & (guess < outer[0]), guess, g)
+        value, free = (jnp.diagonal(part) for part in _signed(law, modes, g, time, depth))
 
         def choose(new: Any, old: Any, where: Array) -> Any:
             return jax.tree.map(lambda n, o: jnp.where(where, n, o), new, old)
 
         return (
-            choose((x, value), inner, ~free),
+            choose((g, value), inner, ~free),
             choose(inner, inner_far, ~free),
-            choose((x, value), outer, free),
+            choose((g, value), outer, free),
             choose(outer, outer_far, free),
         )
 
     ends = (pick(count - 1), pick(count - 2), pick(count), pick(count + 1))
-    inner, inner_far, outer, _ = jax.lax.fori_loop(0, _SEARCH, search, ends)
-    x = secant(inner, inner_far)
-    x = jnp.where((x >= inner[0]) & (x <= outer[0]), x, jnp.where(inner[1] > -outer[1], outer[0], inner[0]))
-    return jnp.where(count > 0, x, 0.0)
+    inner, inner_far, outer, outer_far = jax.lax.fori_loop(0, _SEARCH, search, ends)
+    g, outside = secant(inner, inner_far), jnp.clip(secant(outer, outer_far), inner[0], outer[0])
+    # Where the force jumps at the edge, it does not tell where that is; the gap does.
+    other = jnp.where(inner[1] > -outer[1], outside, inner[0])
+    g = jnp.where((g >= inner[0]) & (g <= outer[0]), g, other)
+    return jnp.where(count > 0, disc.radius_of_depth(g), 0.0)
 
 
 def divided(edges: Array, levels: int) -> Array:
