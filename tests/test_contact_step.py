@@ -8,6 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from elastomdr.errors import InputError
 from elastomdr.foundation.law import Foundation
 from elastomdr.foundation.step import ContactStep, Elements, RigidSurface, contact_step, rest
 from elastomdr.material.relaxation import Relaxation
@@ -278,7 +279,7 @@ def test_interface_to_diffrax():
     start, end = term.contr(0.1, 0.2)
     np.testing.assert_array_equal(start, term.vf(0.1, None, None))
     np.testing.assert_array_equal(end, Waves(3)(0.2))
-    with pytest.raises(NotImplementedError, match="ContactStep"):
+    with pytest.raises(InputError, match="solver must be ContactStep"):
         term.prod(start, (start, end))
     solution = solve(law, Waves(3), 2.0, 64, 3, samples=1, most=64, saveat=diffrax.SaveAt(dense=True, steps=True))
     middle = solution.evaluate(0.5 * (solution.ts[10] + solution.ts[11]))

@@ -47,7 +47,7 @@ class Terraces(AbstractShape):
     label: ClassVar[str] = "terraces"
 
     def _height(self, r):
-        raise NotImplementedError
+        return jnp.full_like(r, jnp.nan)  # given on its line only
 
     def _profile(self, x):
         x = jnp.abs(x)

@@ -20,6 +20,7 @@ import jax.numpy as jnp
 from jaxtyping import Float
 
 from .._runtime import Array
+from ..errors import InputError
 from ..material.relaxation import AbstractRelaxation
 
 _WRITTEN_OUT = 32  # branches up to which sums over them are
@@ -191,7 +192,7 @@ class RigidSurface(diffrax.AbstractTerm):
         return self.position(t0), self.position(t1)
 
     def prod(self, vf: Array, control: tuple[Array, Array]) -> Elements:
-        raise NotImplementedError("RigidSurface is a constraint, not a vector field: solve it with ContactStep.")
+        raise InputError("solver must be ContactStep for a RigidSurface: that is a constraint, not a vector field.")
 
 
 class ContactStep(diffrax.AbstractSolver):

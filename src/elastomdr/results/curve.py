@@ -58,11 +58,6 @@ class AbstractCurve(AbstractResult):
 
         return png(self, title)
 
-    def heading(self) -> str:
-        """A title: the quantity, and the material where it is known."""
-        material = dict(self.inputs).get("material")
-        return f"{self.quantity}, {material}" if material else self.quantity
-
     def findings(self) -> Iterator[tuple[str, str]]:
         """Inputs, model, largest coefficient and where, both ends, how many points failed, the largest error."""
         fields = {column.key: value for column, value in self.fields().items()}
@@ -78,12 +73,7 @@ class AbstractCurve(AbstractResult):
             yield "at " + curve.label if curve.label else "result", self._extremes(velocity, value, beyond)
         if len(all_curves) > _SHOWN:
             yield "...", f"and {len(all_curves) - _SHOWN} more curves"
-        failed = int(np.sum(~fields["converged"]))
-        points = f"{fields['converged'].size}, {'all converged' if not failed else f'{failed} did not converge'}"
-        if np.isfinite(fields["error"]).any():
-            largest = float(np.fmax.reduce(fields["error"], axis=None))
-            points += f"; largest estimated error of {self.symbol}: {significant(largest, 2)}"
-        yield "points", points
+        yield "points", self.reached(f"error of {self.symbol}")
         if "model_error" in fields and np.isfinite(fields["model_error"]).any():
             bound, value = (fields[key].ravel() for key in ("model_error", self.coefficient_field))
             yield "model error", self._model_error(bound, value)

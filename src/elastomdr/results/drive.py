@@ -79,16 +79,7 @@ class Drive(AbstractResult):
             last, joule = good[-1], "J/m" if self.per_length else "J"
             names = ("given", "kinetic", "stored", "dissipated", "imbalance")
             yield "energy", ", ".join(f"{k} {significant(getattr(self, k)[last])} {joule}" for k in names)
-        failed = int(np.sum(~self.converged))
-        points = f"{self.converged.size}, {'all converged' if not failed else f'{failed} did not converge'}"
-        if np.isfinite(self.error).any():
-            points += f"; largest estimated error of mu: {significant(float(np.nanmax(self.error)), 2)}"
-        yield "points", points
-
-    def heading(self) -> str:
-        """A title: the quantity, and the material where it is known."""
-        material = dict(self.inputs).get("material")
-        return f"{self.quantity}, {material}" if material else self.quantity
+        yield "points", self.reached("error of mu")
 
     def plot(self, ax: Any = None, *, show: str = "pull", title: str | None = None, label: str | None = None) -> Any:
         """Draws one column against time, by default the pull of the drive; returns the matplotlib Axes.

@@ -1,7 +1,7 @@
 """The impact of a body: what `em.impact` returns."""
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
 import numpy as np
@@ -61,6 +61,8 @@ class Impact(AbstractResult):
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
 
+    quantity: ClassVar[str] = "Impact"
+
     @property
     def table(self) -> tuple[Column, ...]:
         return (
@@ -89,7 +91,7 @@ class Impact(AbstractResult):
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """Inputs, model, the range of what came out, how many points failed, the largest error."""
-        yield "quantity", "Impact"
+        yield "quantity", self.quantity
         yield from self.inputs
         yield "model", self.model
         for name, field, unit in (
@@ -99,14 +101,9 @@ class Impact(AbstractResult):
             ("largest force", self.max_force, " N"),
         ):
             yield name, _range(np.asarray(field), unit)
-        failed, stuck = int(np.sum(~self.converged)), int(np.sum(self.stuck))
-        points = f"{np.size(self.converged)}, {'all converged' if not failed else f'{failed} did not converge'}"
-        if stuck:
-            points += f", {stuck} stuck (restitution 0)"
-        if np.isfinite(self.error).any():
-            largest = float(np.fmax.reduce(np.ravel(self.error)))
-            points += f"; largest estimated error of the restitution: {significant(largest, 2)}"
-        yield "points", points
+        stuck = int(np.sum(self.stuck))
+        also = f", {stuck} stuck (restitution 0)" if stuck else ""
+        yield "points", self.reached("error of the restitution", also=also)
 
 
 _OBLIQUE = (

@@ -126,11 +126,6 @@ class Indentation(AbstractResult):
 
         return png(self, title)
 
-    def heading(self) -> str:
-        """A title: the quantity, and the material where it is known."""
-        material = dict(self.inputs).get("material")
-        return f"{self.quantity}, {material}" if material else self.quantity
-
     def findings(self) -> Iterator[tuple[str, str]]:
         """Inputs, model, plan, largest depth and force and what is left at the end, failures, the largest error."""
         yield "quantity", self.quantity
@@ -145,11 +140,7 @@ class Indentation(AbstractResult):
             yield name, _in_short({key: value[i] for key, value in rows.items()})
         if len(rows["depth"]) > _SHOWN:
             yield "...", f"and {len(rows['depth']) - _SHOWN} more histories"
-        failed = int(np.sum(~fields["converged"]))
-        points = f"{fields['converged'].size}, {'all converged' if not failed else f'{failed} did not converge'}"
-        if np.isfinite(fields["error"]).any():
-            points += f"; largest estimated relative error: {significant(float(np.nanmax(fields['error'])), 2)}"
-        yield "instants", points
+        yield "instants", self.reached("relative error")
 
 
 def _in_short(row: dict[str, np.ndarray]) -> str:

@@ -1,7 +1,7 @@
 """Tangential loading of a contact with friction: what `em.shear` returns."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 import equinox as eqx
 import numpy as np
@@ -30,6 +30,8 @@ class Shear(AbstractResult):
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
 
+    quantity: ClassVar[str] = "Tangential loading with friction"
+
     @property
     def table(self) -> tuple[Column, ...]:
         return (
@@ -55,7 +57,7 @@ class Shear(AbstractResult):
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """Inputs, model, the largest force, what was lost, how many instants failed."""
-        yield "quantity", "Tangential loading with friction"
+        yield "quantity", self.quantity
         yield from self.inputs
         yield "model", self.model
         good = np.asarray(self.converged)
@@ -66,8 +68,4 @@ class Shear(AbstractResult):
             yield "largest force", f"{significant(float(force[largest]))} N at {significant(float(when))} s"
             work, slip, stored = (float(np.asarray(x)[good][-1]) for x in (self.work, self.slip_loss, self.stored))
             yield "work", f"{significant(work)} J: slip {significant(slip)} J, stored {significant(stored)} J"
-        failed = int((~good).sum())
-        text = f"{good.size}, {'all converged' if not failed else f'{failed} did not converge'}"
-        if good.any():
-            text += f"; largest estimated error of the force: {significant(float(np.nanmax(self.error)), 2)} N"
-        yield "instants", text
+        yield "instants", self.reached("error of the force", " N")

@@ -72,22 +72,13 @@ class Slide(AbstractResult):
             unit = "J/m" if self.per_length else "J"
             done = ", ".join(f"{k} {significant(getattr(self, k)[last])} {unit}" for k in ("work", "dissipated"))
             yield "energy", f"{done}, stored {significant(float(self.stored[last]))} {unit}"
-        failed = int(np.sum(~self.converged))
-        points = f"{self.converged.size}, {'all converged' if not failed else f'{failed} did not converge'}"
-        if np.isfinite(self.error).any():
-            points += f"; largest estimated error of mu: {significant(float(np.nanmax(self.error)), 2)}"
-        yield "points", points
+        yield "points", self.reached("error of mu")
 
     def png(self, title: str | None = None) -> bytes:
         """The figure as a PNG image, 200 dots per inch."""
         from .history_figure import png
 
         return png(self, title)
-
-    def heading(self) -> str:
-        """A title: the quantity, and the material where it is known."""
-        material = dict(self.inputs).get("material")
-        return f"{self.quantity}, {material}" if material else self.quantity
 
     def plot(self, ax: Any = None, *, against: str = "time", title: str | None = None, label: str | None = None) -> Any:
         """Draws mu against "time" or "position" and returns the matplotlib Axes; with `ax=None` on a new figure."""

@@ -7,14 +7,14 @@ import os
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
 import jax
 import numpy as np
 
 from .. import __version__
-from .._runtime import is_traced
+from .._runtime import is_traced, significant
 from ..errors import InputError
 from .axes import dimensions
 
@@ -42,6 +42,10 @@ class AbstractResult(eqx.Module):
     model: eqx.AbstractVar[str]  # the model's name, in words
     plan: eqx.AbstractVar[Any]  # what was computed, skipped and condensed
     inputs: eqx.AbstractVar[tuple[tuple[str, str], ...]]  # name and value of what was asked for, in words
+    error: eqx.AbstractVar[Any]  # estimated error of the result's main number
+    converged: eqx.AbstractVar[Any]
+
+    quantity: ClassVar[str]  # what the result is called in a title
 
     @property
     @abc.abstractmethod
@@ -51,6 +55,20 @@ class AbstractResult(eqx.Module):
     @abc.abstractmethod
     def findings(self) -> Iterator[tuple[str, str]]:
         """What went in and what came out, as pairs of a name and a text."""
+
+    def heading(self) -> str:
+        """A title: the quantity, and the material where it is known."""
+        material = dict(self.inputs).get("material")
+        return f"{self.quantity}, {material}" if material else self.quantity
+
+    def reached(self, of: str, unit: str = "", also: str = "") -> str:
+        """How many points converged, what `also` was counted, and the largest estimated `of`, such as "error of mu"."""
+        good, error = np.asarray(self.converged), np.asarray(self.error)
+        failed = int(np.sum(~good))
+        text = f"{good.size}, {f'{failed} did not converge' if failed else 'all converged'}{also}"
+        if np.isfinite(error).any():
+            text += f"; largest estimated {of}: {significant(float(np.fmax.reduce(error, axis=None)), 2)}{unit}"
+        return text
 
     @abc.abstractmethod
     def plot(self, ax: Any = None) -> Any:

@@ -1,7 +1,7 @@
 """Traction against creep: what `em.traction` returns."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 import equinox as eqx
 import numpy as np
@@ -32,6 +32,8 @@ class Traction(AbstractResult):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+
+    quantity: ClassVar[str] = "Traction"
 
     @property
     def table(self) -> tuple[Column, ...]:
@@ -64,7 +66,7 @@ class Traction(AbstractResult):
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """Inputs, model, the largest traction, the rolling loss, how many points failed."""
-        yield "quantity", "Traction"
+        yield "quantity", self.quantity
         yield from self.inputs
         yield "model", self.model
         good = np.asarray(self.converged)
@@ -73,9 +75,4 @@ class Traction(AbstractResult):
             if known.size:
                 low, high = significant(float(known.min())), significant(float(known.max()))
                 yield name, low if low == high else f"{low} to {high}"
-        failed = int((~good).sum())
-        text = f"{good.size}, {'all converged' if not failed else f'{failed} did not converge'}"
-        if good.any():
-            largest = float(np.asarray(self.error)[good].max())
-            text += f"; largest estimated error of the coefficient: {significant(largest, 2)}"
-        yield "points", text
+        yield "points", self.reached("error of the coefficient")

@@ -26,6 +26,7 @@ import jax
 import jax.numpy as jnp
 
 from .._runtime import Array
+from ..errors import InputError
 from ..foundation.step import coefficients, fade
 from ..material.relaxation import Relaxation
 from .over_line import AbstractOverLine
@@ -83,7 +84,7 @@ class DriveTerm(diffrax.AbstractTerm):
         return self.given(t0), self.given(t1)
 
     def prod(self, vf: Any, control: Any) -> Motion:
-        raise NotImplementedError("DriveTerm is a constraint, not a vector field: solve it with CoupledStep.")
+        raise InputError("solver must be CoupledStep for a DriveTerm: that is a constraint, not a vector field.")
 
 
 class CoupledStep(diffrax.AbstractSolver):
