@@ -1,58 +1,22 @@
 """The exact contact step: Signorini's conditions, exact ramps, energy, order, gradients, extremes."""
 
-import diffrax
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import mpmath as mp
 import numpy as np
 import pytest
 
-from elastomdr.errors import InputError
 from elastomdr.foundation.law import Foundation
-from elastomdr.foundation.step import ContactStep, Elements, RigidSurface, contact_step, rest
+from elastomdr.foundation.step import Elements, contact_step, rest
 from elastomdr.material.relaxation import Relaxation
+
+from .surfaces import Indenter, Waves, solve
 
 
 @pytest.fixture(autouse=True)
 def float64():
     with jax.enable_x64(True):
         yield
-
-
-class Indenter(eqx.Module):
-    """A paraboloid's line, g = x^2/R, sliding at v over one element that enters contact at t = 0."""
-
-    entry: jax.Array
-    radius: jax.Array
-    velocity: jax.Array
-
-    def __call__(self, t):
-        return ((self.entry**2 - (self.entry - self.velocity * t) ** 2) / self.radius).reshape(-1)
-
-
-class Waves(eqx.Module):
-    """A surface that comes from a distance, leaves and comes back, at another time for each of n elements."""
-
-    n: int = eqx.field(static=True)
-
-    def __call__(self, t):
-        return jnp.sin(7 * t + 0.3 * jnp.linspace(0, 1, self.n)) + 0.4 * jnp.sin(16 * t) - 0.5
-
-
-def solve(law, surface, end, count, n=1, samples=64, most=1024, **kwargs):
-    """`count` contact steps; it may be traced, so that one compiled solve serves every step size."""
-    return diffrax.diffeqsolve(
-        RigidSurface(surface),
-        ContactStep(samples),
-        t0=0.0,
-        t1=end,
-        dt0=end * samples / count,
-        y0=rest(law, n),
-        args=law,
-        max_steps=most,
-        **kwargs,
-    )
 
 
 # ---------------------------------------------------------------- every step of any history
@@ -260,65 +224,3 @@ def test_second_order_through_loss_of_contact_and_return(law):
     errors = [np.sqrt(np.mean((np.array(over_waves(law, count)) / reference - 1) ** 2, axis=1)) for count in counts]
     slopes = np.polyfit(np.log(counts), np.log(errors), 1)[0]
     np.testing.assert_allclose(slopes, -2, atol=0.2)
-
-
-# ---------------------------------------------------------------- as a diffrax solver
-
-
-def test_samples_are_single_steps():
-    law = Foundation(0.1, [3.0, 2.0], [0.01, 0.5], 0.05)
-    one, many = (solve(law, Waves(5), 2.0, 256, 5, samples=samples) for samples in (1, 32))
-    for a, b in zip(one.ys, many.ys, strict=True):
-        np.testing.assert_allclose(a, b, rtol=1e-10, atol=1e-14)
-    assert (int(one.stats["num_steps"]), int(many.stats["num_steps"])) == (256, 8)
-
-
-def test_interface_to_diffrax():
-    law, term = Foundation.kelvin(1.0, 0.1), RigidSurface(Waves(3))
-    assert ContactStep().order(term) == 2
-    start, end = term.contr(0.1, 0.2)
-    np.testing.assert_array_equal(start, term.vf(0.1, None, None))
-    np.testing.assert_array_equal(end, Waves(3)(0.2))
-    with pytest.raises(InputError, match="solver must be ContactStep"):
-        term.prod(start, (start, end))
-    solution = solve(law, Waves(3), 2.0, 64, 3, samples=1, most=64, saveat=diffrax.SaveAt(dense=True, steps=True))
-    middle = solution.evaluate(0.5 * (solution.ts[10] + solution.ts[11]))
-    np.testing.assert_allclose(middle.u, 0.5 * (solution.ys.u[10] + solution.ys.u[11]))
-    assert (solution.ys.u[:64] >= jax.vmap(Waves(3))(solution.ts[:64])).all()
-
-
-def test_batches_and_step_to():
-    law = Foundation(1.0, [5.0], [0.1])
-    times = jnp.asarray([0.0, 0.1, 0.3, 1.0])
-
-    def run(velocity):
-        surface = Indenter(jnp.asarray(0.1), 1.0, velocity)
-        controller = diffrax.StepTo(times)
-        return diffrax.diffeqsolve(
-            RigidSurface(surface), ContactStep(8), 0.0, 1.0, None, rest(law, 1), law, stepsize_controller=controller
-        ).ys.work[-1, 0]
-
-    velocities = jnp.asarray([0.05, 0.1, 0.2])
-    np.testing.assert_allclose(jax.vmap(run)(velocities), [run(v) for v in velocities], rtol=1e-13)
-
-
-def test_gradients_forward_and_reverse():
-    """d(mu)/d(E_inf, E_k, tau_k, eta, a): both modes agree, and with central differences."""
-
-    def friction(p, adjoint):
-        law = Relaxation(p["equilibrium"], p["moduli"], p["times"], p["viscosity"])
-        y = solve(law, Indenter(p["entry"], 1.0, 0.05), 4.1, 64, samples=16, most=4, adjoint=adjoint).ys
-        return y.work[-1, 0] / y.impulse[-1, 0]
-
-    p = dict(equilibrium=1.0, moduli=jnp.asarray([5.0, 2.0]), times=jnp.asarray([0.1, 3.0]), viscosity=0.2, entry=0.1)
-    p = jax.tree.map(lambda x: jnp.array(x, jnp.float64), p)
-    reverse = jax.jit(jax.value_and_grad(lambda p: friction(p, diffrax.RecursiveCheckpointAdjoint())))
-    forward = jax.jit(lambda p, d: jax.jvp(lambda p: friction(p, diffrax.ForwardMode()), (p,), (d,))[1])
-    gradient = reverse(p)[1]
-    for name, leaf in p.items():
-        for i in range(leaf.size):
-            step = jnp.zeros(leaf.size).at[i].set(1e-6 * leaf.reshape(-1)[i]).reshape(leaf.shape)
-            up, down = ({**p, name: leaf + sign * step} for sign in (1, -1))
-            slope = float(jnp.sum(gradient[name] * step))
-            assert slope == pytest.approx(float(0.5 * (reverse(up)[0] - reverse(down)[0])), rel=1e-5)
-            assert slope == pytest.approx(float(forward(p, jax.tree.map(jnp.zeros_like, p) | {name: step})), rel=1e-10)

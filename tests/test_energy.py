@@ -13,12 +13,7 @@ from elastomdr.solve.over_line import indenter
 from elastomdr.solve.slide import march
 from elastomdr.solve.timeline import Steps
 
-from .problems.indentation import TIMES
-
-SOLID = em.Foundation(1.0, [3.0], [0.5])
-BALL = em.Paraboloid(1.0)
-TWICE = np.interp(TIMES, [0, 0.5, 1.0, 1.1, 1.4, 2.0], [0, 0.01, 0.004, 0.006, 0.012, 0.012])
-PULSES = np.interp(TIMES, [0, 0.5, 1.0, 1.25, 2.0], [0, 3e-3, 0, 0, 3e-3])
+from .problems.indentation import BALL, PULSES, SOLID, TIMES, TWICE
 
 
 def missing(found):

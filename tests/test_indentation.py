@@ -1,28 +1,19 @@
 """Indentation: exact answers, slow independent routes, invariants, derivatives, refusals."""
 
-from itertools import pairwise
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 
 import elastomdr as em
-from elastomdr.foundation.episode import energies, follow, force, pressed
-from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
+from elastomdr.foundation.modes import recovery_modes
 from elastomdr.foundation.step import contact_step, rest
 from elastomdr.mapping.disc import Disc
 from elastomdr.mapping.shapes import Paraboloid, PowerLaw, Sphere
-from elastomdr.material.relaxation import Relaxation
 from elastomdr.solve.control import _marched
 
-from .problems.indentation import PROBLEMS, TIMES
-
-SOLID = em.Foundation(1.0, [3.0], [0.5])
-BALL = em.Paraboloid(1.0)
-TWICE = np.interp(TIMES, [0, 0.5, 1.0, 1.1, 1.4, 2.0], [0, 0.01, 0.004, 0.006, 0.012, 0.012])  # shrinks, grows again
-PULSES = np.interp(TIMES, [0, 0.5, 1.0, 1.25, 2.0], [0, 3e-3, 0, 0, 3e-3])  # a load that goes to zero and returns
+from .problems.indentation import BALL, PROBLEMS, PULSES, SOLID, TIMES, TWICE
 
 
 @pytest.fixture(autouse=True)
@@ -49,108 +40,6 @@ def test_error_covers_the_truth():
     result = problem.solve()
     for i, value in problem.expected["force"].items():
         assert abs(result.force[i] - value) <= result.error[i] * result.force.max()
-
-
-# ---------------------------------------------------------------- one element, against an integrator with events
-
-
-def _one_element(law, corners):
-    """u, q, work and heat of one element along a surface with the given corners (t, w): scipy, event by event."""
-    modulus, weights, times = float(law.equilibrium), law.moduli, law.times
-    glassy = modulus + weights.sum()
-    state, touching = np.zeros(1 + len(weights) + 2), False  # u, f, work, heat
-    for (t0, w0), (t1, w1) in pairwise(corners):
-        v, now = (w1 - w0) / (t1 - t0), t0
-
-        def rates(t, y, v=v, touching=False):
-            f = y[1:-2]
-            speed = v if touching else (f / times).sum() / glassy
-            q = modulus * y[0] + f.sum()
-            return np.concatenate([[speed], weights * speed - f / times, [q * speed, (f**2 / weights / times).sum()]])
-
-        def meets(t, y, w0=w0, t0=t0, v=v):
-            return y[0] - (w0 + v * (t - t0))
-
-        def pulls(t, y):
-            return modulus * y[0] + y[1:-2].sum()
-
-        while now < t1 * (1 - 1e-14):
-            event = pulls if touching else meets
-            event.terminal, event.direction = True, -1
-            if not touching and meets(now, state) <= 1e-13 and rates(now, state)[0] < v:
-                touching = True
-                continue
-            solution = solve_ivp(
-                lambda t, y, on=touching: rates(t, y, touching=on),
-                (now, t1),
-                state,
-                "DOP853",
-                rtol=1e-12,
-                atol=1e-15,
-                events=event,
-            )
-            now, state = solution.t[-1], solution.y[:, -1]
-            touching = touching != (solution.status == 1)
-    return state[0], (modulus * state[0] + state[1:-2].sum()) * touching, state[-2], state[-1]
-
-
-CORNERS = [(0.0, -0.2), (1.0, 1.0), (1.4, -0.2), (1.7, -0.2), (2.4, 0.8), (3.0, 0.75), (3.2, 0.5), (4.0, 0.3)]
-BRANCHES = Relaxation(*map(np.asarray, (1.0, [3.0, 1.0, 0.5], [0.05, 0.5, 4.0], 0.0)))
-
-
-def test_one_element_through_contact_recovery_and_renewed_contact():
-    modes = recovery_modes(BRANCHES)
-    state = pressed(BRANCHES, modes, jnp.array([CORNERS[0][1]]))
-    seen = []
-    for (t0, w0), (t1, w1) in pairwise(CORNERS):
-        v = (w1 - w0) / (t1 - t0)
-        state = follow(BRANCHES, modes, state, jnp.array([w0]), v, t1 - t0)
-        seen.append(bool(state.contact[0]))
-    assert sum(np.diff(np.array([False, *seen], int)) == 1) == 2  # touched twice
-    held, left = energies(BRANCHES, modes, state)
-    u, q, work, heat = _one_element(BRANCHES, CORNERS)
-    np.testing.assert_allclose(
-        [state.u[0], force(BRANCHES, state, v)[0], state.work[0]], [u, q, work], rtol=1e-9, atol=1e-11
-    )
-    # Energy audit: the heat is the integrator's own sum over the dashpots.
-    np.testing.assert_allclose(heat, state.work[0] - held[0] - left[0], rtol=1e-8)
-
-
-def test_contact_step_converges_to_the_exact_element():
-    """Slope 2 of the step method against the element solved without steps."""
-    modes = recovery_modes(BRANCHES)
-    corners = CORNERS[:6]
-    exact = pressed(BRANCHES, modes, jnp.array([corners[0][1]]))
-    for (t0, w0), (t1, w1) in pairwise(corners):
-        exact = follow(BRANCHES, modes, exact, jnp.array([w0]), (w1 - w0) / (t1 - t0), t1 - t0)
-    target = force(BRANCHES, exact, 0.0)[0]
-    counts = np.array([3000, 12000, 48000])
-    law = jax.tree.map(jnp.asarray, BRANCHES)
-
-    @jax.jit
-    def marched(w, h):
-        state, _ = jax.lax.scan(lambda s, e: (contact_step(law, s, *e, h), None), rest(law, 1), (w[:-1], w[1:]))
-        return state.q[0]
-
-    errors = []
-    for n in counts:
-        t = np.linspace(0, corners[-1][0], n + 1)
-        errors.append(abs(marched(np.interp(t, *np.transpose(corners))[:, None], t[1]) - target))
-    slope = np.polyfit(np.log(counts), np.log(errors), 1)[0]
-    assert -2.6 < slope < -1.5
-    assert errors[-1] < 1e-7 * target
-
-
-def test_modes_and_branches_are_inverse():
-    liquid = Relaxation(np.asarray(0.0), BRANCHES.moduli, BRANCHES.times, BRANCHES.viscosity)
-    damped = Relaxation(BRANCHES.equilibrium, BRANCHES.moduli, BRANCHES.times, np.asarray(0.3))
-    for law in (BRANCHES, liquid, damped):
-        modes = recovery_modes(law)
-        m = np.random.default_rng(1).uniform(0, 1, (modes.rate.size, 5))
-        f = to_branches(law, modes, m)
-        rate = -(modes.rate[:, None] * m).sum(0)
-        np.testing.assert_allclose(law.equilibrium * m.sum(0) + f.sum(0) + law.viscosity * rate, 0, atol=1e-12)
-        np.testing.assert_allclose(to_modes(law, modes, m.sum(0), f), m, rtol=1e-11)
 
 
 # ---------------------------------------------------------------- whole contacts, against each other
@@ -390,83 +279,6 @@ def test_area_and_energy_against_quadrature(shape, kind):
     np.testing.assert_allclose(disc.energy(jnp.asarray(a)), integral(2) / 2, rtol=1e-9)
     np.testing.assert_allclose(disc.radius_of_area(disc.area(jnp.asarray(a))), a, rtol=1e-13)
     np.testing.assert_allclose(disc.radius_of_depth(jnp.asarray(g)), a, rtol=1e-13)
-
-
-# ---------------------------------------------------------------- derivatives
-
-
-def _directional(function, point, rtol):
-    """Forward derivative in one direction against central differences of two steps."""
-    way = np.array([0.7, -0.4, 0.5, 0.3, 0.6])[: point.size] * point
-    got = jax.jvp(function, (point,), (way,))[1]
-    slow = [
-        (np.asarray(function(point + h * way)) - np.asarray(function(point - h * way))) / (2 * h) for h in (2e-4, 1e-4)
-    ]
-    expected = slow[1] + (slow[1] - slow[0]) / 3
-    for row, wanted in zip(got, expected, strict=True):
-        np.testing.assert_allclose(row, wanted, rtol=rtol, atol=rtol * np.abs(wanted).max())
-
-
-def test_derivatives_under_a_depth():
-    def call(p):
-        foundation = em.Foundation(p[0], p[1:2], p[2:3])
-        result = em.indent(foundation, em.Paraboloid(p[3]), time=TIMES, depth=p[4] * TWICE)
-        return jnp.stack([result.force, result.contact_radius, result.dissipated])
-
-    _directional(call, np.array([1.0, 3.0, 0.5, 1.0, 1.0]), 1e-6)
-
-
-def test_derivatives_under_a_growing_load():
-    def call(p):
-        foundation = em.Foundation(p[0], p[1:2], p[2:3])
-        result = em.indent(foundation, em.Paraboloid(p[3]), time=TIMES, load=3e-3 * (1 + TIMES))
-        return jnp.stack([result.depth, result.contact_radius, result.dissipated])
-
-    point = np.array([1.0, 3.0, 0.5, 1.0])
-    _directional(call, point, 1e-7)
-    way = np.array([0.7, -0.4, 0.5, 0.3]) * point
-    back = jax.grad(lambda p: call(p)[0, -1])(point)
-    np.testing.assert_allclose(back @ way, jax.jvp(call, (point,), (way,))[1][0, -1], rtol=1e-10)
-
-
-@pytest.mark.slow
-def test_derivatives_under_a_falling_load():
-    load = np.interp(TIMES, [0, 0.5, 1.0, 2.0], [0, 3e-3, 1e-3, 2e-3])
-
-    def call(p):
-        foundation = em.Foundation(p[0], p[1:2], p[2:3])
-        return em.indent(foundation, em.Paraboloid(p[3]), time=TIMES, load=load, rtol=1e-4).depth[None]
-
-    _directional(call, np.array([1.0, 3.0, 0.5, 1.0]), 1e-5)
-
-
-@pytest.mark.slow
-def test_reverse_mode_under_a_falling_load():
-    time, load = np.arange(3.0), np.array([0.0, 3e-3, 1e-3])
-
-    def call(modulus, radius, share):
-        foundation = em.Foundation(1.0, jnp.stack([modulus]), [0.5])
-        return em.indent(foundation, em.Paraboloid(radius), time=time, load=share * load, rtol=1e-2).depth[-1]
-
-    point = np.array([3.0, 1.0, 1.0])
-    back = jax.grad(call, argnums=(0, 1, 2))(*point)
-    steps = 1e-3 * np.eye(3)
-    slow = [
-        (call(*(point + h * point)) - call(*(point - h * point))) / (2e-3 * a)
-        for h, a in zip(steps, point, strict=True)
-    ]
-    np.testing.assert_allclose(back, slow, rtol=1e-5)
-
-
-@pytest.mark.slow
-def test_derivatives_with_adhesion():
-    def call(p):
-        result = em.indent(
-            em.Foundation(p[0], [], []), em.Paraboloid(p[1]), time=TIMES, load=p[3] * PULSES, adhesion=p[2]
-        )
-        return jnp.stack([result.depth, result.contact_radius])
-
-    _directional(call, np.array([1e6, 0.01, 0.05, 1.0]), 1e-7)
 
 
 # ---------------------------------------------------------------- refusals

@@ -34,6 +34,10 @@ def _viscous() -> Any:
 
 
 RADIUS, GAMMA = 0.01, 0.05
+SOLID = em.Foundation(1.0, [3.0], [0.5])
+BALL = em.Paraboloid(1.0)
+TWICE = np.interp(TIMES, [0, 0.5, 1.0, 1.1, 1.4, 2.0], [0, 0.01, 0.004, 0.006, 0.012, 0.012])  # shrinks, grows again
+PULSES = np.interp(TIMES, [0, 0.5, 1.0, 1.25, 2.0], [0, 3e-3, 0, 0, 3e-3])  # a load that goes to zero and returns
 ELASTIC = em.Foundation(1e6, [], [])
 PULL = -0.002356194490192345
 

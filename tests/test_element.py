@@ -1,0 +1,119 @@
+"""One element under a surface that comes and goes, against an integrator with events and against the contact step."""
+
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from elastomdr.foundation.episode import energies, follow, force, pressed
+from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
+from elastomdr.foundation.step import contact_step, rest
+from elastomdr.material.relaxation import Relaxation
+
+
+@pytest.fixture(autouse=True)
+def float64():
+    with jax.enable_x64(True):
+        yield
+
+
+def _one_element(law, corners):
+    """u, q, work and heat of one element along a surface with the given corners (t, w): scipy, event by event."""
+    modulus, weights, times = float(law.equilibrium), law.moduli, law.times
+    glassy = modulus + weights.sum()
+    state, touching = np.zeros(1 + len(weights) + 2), False  # u, f, work, heat
+    for (t0, w0), (t1, w1) in pairwise(corners):
+        v, now = (w1 - w0) / (t1 - t0), t0
+
+        def rates(t, y, v=v, touching=False):
+            f = y[1:-2]
+            speed = v if touching else (f / times).sum() / glassy
+            q = modulus * y[0] + f.sum()
+            return np.concatenate([[speed], weights * speed - f / times, [q * speed, (f**2 / weights / times).sum()]])
+
+        def meets(t, y, w0=w0, t0=t0, v=v):
+            return y[0] - (w0 + v * (t - t0))
+
+        def pulls(t, y):
+            return modulus * y[0] + y[1:-2].sum()
+
+        while now < t1 * (1 - 1e-14):
+            event = pulls if touching else meets
+            event.terminal, event.direction = True, -1
+            if not touching and meets(now, state) <= 1e-13 and rates(now, state)[0] < v:
+                touching = True
+                continue
+            solution = solve_ivp(
+                lambda t, y, on=touching: rates(t, y, touching=on),
+                (now, t1),
+                state,
+                "DOP853",
+                rtol=1e-12,
+                atol=1e-15,
+                events=event,
+            )
+            now, state = solution.t[-1], solution.y[:, -1]
+            touching = touching != (solution.status == 1)
+    return state[0], (modulus * state[0] + state[1:-2].sum()) * touching, state[-2], state[-1]
+
+
+CORNERS = [(0.0, -0.2), (1.0, 1.0), (1.4, -0.2), (1.7, -0.2), (2.4, 0.8), (3.0, 0.75), (3.2, 0.5), (4.0, 0.3)]
+BRANCHES = Relaxation(*map(np.asarray, (1.0, [3.0, 1.0, 0.5], [0.05, 0.5, 4.0], 0.0)))
+
+
+def test_one_element_through_contact_recovery_and_renewed_contact():
+    modes = recovery_modes(BRANCHES)
+    state = pressed(BRANCHES, modes, jnp.array([CORNERS[0][1]]))
+    seen = []
+    for (t0, w0), (t1, w1) in pairwise(CORNERS):
+        v = (w1 - w0) / (t1 - t0)
+        state = follow(BRANCHES, modes, state, jnp.array([w0]), v, t1 - t0)
+        seen.append(bool(state.contact[0]))
+    assert sum(np.diff(np.array([False, *seen], int)) == 1) == 2  # touched twice
+    held, left = energies(BRANCHES, modes, state)
+    u, q, work, heat = _one_element(BRANCHES, CORNERS)
+    np.testing.assert_allclose(
+        [state.u[0], force(BRANCHES, state, v)[0], state.work[0]], [u, q, work], rtol=1e-9, atol=1e-11
+    )
+    # Energy audit: the heat is the integrator's own sum over the dashpots.
+    np.testing.assert_allclose(heat, state.work[0] - held[0] - left[0], rtol=1e-8)
+
+
+def test_contact_step_converges_to_the_exact_element():
+    """Slope 2 of the step method against the element solved without steps."""
+    modes = recovery_modes(BRANCHES)
+    corners = CORNERS[:6]
+    exact = pressed(BRANCHES, modes, jnp.array([corners[0][1]]))
+    for (t0, w0), (t1, w1) in pairwise(corners):
+        exact = follow(BRANCHES, modes, exact, jnp.array([w0]), (w1 - w0) / (t1 - t0), t1 - t0)
+    target = force(BRANCHES, exact, 0.0)[0]
+    counts = np.array([3000, 12000, 48000])
+    law = jax.tree.map(jnp.asarray, BRANCHES)
+
+    @jax.jit
+    def marched(w, h):
+        state, _ = jax.lax.scan(lambda s, e: (contact_step(law, s, *e, h), None), rest(law, 1), (w[:-1], w[1:]))
+        return state.q[0]
+
+    errors = []
+    for n in counts:
+        t = np.linspace(0, corners[-1][0], n + 1)
+        errors.append(abs(marched(np.interp(t, *np.transpose(corners))[:, None], t[1]) - target))
+    slope = np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert -2.6 < slope < -1.5
+    assert errors[-1] < 1e-7 * target
+
+
+def test_modes_and_branches_are_inverse():
+    liquid = Relaxation(np.asarray(0.0), BRANCHES.moduli, BRANCHES.times, BRANCHES.viscosity)
+    damped = Relaxation(BRANCHES.equilibrium, BRANCHES.moduli, BRANCHES.times, np.asarray(0.3))
+    for law in (BRANCHES, liquid, damped):
+        modes = recovery_modes(law)
+        m = np.random.default_rng(1).uniform(0, 1, (modes.rate.size, 5))
+        f = to_branches(law, modes, m)
+        rate = -(modes.rate[:, None] * m).sum(0)
+        np.testing.assert_allclose(law.equilibrium * m.sum(0) + f.sum(0) + law.viscosity * rate, 0, atol=1e-12)
+        np.testing.assert_allclose(to_modes(law, modes, m.sum(0), f), m, rtol=1e-11)
