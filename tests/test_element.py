@@ -20,7 +20,7 @@ def float64():
         yield
 
 
-def _one_element(law, corners):
+def one_element_by_events(law, corners):
     """u, q, work and heat of one element along a surface with the given corners (t, w): scipy, event by event."""
     modulus, weights, times = float(law.equilibrium), law.moduli, law.times
     glassy = modulus + weights.sum()
@@ -64,7 +64,7 @@ CORNERS = [(0.0, -0.2), (1.0, 1.0), (1.4, -0.2), (1.7, -0.2), (2.4, 0.8), (3.0, 
 BRANCHES = Relaxation(*map(np.asarray, (1.0, [3.0, 1.0, 0.5], [0.05, 0.5, 4.0], 0.0)))
 
 
-def test_one_element_through_contact_recovery_and_renewed_contact():
+def testone_element_by_events_through_contact_recovery_and_renewed_contact():
     modes = recovery_modes(BRANCHES)
     state = pressed(BRANCHES, modes, jnp.array([CORNERS[0][1]]))
     seen = []
@@ -74,7 +74,7 @@ def test_one_element_through_contact_recovery_and_renewed_contact():
         seen.append(bool(state.contact[0]))
     assert sum(np.diff(np.array([False, *seen], int)) == 1) == 2  # touched twice
     held, left = energies(BRANCHES, modes, state)
-    u, q, work, heat = _one_element(BRANCHES, CORNERS)
+    u, q, work, heat = one_element_by_events(BRANCHES, CORNERS)
     np.testing.assert_allclose(
         [state.u[0], force(BRANCHES, state, v)[0], state.work[0]], [u, q, work], rtol=1e-9, atol=1e-11
     )
@@ -117,3 +117,21 @@ def test_modes_and_branches_are_inverse():
         rate = -(modes.rate[:, None] * m).sum(0)
         np.testing.assert_allclose(law.equilibrium * m.sum(0) + f.sum(0) + law.viscosity * rate, 0, atol=1e-12)
         np.testing.assert_allclose(to_modes(law, modes, m.sum(0), f), m, rtol=1e-11)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_elements_with_renewed_contact(seed):
+    """Random branches and paths: force, work and heat against scipy, contact by contact."""
+    rng = np.random.default_rng(seed)
+    times = np.sort(10 ** rng.uniform(-1.5, 1, 3))
+    law = Relaxation(*map(np.asarray, (rng.uniform(0.2, 2), rng.uniform(0.2, 4, 3), times, 0.0)))
+    corners = list(zip(np.arange(10) * 0.4, np.append(-0.1, rng.uniform(-0.4, 1, 9)), strict=True))
+    corners[4] = (corners[4][0], -0.3)  # let go at least once
+    modes = recovery_modes(law)
+    state = pressed(law, modes, jnp.array([corners[0][1]]))
+    v = 0.0
+    for (t0, w0), (t1, w1) in pairwise(corners):
+        v = (w1 - w0) / (t1 - t0)
+        state = follow(law, modes, state, jnp.array([w0]), v, t1 - t0)
+    got = [float(x[0]) for x in (state.u, force(law, state, v), state.work, state.heat)]
+    np.testing.assert_allclose(got, one_element_by_events(law, corners), rtol=1e-8, atol=1e-10)

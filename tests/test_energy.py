@@ -168,32 +168,3 @@ def test_steady_sliding_turns_all_its_power_into_heat():
     steady = em.friction(rubber, ball, velocity=speed, load=10.0, average=None)
     power = (found.dissipated[-1] - found.dissipated[-9]) / (time[-1] - time[-9])
     np.testing.assert_allclose(power, steady.friction_force * speed, rtol=1e-3)
-
-
-# ---------------------------------------------------------------- random elements, against an integrator with events
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_random_elements_with_renewed_contact(seed):
-    """Random branches and paths: force, work and heat against scipy, contact by contact."""
-    from itertools import pairwise
-
-    from elastomdr.foundation.episode import follow, force, pressed
-    from elastomdr.foundation.modes import recovery_modes
-
-    from .test_indentation import _one_element
-
-    rng = np.random.default_rng(seed)
-    times = np.sort(10 ** rng.uniform(-1.5, 1, 3))
-    law = Relaxation(*map(np.asarray, (rng.uniform(0.2, 2), rng.uniform(0.2, 4, 3), times, 0.0)))
-    corners = list(zip(np.arange(10) * 0.4, np.append(-0.1, rng.uniform(-0.4, 1, 9)), strict=True))
-    corners[4] = (corners[4][0], -0.3)  # let go at least once
-    with jax.enable_x64(True):
-        modes = recovery_modes(law)
-        state = pressed(law, modes, jnp.array([corners[0][1]]))
-        v = 0.0
-        for (t0, w0), (t1, w1) in pairwise(corners):
-            v = (w1 - w0) / (t1 - t0)
-            state = follow(law, modes, state, jnp.array([w0]), v, t1 - t0)
-        got = [float(x[0]) for x in (state.u, force(law, state, v), state.work, state.heat)]
-    np.testing.assert_allclose(got, _one_element(law, corners), rtol=1e-8, atol=1e-10)

@@ -1,0 +1,100 @@
+"""Figures of friction and rolling: what they show, and that nothing overlaps."""
+
+from pathlib import Path
+
+import matplotlib.figure
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.results.figure import save
+
+from .test_results import KELVIN, MODEL, VELOCITY, friction_curve, rolling_curve
+
+
+def drawn(curve, **options):
+    ax = curve.plot(**options)
+    ax.figure.draw_without_rendering()
+    return ax
+
+
+def test_figure_of_one_curve():
+    ax = drawn(friction_curve())
+    assert ax.get_xscale() == "log"
+    assert ax.get_xlabel() == "Sliding velocity [m/s]"
+    assert ax.get_ylabel() == "Friction coefficient [-]"
+    assert ax.get_title(loc="left") == "Friction, nbr"
+    texts = [t.get_text() for t in ax.texts]
+    assert MODEL in texts
+    assert "peak 0.5 at 0.01 m/s" in texts
+    assert ax.get_legend() is None
+    assert not ax.collections  # an error of 1e-9 cannot be seen
+    line, peak = ax.get_lines()
+    np.testing.assert_array_equal(line.get_ydata(), friction_curve().mu)
+    assert (peak.get_xdata()[0], peak.get_ydata()[0]) == (pytest.approx(0.01), pytest.approx(0.5))
+
+
+def test_figure_of_several_curves():
+    ax = drawn(rolling_curve(temperature=KELVIN[:, None], error=0.05, failed=[0, 1]), title="A title")
+    assert ax.get_title(loc="left") == "A title"
+    assert ax.get_ylabel() == "Rolling resistance coefficient [-]"
+    assert ax.get_xlabel() == "Rolling velocity [m/s]"
+    labels = [t.get_text() for t in ax.get_legend().get_texts()]
+    assert [label.split(":")[0] for label in labels] == ["0 °C", "20 °C", "40 °C"]
+    assert len(ax.collections) == 3
+    assert "6 of 99 points did not converge and are left out" in [t.get_text() for t in ax.texts]
+
+
+def test_figure_on_given_axes_and_along_other_axes():
+    figure = matplotlib.figure.Figure()
+    given = figure.add_subplot()
+    assert friction_curve().plot(given) is given
+    warm = drawn(friction_curve(velocity=0.01, temperature=KELVIN))
+    assert warm.get_xlabel() == "Temperature [K]"
+    assert warm.get_xscale() == "linear"
+    assert "peak 0.5 at 20 °C" in [t.get_text() for t in warm.texts]
+    point = drawn(friction_curve(velocity=0.01))
+    assert len(point.get_lines()) == 1
+    unordered = drawn(friction_curve(velocity=VELOCITY[::-1]))
+    assert (np.diff(unordered.get_lines()[0].get_xdata()) > 0).all()
+    crowd = drawn(friction_curve(temperature=np.linspace(270, 320, 40)[:, None]))
+    assert len(crowd.get_legend().get_texts()) == 12
+    drawn(friction_curve(failed=range(33)))
+
+
+@pytest.mark.parametrize("title", ["Short", "A long title " * 12])
+@pytest.mark.parametrize("kelvin", [None, KELVIN[:, None]])
+def test_nothing_overlaps_or_leaves_the_figure(title, kelvin):
+    curve = friction_curve(temperature=kelvin, failed=[0])
+    ax = drawn(curve, title=title)
+    frame = ax.figure.bbox
+    boxes = [t.get_window_extent() for t in [*ax.texts, ax.title, ax._left_title] if t.get_text()]
+    legend = ax.get_legend()
+    boxes += [legend.get_window_extent()] if legend else []
+    for i, box in enumerate(boxes):
+        assert box.x0 >= frame.x0 - 1
+        assert box.x1 <= frame.x1 + 1
+        assert box.y1 <= frame.y1 + 1
+        assert not any(box.overlaps(other) for other in boxes[:i])
+
+
+def test_saved_figure_is_a_png_of_200_dpi(tmp_path):
+    save(friction_curve(), tmp_path / "figure.png", "A title")
+    content = Path(tmp_path / "figure.png").read_bytes()
+    assert content.startswith(b"\x89PNG")
+    assert int.from_bytes(content[16:20], "big") == 1320  # 6.6 inches
+    with pytest.raises(em.InputError, match="can be written"):
+        save(friction_curve(), tmp_path / "missing" / "figure.png")
+
+
+def test_a_second_curve_on_the_same_axes_goes_into_the_legend():
+    ax = friction_curve().plot()
+    title, texts = ax.get_title(loc="left"), len(ax.texts)
+    friction_curve(load=20.0).plot(ax=ax)
+    friction_curve(load=30.0).plot(ax=ax, label="the other one")
+    assert (ax.get_title(loc="left"), len(ax.texts)) == (title, texts)
+    first, second = (text.get_text() for text in ax.get_legend().get_texts())
+    assert first.startswith("nbr: peak")
+    assert second.startswith("the other one: peak")
+    lines = [line for line in ax.get_lines() if len(line.get_xdata()) > 1]
+    assert len({line.get_color() for line in lines}) == 3

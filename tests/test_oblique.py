@@ -1,0 +1,58 @@
+"""Oblique impact with friction: limits, symmetry, against em.shear, extremes."""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+R, M, V, E = 0.01, 0.02, 1.5, 4e6
+BALL = em.Paraboloid(R)
+NORMAL, TANGENTIAL = em.Foundation(E, [], []), em.Foundation(E * 2 / 3, [], [])
+
+
+def strike(u, mu, **changes):
+    scene = {"tangential_velocity": u, "friction": mu, "tangential": TANGENTIAL}
+    return em.impact(NORMAL, BALL, mass=M, velocity=V, **scene | changes)
+
+
+def test_limits_of_friction():
+    """Full slip: the impulse is mu (1 + e) m v; without friction nothing happens; nothing slips at mu = inf."""
+    found = strike([1.0, 5.0, 0.5], [0.0, 0.3, np.inf]).oblique
+    np.testing.assert_allclose(found.tangential_mass, 2 / 7 * M, rtol=1e-12)
+    np.testing.assert_allclose(found.after[0], 1, rtol=1e-12)
+    np.testing.assert_allclose(found.after[1], 5 - 0.3 * 2 * V * 3.5, rtol=1e-4)
+    np.testing.assert_allclose(found.slip_loss[:2], found.lost[:2], rtol=1e-3, atol=1e-12)
+    assert np.all(found.error < 1e-4)
+
+
+def test_is_odd_and_scales_and_agrees_with_shear():
+    """u/(mu v) decides, so that twice the friction and twice the velocity are the same impact; the motion, imposed
+    by `em.shear` along straight lines, gives about the same tangential forces.
+    """
+    found = strike([0.4, -0.4, 0.8], [0.3, 0.3, 0.6])
+    h, t = found.history, found.oblique
+    np.testing.assert_allclose(t.after / t.after[0], [1, -1, 2], rtol=1e-9)
+    assert t.after[0] < 0  # it comes back: the contact stores tangential energy
+    speed, time = t.velocity[0], h.time[0]
+    u = np.concatenate([[0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
+    force = em.shear(
+        NORMAL, BALL, time=time, displacement=u, friction=0.3, depth=np.maximum(h.depth[0], 0),
+        tangential=TANGENTIAL, elements=1000,
+    ).force  # fmt: skip
+    np.testing.assert_allclose(t.force[0], force, atol=0.04 * np.abs(force).max())
+
+
+def test_energy_and_bad_input():
+    rubber = em.StandardSolid(1e6, 3e6, 1e-3)
+    found = em.impact(rubber, BALL, mass=M, velocity=V, tangential_velocity=1.0, friction=0.5)
+    assert 0 < found.oblique.slip_loss < found.oblique.lost
+    assert "tangential velocity at separation [m/s]" in found.csv()
+    for changes, message in (
+        ({"friction": None}, "friction must be given"),
+        ({"tangential": None}, "tangential must be given"),
+        ({"u": None}, "belongs to an oblique impact"),
+        ({"inertia": -1.0}, "inertia must be positive"),
+    ):
+        arguments = {"u": 1.0, "mu": 0.3} | {("mu" if k == "friction" else k): v for k, v in changes.items()}
+        with pytest.raises(em.InputError, match=message):
+            strike(**arguments)
