@@ -39,7 +39,8 @@ def test_interface_to_diffrax():
     solution = solve(law, Waves(3), 2.0, 64, 3, samples=1, most=64, saveat=diffrax.SaveAt(dense=True, steps=True))
     middle = solution.evaluate(0.5 * (solution.ts[10] + solution.ts[11]))
     np.testing.assert_allclose(middle.u, 0.5 * (solution.ys.u[10] + solution.ys.u[11]))
-    assert (solution.ys.u[:64] >= jax.vmap(Waves(3))(solution.ts[:64])).all()
+    surface = jax.vmap(Waves(3))(solution.ts[:64])  # compiled apart: its sines differ in the last digit
+    assert (solution.ys.u[:64] >= surface - 1e-15).all()
 
 
 def test_batches_and_step_to():
