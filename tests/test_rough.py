@@ -102,14 +102,14 @@ def test_direction_average_of_a_cosine():
     assert (np.abs(got.mu - exact) <= got.error).all()
 
 
-def test_partial_contact_against_a_march():
+@pytest.mark.parametrize(("skip", "rtol"), [(False, 1e-9), (True, 1e-7)])
+def test_partial_contact_against_a_march(skip, rtol):
     line, one = rough(1024), em.Foundation(1e6, [2e7], [3e-4])
-    got = em.friction(one, line, velocity=1.0, depth=2e-5, average=None, samples=4096)
+    got = em.friction(one, line, velocity=1.0, depth=2e-5, average=None, samples=4096, skip=skip)
     work, heat, load = march(line.finer(4), one, 1.0, 2e-5, 30)
     assert 0.01 < got.rough.share < 0.9
-    np.testing.assert_allclose(got.mu, work, rtol=1e-7)
+    np.testing.assert_allclose(got.mu, heat, rtol=rtol)  # what friction puts in is what the branch dissipates
     np.testing.assert_allclose(got.normal_force, load, rtol=1e-7)
-    np.testing.assert_allclose(work, heat, rtol=2e-3)
     assert abs(heat - work) < got.error
 
 

@@ -1,0 +1,57 @@
+"""Which branches a velocity on a rough line need not carry one by one: each lane has a window of its own.
+
+A branch that is all but forgotten within a step of length h is a dashpot of viscosity E tau, exactly so in the
+discretised motion. Branches much slower than the period T of the line are lumped into one with their sum of E_k and of
+E_k/tau_k; what that leaves is E (T/2 pi tau)^2 in the stiffness and E (T/2 pi tau)^3 in the loss, compared with the
+relaxed stiffness and with the loss of the rest at its mean over the wavelengths of the line.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from ..material.relaxation import Relaxation
+from .period import Lanes
+
+_FORGOTTEN = 20.0  # h/tau from which exp(-h/tau) leaves less than 1e-8 of a branch's force after a step
+_SAFETY = 10.0  # the estimate is that of a wave as long as the line
+_SHARE = 0.05  # of rtol, to be spent on lumping
+
+
+def lanes(law: Relaxation, count: int) -> Lanes:
+    """The relaxation function as it is, for each of `count` lanes, the slowest branch first."""
+    order = np.argsort(-np.asarray(law.times), kind="stable")
+    moduli, times = (np.asarray(x)[order][:, None] * np.ones(count) for x in (law.moduli, law.times))
+    return Lanes(np.asarray(law.equilibrium), moduli, times, np.full(count, float(law.viscosity)), np.zeros(count))
+
+
+def lumped(
+    law: Relaxation, step: Float[np.ndarray, " lanes"], period: Float[np.ndarray, " lanes"], rtol: float
+) -> tuple[Lanes, Float[np.ndarray, " lanes"]]:
+    """What each lane carries, padded with empty branches to a common and even number; and mu's relative change."""
+    whole = lanes(law, step.size)
+    moduli, times = whole.moduli, whole.times
+    fast = step / times > _FORGOTTEN
+    angle = period / (2 * np.pi * times)
+    waves = np.geomspace(1.0, period / step, 33)[:, None] * (2 * np.pi * times / period)  # w tau
+    loss = (moduli * waves / (1 + waves**2)).sum(axis=1).mean(axis=0) + whole.viscosity * 2 * np.pi / period
+    cost = _SAFETY * moduli * (angle**2 / whole.relaxed + angle**3 / loss)
+    spent = np.cumsum(np.where(fast, np.inf, cost), axis=0)
+    slow = spent <= _SHARE * rtol
+    slow &= slow.sum(axis=0) > 1  # one alone is its own lump
+    viscosity = whole.viscosity + (moduli * times * fast).sum(axis=0)
+    second = (moduli * times**2 * fast).sum(axis=0)
+    total, rate = (moduli * slow).sum(axis=0), (moduli / times * slow).sum(axis=0)
+    some = slow.any(axis=0)
+    kept = ~(slow | fast)
+    count = int((some + kept.sum(axis=0)).max())
+    count = max(2, count + count % 2)
+    new_moduli, new_times = np.zeros((count, step.size)), np.ones((count, step.size)) * step
+    for lane in range(step.size):
+        first = int(some[lane])
+        last = first + int(kept[:, lane].sum())
+        new_moduli[first:last, lane] = moduli[kept[:, lane], lane]
+        new_times[first:last, lane] = times[kept[:, lane], lane]
+        if first:
+            new_moduli[0, lane], new_times[0, lane] = total[lane], total[lane] / rate[lane]
+    spent = np.where(slow, np.where(fast, 0.0, cost), 0.0).sum(axis=0)
+    return Lanes(whole.relaxed, new_moduli, new_times, viscosity, second), spent

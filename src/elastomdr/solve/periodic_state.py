@@ -1,0 +1,204 @@
+"""The periodic state of a rough line and, for a given load, its depth, by quasi-Newton sweeps.
+
+One sweep from a state f_k(0) tells how far that state is from a periodic one. The motion that the sweep has found would
+leave, when repeated for ever, the branch at
+
+    f_k(0) + [f_k(T) - f_k(0) + g_k (u(0) - u(T))]/(1 - exp(-T/tau_k)),
+
+and since periodic forces have no mean, sum_n f_k(n) = 0, a slow branch (tau_k >> T) more accurately at
+f_k(0) - sum_n f_k(n) / sum_n exp(-n h/tau_k). The differences, with that of the load, are the residuals r(f_k(0), d).
+Repeating the motion is a contraction, but a slow one for light contacts with slow branches. Broyden's method, which
+learns the Jacobian as it goes, starts from the Jacobian by differences on the coarsest samples, where a sweep costs
+little.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from .period import Coefficients, Lanes, Swept, coefficients, sweep
+from .stretches import Stretches, stretches
+
+RESIDUAL = 1e-9  # of the state and of the load, relative to the load
+_SMALL = 1.0  # mu below which the residual is smaller in proportion: friction is a small part of the forces
+_SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
+_PADDED = (8, 16, 32, 64)  # numbers of lanes that are compiled
+_SUMS = (1, 2, 4, 8)  # numbers of slow branches that are compiled
+_SWEEPS = (60, 30)  # at most, with all samples and with fewer
+_SINGULAR = 1e-8  # least singular value of a Jacobian that is inverted
+_STRETCHES = 128  # that a line is cut into, at most
+_WORTH = 16  # samples that a stretch must have to be worth a look
+_NUDGE = 1e-5  # of the load, by which an unknown is moved for the Jacobian
+
+
+class State(NamedTuple):
+    """The unknowns of each lane, f_k(0) and d, and the inverse of minus the Jacobian, all in units of the load."""
+
+    branches: Float[np.ndarray, "branches lanes"]
+    depth: Float[np.ndarray, " lanes"]
+    inverse: Float[np.ndarray, "lanes unknowns unknowns"]
+
+
+class Level(NamedTuple):
+    """One sampling of the line, for all lanes."""
+
+    rise: Float[np.ndarray, " n"]
+    stride: int
+    by: Coefficients
+    free: Stretches | None
+    slow: int  # number of branches that may be slow
+    is_slow: np.ndarray  # of those, which are, in which lane
+    sums: Float[np.ndarray, "slow lanes"]  # sum_n exp(-n h/tau_k)
+    whole: Float[np.ndarray, "branches lanes"]  # 1 - exp(-T/tau_k)
+    load: Float[np.ndarray, " lanes"]
+    stiffness: Float[np.ndarray, " lanes"]  # of the load against depth, about
+    by_load: bool
+    spacing: float  # h v, between samples [m]
+
+
+class Found(NamedTuple):
+    """What a periodic motion is."""
+
+    mu: Float[np.ndarray, " lanes"]
+    load: Float[np.ndarray, " lanes"]
+    share: Float[np.ndarray, " lanes"]
+    residual: Float[np.ndarray, " lanes"]
+
+
+def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, control, skip: bool) -> Level:
+    """The line on every `stride`-th of its points, which are `spacing` [m] and `step` [s] apart."""
+    count, step = rise.size // stride, stride * step
+    period = count * step
+    by = coefficients(law, step)
+    slow = period / law.times < _SLOW
+    most = int(slow.sum(axis=0).max())
+    most = next((s for s in _SUMS if s >= most), slow.shape[0])
+    most = min(most, slow.shape[0])
+    pieces = math.gcd(count // _WORTH, _STRETCHES) if count % _WORTH == 0 else 1
+    free = (
+        stretches(rise[::stride], pieces, by.keep, by.lost, by.gain, by.give, by.relaxed)
+        if skip and pieces > 1
+        else None
+    )
+    whole = -np.expm1(-period / law.times)
+    sums = by.keep * whole / -np.expm1(-step / law.times)
+    return Level(
+        rise, stride, by, free, most, slow[:most], np.where(slow, sums, 1.0)[:most], whole, load, stiffness,
+        control == "load", stride * spacing,
+    )  # fmt: skip
+
+
+def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lanes"], np.ndarray]:
+    """The periodic state, the number of sweeps of each lane, and which lanes have converged."""
+    branches, depth, inverse = (np.array(a) for a in state)
+    lanes, unknowns = depth.size, inverse.shape[1]
+    load, count = level.load, level.rise.size // level.stride
+    floor = 2e-16 * np.sqrt(count) * depth / (level.by.give * load)  # what rounding of u leaves
+    best, kept, failures = np.full(lanes, np.inf), None, np.zeros(lanes, int)
+    moved = before = None
+    active, turns = np.ones(lanes, bool), np.zeros(lanes)
+    for _ in range(_SWEEPS[level.stride > 1]):
+        r, end = _residual(level, branches, depth, active)
+        turns += active
+        size = np.where(np.isfinite(r).all(axis=1), np.abs(r).max(axis=1), np.inf)
+        goal = np.maximum(RESIDUAL * np.clip(_mu(level, end) / _SMALL, 1e-4, 1.0), floor)
+        active = active & ~(size <= goal)
+        if not active.any():
+            break
+        if moved is not None and before is not None:
+            inverse = _learn(inverse, moved, before - r, active)
+        if kept is None:
+            kept = (depth.copy(), branches.copy(), r.copy())
+        worse = active & ~(size <= 2 * best)
+        failures = np.where(worse, failures + 1, 0)
+        retry = failures >= 3  # what was learnt misleads: start over from the best point, with shorter steps
+        inverse = np.where(
+            retry[:, None, None], np.eye(unknowns) * 0.5 ** np.minimum(failures, 8)[:, None, None], inverse
+        )
+        depth, branches = np.where(worse, kept[0], depth), np.where(worse, kept[1], branches)
+        r = np.where(worse[:, None], kept[2], r)
+        better = active & (size <= best)
+        kept = (
+            np.where(better, depth, kept[0]), np.where(better, branches, kept[1]), np.where(better[:, None], r, kept[2])
+        )  # fmt: skip
+        best = np.where(better, size, best)
+        moved = np.einsum("vij,vj->vi", inverse, r)
+        down = moved[:, -1] * load / level.stiffness
+        moved *= (np.minimum(1.0, 0.5 * depth / np.maximum(np.abs(down), 1e-300)) * active)[:, None]
+        if not level.by_load:
+            moved[:, -1] = 0.0
+        branches = branches + moved[:, :-1].T * load
+        depth = depth + moved[:, -1] * load / level.stiffness
+        before = r
+    return State(branches, depth, inverse), turns, ~active
+
+
+def finish(level: Level, state: State) -> Found:
+    """The periodic motion's friction, its work summed exactly."""
+    r, end = _residual(level, state.branches, state.depth, np.ones(state.depth.size, bool), exact=True)
+    count = level.rise.size // level.stride
+    return Found(_mu(level, end), end.load / count, end.touching / count, np.abs(r).max(axis=1))
+
+
+def jacobian(level: Level, state: State) -> Float[np.ndarray, "lanes unknowns unknowns"]:
+    """The inverse of minus the Jacobian of the residuals, by differences; the identity where it is singular."""
+    lanes, unknowns = state.depth.size, state.inverse.shape[1]
+    every = np.ones(lanes, bool)
+    start = _residual(level, state.branches, state.depth, every)[0]
+    found = np.tile(np.eye(unknowns), (lanes, 1, 1))  # of minus the Jacobian
+    for j in range(unknowns if level.by_load else unknowns - 1):
+        branches, depth = state.branches.copy(), state.depth
+        if j < unknowns - 1:
+            branches[j] += _NUDGE * level.load
+        else:
+            depth = depth + _NUDGE * level.load / level.stiffness
+        found[:, :, j] = (start - _residual(level, branches, depth, every)[0]) / _NUDGE
+    found[~np.isfinite(found).all(axis=(1, 2))] = np.eye(unknowns)
+    found[np.linalg.svd(found, compute_uv=False)[:, -1] < _SINGULAR] = np.eye(unknowns)
+    return np.linalg.inv(found)
+
+
+def _residual(level: Level, branches, depth, active, exact: bool = False) -> tuple[np.ndarray, Swept]:
+    """What a sweep leaves of periodicity and of the load, in units of the load."""
+    end = _sweep(level, branches, depth, active, exact)
+    r = (end.branches - branches + level.by.gain * (depth - end.u)) / level.whole
+    r[: level.slow] = np.where(level.is_slow, -end.sums / level.sums, r[: level.slow])
+    mean = end.load / (level.rise.size // level.stride)
+    last = level.load - mean if level.by_load else np.zeros_like(mean)
+    return (np.concatenate([r, last[None]]) / level.load).T, end
+
+
+def _mu(level: Level, end: Swept) -> Float[np.ndarray, " lanes"]:
+    return end.work / level.spacing / np.where(end.load > 0, end.load, np.nan)
+
+
+def _learn(inverse, moved, change, active):
+    """Broyden's update of the inverse Jacobian, H += (s - H y)(s^T H)/(s^T H y), where it is well defined."""
+    seen = np.einsum("vij,vj->vi", inverse, change)
+    row = np.einsum("vi,vij->vj", moved, inverse)
+    pivot = np.einsum("vi,vi->v", moved, seen)
+    use = active & (np.abs(pivot) > 1e-4 * np.sum(moved**2, axis=1)) & np.isfinite(pivot)
+    factor = np.where(use, 1 / np.where(use, pivot, 1.0), 0.0)
+    seen = np.where(use[:, None], seen, 0.0)
+    return inverse + factor[:, None, None] * (moved - seen)[:, :, None] * row[:, None, :]
+
+
+def _sweep(level: Level, branches, depth, active, exact: bool) -> Swept:
+    """A sweep of the lanes that are still active, padded to a size that is compiled; zeros for the others."""
+    chosen = np.flatnonzero(active)
+    size = next((s for s in _PADDED if s >= chosen.size), chosen.size)
+    pick = np.concatenate([chosen, np.full(size - chosen.size, chosen[0])])
+
+    found = sweep(
+        level.rise, level.rise.size // level.stride, level.stride, depth[pick], branches[:, pick], level.by.of(pick),
+        None if level.free is None else level.free.of(pick), level.slow, exact,
+    )  # fmt: skip
+    whole = []
+    for field in found:
+        part = np.asarray(field)[..., : chosen.size]
+        full = np.zeros((*part.shape[:-1], depth.size))
+        full[..., chosen] = part
+        whole.append(full)
+    return Swept(*whole)
