@@ -17,14 +17,14 @@ E_k tau_k, it adds E_k tau_k^2 (du- - du)/h^2 in the brackets.
 """
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import one_kernel
+from .._runtime import Array, one_kernel
 from .stretches import Stretches, recover
 
 _UNROLL = 4  # steps in one turn of the compiled loop
@@ -60,15 +60,15 @@ class Coefficients(NamedTuple):
 class Swept(NamedTuple):
     """The end of a period, and sums over it."""
 
-    branches: Float[np.ndarray, "branches lanes"]  # f_k at the end [Pa m, force per length]
-    u: Float[np.ndarray, " lanes"]  # u at the end [m]
-    work: Float[np.ndarray, " lanes"]  # int q du [Pa m^2]: exact, or by the rectangular rule
-    load: Float[np.ndarray, " lanes"]  # sum of q
-    sums: Float[np.ndarray, "slow lanes"]  # sum of f_k, of the slow branches
-    touching: Float[np.ndarray, " lanes"]  # number of samples in contact
+    branches: Float[Array, "branches lanes"]  # f_k at the end [Pa m, force per length]
+    u: Float[Array, " lanes"]  # u at the end [m]
+    work: Float[Array, " lanes"]  # int q du [Pa m^2]: exact, or by the rectangular rule
+    load: Float[Array, " lanes"]  # sum of q
+    sums: Float[Array, "slow lanes"]  # sum of f_k, of the slow branches
+    touching: Float[Array, " lanes"]  # number of samples in contact
 
 
-def coefficients(law: Lanes, step: Float[np.ndarray, " lanes"]) -> Coefficients:
+def coefficients(law: Lanes, step: Float[Array, " lanes"]) -> Coefficients:
     """Coefficients of steps of `step` seconds."""
     z = step / law.times
     lost = -np.expm1(-z)
@@ -98,7 +98,7 @@ def sweep(
 ) -> Swept:
     """Runs through one period from u = d."""
     whole = one_kernel(partial(_sweep, slow=slow, exact=exact))
-    return Swept(*whole(rise, count, stride, depth, branches, by, free))
+    return whole(rise, count, stride, depth, branches, by, free)
 
 
 def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretches | None, slow: int, exact: bool):
@@ -127,7 +127,7 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
         state = jax.lax.fori_loop(0, turns, several, state)
         return jax.lax.fori_loop(first + turns * _UNROLL, last, one, state)
 
-    def on(carry):
+    def on(free, carry):
         """Passes the stretches that nothing touches, and then takes the steps of the next."""
         first, ready, (f, u, du, work, load, sums, touching) = carry
         y = jnp.concatenate([(by.relaxed * u)[None], f])
@@ -140,10 +140,12 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
         return j + 1, ready, state
 
     nothing = jnp.zeros_like(depth)
-    state = (branches, depth, nothing, nothing, nothing, jnp.zeros_like(branches[:slow]), nothing)
+    state: Any = (branches, depth, nothing, nothing, nothing, jnp.zeros_like(branches[:slow]), nothing)
     if free is None:
         f, u, _, *sums = steps(0, count, state)
     else:
         length = count // free.highest.size
-        f, u, _, *sums = jax.lax.while_loop(lambda s: s[0] < free.highest.size, on, (0, not exact, state))[-1]
-    return f, u, *sums
+        f, u, _, *sums = jax.lax.while_loop(
+            lambda s: s[0] < free.highest.size, partial(on, free), (0, not exact, state)
+        )[-1]
+    return Swept(f, u, *sums)

@@ -111,7 +111,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> Line:
         s for s in ((64, 16, 4, 1) if n >= _LONG else (16, 4, 1)) if s == 1 or (n % s == 0 and n // s >= _FEWEST)
     ]
     sweeps, mus, full = np.zeros(velocity.size), [np.full(velocity.size, np.nan)], np.ones(velocity.size, bool)
-    fine = None
+    fine = found = good = None
     for stride in strides:
         level = level_of(rise, spacing, stride, step, carried, load, stiffness, control, skip)
         if stride == strides[0]:
@@ -126,6 +126,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> Line:
             np.where(good[:, None, None], found.inverse, np.eye(found.inverse.shape[1])),
         )  # fmt: skip
     assert fine is not None  # the last stride is always 1
+    assert found is not None
     good = good & np.isfinite(fine.mu)
     mu, error = _limit(mus, full)
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)

@@ -139,7 +139,8 @@ def finish(level: Level, state: State) -> Found:
     """The periodic motion's friction, its work summed exactly."""
     r, end = _residual(level, state.branches, state.depth, np.ones(state.depth.size, bool), exact=True)
     count = level.rise.size // level.stride
-    return Found(_mu(level, end), end.load / count, end.touching / count, np.abs(r).max(axis=1))
+    load, touching = np.asarray(end.load), np.asarray(end.touching)
+    return Found(_mu(level, end), load / count, touching / count, np.abs(r).max(axis=1))
 
 
 def jacobian(level: Level, state: State) -> Float[np.ndarray, "lanes unknowns unknowns"]:
@@ -171,7 +172,8 @@ def _residual(level: Level, branches, depth, active, exact: bool = False) -> tup
 
 
 def _mu(level: Level, end: Swept) -> Float[np.ndarray, " lanes"]:
-    return end.work / level.spacing / np.where(end.load > 0, end.load, np.nan)
+    work, load = np.asarray(end.work), np.asarray(end.load)
+    return work / level.spacing / np.where(load > 0, load, np.nan)
 
 
 def _learn(inverse, moved, change, active):

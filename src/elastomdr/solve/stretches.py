@@ -13,7 +13,9 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
+
+from .._runtime import Array
 
 _FORGOTTEN = 1e-24  # e_k below which a branch force leaves no trace after a step
 
@@ -29,7 +31,9 @@ class Stretches(NamedTuple):
 
     def of(self, lanes: np.ndarray) -> "Stretches":
         """Those of some lanes."""
-        return Stretches(self.highest, *(x[..., lanes] for x in self[1:4]), self.relaxed)
+        return self._replace(
+            to_modes=self.to_modes[..., lanes], from_modes=self.from_modes[..., lanes], rate=self.rate[..., lanes]
+        )
 
 
 def stretches(rise: Float[np.ndarray, " n"], pieces: int, keep, lost, gain, give, relaxed) -> Stretches:
@@ -46,6 +50,7 @@ def stretches(rise: Float[np.ndarray, " n"], pieces: int, keep, lost, gain, give
     vector = np.linalg.eigh(matrix)[1]  # lane, component, mode
     # `eigh` leaves rounding of the fast modes in the slow ones. The matrix between its vectors, summed from parts that
     # are small where the modes are slow, tells how much, and two steps of perturbation theory take it out.
+    fall = np.zeros((lanes, s.shape[0]))
     for _ in range(2):
         stiff = np.einsum("kl,lki->li", s, vector)
         rest = (
