@@ -76,7 +76,7 @@ def solve_line(
             )
             kept = None if store is None else store.get(key)
             if kept is None:
-                found = _batch(rise, float(spacing), law, velocity[batch], value[batch], control, rtol, skip)
+                found, _ = _batch(rise, float(spacing), law, velocity[batch], value[batch], control, rtol, skip)
                 if store is not None:
                     store.put(key, np.array(found, dtype=np.float64))
             else:
@@ -91,6 +91,15 @@ def solve_line(
     return Line(*(np.concatenate(fields)[back] for fields in zip(*parts, strict=True)))
 
 
+def solve_states(
+    height: Float[np.ndarray, " n"], spacing: float, law: Relaxation, velocity: Float[np.ndarray, " lanes"],
+    value: Float[np.ndarray, " lanes"], control: Literal["load", "depth"], rtol: float,
+) -> tuple[Line, State]:  # fmt: skip
+    """All lanes with every branch carried, and the state at the highest point, the slowest branch first."""
+    with jax.enable_x64(True):
+        return _batch(rises(height), float(spacing), law, velocity, value, control, rtol, False)
+
+
 def _key(rise: np.ndarray, law: Relaxation, velocity: np.ndarray, value: np.ndarray, how: tuple) -> str:
     """What a batch depends on, in a few letters."""
     digest = hashlib.sha256(repr((__version__, how)).encode())
@@ -99,7 +108,7 @@ def _key(rise: np.ndarray, law: Relaxation, velocity: np.ndarray, value: np.ndar
     return digest.hexdigest()[:24]
 
 
-def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> Line:
+def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Line, State]:
     n = rise.size
     step = spacing / velocity
     if skip:
@@ -130,7 +139,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> Line:
     good = good & np.isfinite(fine.mu)
     mu, error = _limit(mus, full)
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)
-    return Line._make((*(np.where(good, x, np.nan) for x in answer), sweeps, good))
+    return Line._make((*(np.where(good, x, np.nan) for x in answer), sweeps, good)), found
 
 
 def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

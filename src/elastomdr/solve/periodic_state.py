@@ -23,7 +23,7 @@ from .stretches import Stretches, stretches
 
 RESIDUAL = 1e-9  # of the state and of the load, relative to the load
 _SMALL = 1.0  # mu below which the residual is smaller in proportion: friction is a small part of the forces
-_SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
+SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
 _PADDED = (8, 16, 32, 64)  # numbers of lanes that are compiled
 _SUMS = (1, 2, 4, 8)  # numbers of slow branches that are compiled
 _SWEEPS = (60, 30)  # at most, with all samples and with fewer
@@ -72,7 +72,7 @@ def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, cont
     count, step = rise.size // stride, stride * step
     period = count * step
     by = coefficients(law, step)
-    slow = period / law.times < _SLOW
+    slow = period / law.times < SLOW
     most = int(slow.sum(axis=0).max())
     most = next((s for s in _SUMS if s >= most), slow.shape[0])
     most = min(most, slow.shape[0])

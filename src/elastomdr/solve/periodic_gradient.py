@@ -1,0 +1,125 @@
+"""Derivatives of periodic steady sliding, forward and reverse, with respect to all that goes into it.
+
+The periodic state y = (f_k(0), d) solves r(y, p) = 0, with p the moduli, times, heights, velocity and load. It is found
+outside of what JAX traces (`solve.periodic`). From there one step of Newton's method,
+
+    y(p) = y - (dr/dy)^-1 r(y, p),
+
+changes nothing in y, to the residual it was left with, and gives it the derivative of the implicit function. Friction is
+a function of y(p) and p, so that its derivative follows by running through the period, twice: the contact step is
+differentiable but where an element is just touched, and those are few.
+"""
+
+from functools import partial
+from typing import Any, Literal, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from .._runtime import Array
+from ..material.relaxation import Relaxation
+from .periodic import solve_states
+from .periodic_state import SLOW
+
+_CHUNK = 64  # steps whose intermediate values are computed again for the reverse mode instead of being kept
+
+
+class Differentiable(NamedTuple):
+    """Solved lanes under a transformation of JAX; NaN where one did not converge."""
+
+    mu: Float[Array, " lanes"]
+    load: Float[Array, " lanes"]  # [N/m]
+    depth: Float[Array, " lanes"]  # [m]
+    share: Float[Array, " lanes"]  # without a derivative, as are those below
+    error: Float[Array, " lanes"]
+    good: Float[Array, " lanes"]  # 1 where converged
+
+
+def solve_traced(
+    height: Float[Array, " n"], spacing: float, law: Relaxation, velocity: Float[Array, " lanes"],
+    value: Float[Array, " lanes"], control: Literal["load", "depth"], rtol: float,
+) -> Differentiable:  # fmt: skip
+    """As `solve.periodic.solve_line`, for arguments that JAX traces."""
+    branches, lanes = jnp.shape(law.moduli)[0], jnp.shape(velocity)[0]
+    answer = [jax.ShapeDtypeStruct(s, jnp.float64) for s in ((branches, lanes), *[(lanes,)] * 4)]
+    fixed = jax.lax.stop_gradient((jnp.asarray(height), law, velocity, value))
+    solved = partial(_solved, spacing=spacing, control=control, rtol=rtol)
+    state, depth, share, error, good = jax.pure_callback(solved, answer, *fixed, vmap_method="sequential")
+    mu, load, depth = _followed(jnp.asarray(height), law, velocity, value, state, depth, spacing, control)
+    fail = jnp.where(good > 0, 0.0, jnp.nan)
+    return Differentiable(mu + fail, load + fail, depth + fail, share + fail, error + fail, good)
+
+
+def _solved(height, law, velocity, value, *, spacing, control, rtol) -> tuple[np.ndarray, ...]:
+    law = jax.tree.map(np.asarray, law)
+    velocity, value = np.asarray(velocity), np.asarray(value)
+    line, state = solve_states(np.asarray(height), spacing, law, velocity, value, control, rtol)
+    order = np.argsort(np.argsort(-law.times, kind="stable"))
+    return state.branches[order], state.depth, line.share, line.error, line.converged.astype(np.float64)
+
+
+@partial(jax.jit, static_argnames=("spacing", "control"))
+def _followed(height, law, velocity, value, state, depth, spacing, control):
+    height = height[::-1]
+    top = jnp.argmax(jax.lax.stop_gradient(height))
+    rise = jnp.roll(height, -top) - height[top]
+    found = jnp.concatenate([state, depth[None]])
+
+    def residual(y, rise, law, velocity, value):
+        return _period(y, rise, spacing, law, velocity, value, control)[0]
+
+    inputs = (rise, law, velocity, value)
+    fixed = jax.lax.stop_gradient(inputs)
+    size = found.shape[0] - (control == "depth")  # the depth is no unknown where it is given
+
+    def column(j):
+        along = jnp.zeros_like(found).at[j].set(1.0)
+        return jax.jvp(lambda y: residual(y, *fixed), (found,), (along,))[1][:size]
+
+    jacobian = jnp.moveaxis(jax.vmap(column)(jnp.arange(size)), (0, 1, 2), (2, 1, 0))  # lane, row, column
+    if control == "depth":
+        found = jnp.concatenate([state, value[None]])
+    step = jnp.linalg.solve(jacobian, residual(found, *inputs)[:size].T[..., None])[..., 0].T
+    y = found - (step if size == found.shape[0] else jnp.concatenate([step, jnp.zeros_like(step[:1])]))
+    _, mu, load = _period(y, rise, spacing, law, velocity, value, control)
+    return mu, load, y[-1]
+
+
+def _period(y: Float[Array, "m lanes"], rise, spacing, law: Relaxation, velocity, value, control: str) -> Any:
+    """Residuals, friction and mean load of one period; the formulas are those of `solve.period`."""
+    n = rise.shape[0]
+    step, times, moduli = spacing / velocity, law.times[:, None], law.moduli[:, None]
+    z = step / times
+    keep, lost = jnp.exp(-z), -jnp.expm1(-z)
+    held = lost / z
+    late = jnp.where(z < 1e-4, 0.5 - z / 6 + z**2 / 24, (z - lost) / z**2)
+    gain = moduli * held
+    dashpot = law.viscosity / step
+    stiffness = law.equilibrium + dashpot + gain.sum(axis=0)
+    drag = dashpot + (moduli * late).sum(axis=0)
+    depth = y[-1]
+
+    def one(state, w):
+        f, u, work, load, sums = state
+        kept = keep * f
+        loose = u - (law.equilibrium * u + kept.sum(axis=0)) / stiffness
+        new = jnp.maximum(loose, w + depth)
+        du = new - u
+        work = work + du * (0.5 * law.equilibrium * (u + new) + drag * du + (held * f).sum(axis=0))
+        f = kept + gain * du
+        return (f, new, work, load + stiffness * (new - loose), sums + f), None
+
+    chunk = _CHUNK if n % _CHUNK == 0 else 1
+    chunks = jnp.roll(rise, -1).reshape(-1, chunk)
+    several = jax.checkpoint(lambda state, w: jax.lax.scan(one, state, w))
+    nothing = jnp.zeros_like(depth)
+    (f, u, work, load, sums), _ = jax.lax.scan(several, (y[:-1], depth, nothing, nothing, jnp.zeros_like(y[:-1])), chunks)
+    load = load / n
+    whole = -jnp.expm1(-n * z)
+    back = (f - y[:-1] + gain * (depth - u)) / whole
+    r = jnp.where(n * z < SLOW, -sums / (keep * whole / lost), back)
+    target = value if control == "load" else jax.lax.stop_gradient(load)
+    r = jnp.concatenate([r, (target - load)[None]]) / jax.lax.stop_gradient(target)
+    return r, work / (n * spacing * load), load
