@@ -10,6 +10,7 @@ one core. Compile time is left out: every call is made once before it is timed.
 import ctypes
 import os
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -19,6 +20,8 @@ from common import heading, save, table, timed, verdict
 import elastomdr as em
 from elastomdr.mapping.synthesis import synthesise
 from elastomdr.solve import periodic
+from elastomdr.solve.lump import lanes
+from elastomdr.solve.period import coefficients
 
 TIMES = np.geomspace(1e-10, 1e4, 20)  # tau_k [s]
 LAW = em.Foundation(1e6, 1e6 * (TIMES / 1e4) ** -0.15, TIMES)
@@ -54,7 +57,7 @@ def c_sweep(line: em.RoughLine, depth: np.ndarray) -> float:
         source.write_text(SOURCE)
         subprocess.run(["cc", "-O3", "-march=native", "-shared", "-fPIC", "-o", library, source], check=True)
         run = ctypes.CDLL(str(library)).sweep
-    by = periodic.coefficients(LAW.law(), float(line.spacing) / VELOCITY)
+    by = coefficients(lanes(LAW.law(), VELOCITY.size), float(line.spacing) / VELOCITY)
     rise = np.ascontiguousarray(periodic.rises(line.height))
     f, u, total = np.zeros((TIMES.size, VELOCITY.size)), depth.copy(), np.zeros(VELOCITY.size)
 
@@ -71,51 +74,74 @@ def c_sweep(line: em.RoughLine, depth: np.ndarray) -> float:
     return timed(call, 7).cpu
 
 
+def memory(samples: int) -> float:
+    """Peak memory [MB] of a process that computes one curve on a line of so many samples."""
+    script = (
+        f"import resource, rough_sliding as r; line = r.synthesise(r.SURFACE, 1, {samples} // 2048, {samples}); "
+        "r.periodic.solve_line(line.height, float(line.spacing), r.LAW.law(), r.VELOCITY, 0 * r.VELOCITY + 200.0, "
+        "'load', 1e-6); print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3)"
+    )
+    found = subprocess.run([sys.executable, "-c", script], cwd=Path(__file__).parent, check=True, capture_output=True)
+    return float(found.stdout.split()[-1])
+
+
 def main() -> None:
     record = heading("Steady sliding on a rough line", f"{VELOCITY.size} velocities, {TIMES.size} branches, {SURFACE}")
     line = synthesise(SURFACE, 1, 8, 16384)
-    rows = []
+    rows, cores = [], os.sched_getaffinity(0)
     for load in (10.0, 200.0, 3000.0):
-        asked = {"velocity": VELOCITY, "load": np.full(VELOCITY.size, load), "control": "load", "rtol": 1e-6}
 
-        def run(asked=asked, skip=True, line=line):
-            return periodic.solve_line(
-                line.height, float(line.spacing), LAW.law(), asked["velocity"], asked["load"], "load", 1e-6, skip
-            )
+        def run(load=load, skip=True, line=line, many=1):
+            velocity = np.geomspace(VELOCITY[0], VELOCITY[-1], many * VELOCITY.size)
+            value = np.full(velocity.size, load)
+            return periodic.solve_line(line.height, float(line.spacing), LAW.law(), velocity, value, "load", 1e-6, skip)
 
         run(), run(skip=False)
-        lean, full = timed(run, 5), timed(lambda run=run: run(skip=False), 3)
+        wall = timed(run, 5).wall
+        os.sched_setaffinity(0, {min(cores)})
+        run(), run(skip=False)
+        lean, full = timed(run, 5), timed(lambda run=run: run(skip=False), 5)
         found = lean.value
         plain = c_sweep(line, np.nan_to_num(found.depth, nan=1e-5))
+        os.sched_setaffinity(0, cores)
         change = float(np.nanmax(np.abs(found.mu / full.value.mu - 1)))
         rows.append((
             load, float(np.nanmin(found.share)), float(np.nanmax(found.share)), int(found.converged.sum()),
-            float(found.sweeps.mean()), lean.wall, lean.cpu, plain, lean.cpu / plain, full.cpu / lean.cpu, change,
+            float(found.sweeps.mean()), wall, lean.cpu, plain, lean.cpu / plain, full.cpu / lean.cpu, change,
         ))  # fmt: skip
     columns = (
-        "load [N/m]", "least share", "largest share", "converged", "sweeps", "wall [s]", "cpu [s]", "C sweep [s]",
-        "cpu over C sweep", "gain by skipping", "change of mu by it",
+        "load [N/m]", "least share", "largest share", "converged", "sweeps", "wall, all cores [s]", "one core [s]",
+        "C sweep, one core [s]", "ratio", "gain by skipping", "change of mu by it",
     )  # fmt: skip
     record["loads"] = table(columns, rows)
-    middle = rows[1]
     print()
     record["verdicts"] = [
-        verdict("wall clock, warm, 200 N/m", middle[5], 1.0, " s"),
-        verdict("processor time over one sweep in C", middle[8], 15.0),
+        verdict("wall clock, warm, the slowest load", max(row[5] for row in rows), 1.0, " s"),
+        verdict("one core's time over one sweep in C, the worst load", max(row[8] for row in rows), 15.0),
         verdict("gain by skipping at a share of 5 % or less", rows[0][9], 3.0, least=True),
+        verdict("change of mu by skipping, the largest", max(row[10] for row in rows), 1e-6),
     ]
-    if hasattr(os, "sched_setaffinity") and len(os.sched_getaffinity(0)) > 1:
-        every = os.sched_getaffinity(0)
-        os.sched_setaffinity(0, {min(every)})
-        one = timed(run, 5).wall
-        os.sched_setaffinity(0, every)
-        two = timed(run, 5).wall
-        record["verdicts"].append(verdict(f"{len(every)} cores over one", one / two, 1.7, least=True))
+    if len(cores) > 1:
+        os.sched_setaffinity(0, {min(cores)})
+        run(many=4)
+        one = timed(lambda: run(many=4), 5).wall
+        os.sched_setaffinity(0, cores)
+        run(many=4)
+        two = timed(lambda: run(many=4), 5).wall
+        record["verdicts"].append(verdict(f"{len(cores)} cores over one, 256 velocities", one / two, 1.7, least=True))
     sizes = []
-    for n in (2**14, 2**16, 2**18):
+    for power in (14, 16, 18, 20):
+        n = 2**power
         long = synthesise(SURFACE, 1, n // 2048, n)
-        sizes.append((n, timed(lambda long=long: run(line=long)).cpu / n * 1e6))
-    record["sizes"] = table(("samples", "cpu per sample [us], all 64 velocities"), sizes)
+        run(line=long)
+        sizes.append((n, timed(lambda long=long: run(line=long), 3).cpu / n * 1e6, memory(n)))
+    record["sizes"] = table(
+        ("samples", "cpu per sample [us], all 64 velocities", "peak memory of a process [MB]"), sizes
+    )
+    record["verdicts"] += [
+        verdict("cost per sample at 2^20 over that at 2^16", sizes[3][1] / sizes[1][1], 1.3),
+        verdict("peak memory at 2^18 samples", sizes[2][2], 1000.0, " MB"),
+    ]
     save("rough_sliding", record)
 
 

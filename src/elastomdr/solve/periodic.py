@@ -25,8 +25,9 @@ from .period import Lanes
 from .periodic_state import State, finish, iterate, jacobian, level_of
 
 _LONG = 65536  # samples from which every 64th comes first
-_FEWEST = 256  # samples of the coarsest period
+_FEWEST = 256  # samples of the coarsest period, unless the line itself has few
 _LANES = 64  # at most, in a batch
+_LIGHT = 0.3  # share of contact up to which free stretches are looked for
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
 
@@ -115,14 +116,13 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
         carried, cost = lumped(law, step, n * step, rtol)
     else:
         carried, cost = lanes(law, velocity.size), np.zeros(velocity.size)
-    state, load, stiffness = _first_guess(rise, carried, n * step, value, control)
-    strides = [
-        s for s in ((64, 16, 4, 1) if n >= _LONG else (16, 4, 1)) if s == 1 or (n % s == 0 and n // s >= _FEWEST)
-    ]
+    state, load, stiffness, share = _first_guess(rise, carried, n * step, value, control)
+    coarse = [s for s in ((64, 16, 4) if n >= _LONG else (16, 4)) if n % s == 0 and n // s >= min(_FEWEST, n // 4)]
+    strides = [*coarse, 1]
     sweeps, mus, full = np.zeros(velocity.size), [np.full(velocity.size, np.nan)], np.ones(velocity.size, bool)
     fine = found = good = None
     for stride in strides:
-        level = level_of(rise, spacing, stride, step, carried, load, stiffness, control, skip)
+        level = level_of(rise, spacing, stride, step, carried, load, stiffness, control, skip and share.max() < _LIGHT)
         if stride == strides[0]:
             state = state._replace(inverse=jacobian(level, state))
         found, turns, good = iterate(level, state)
@@ -159,8 +159,8 @@ def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndar
     return fine, error + 1e-9 * np.abs(fine)
 
 
-def _first_guess(rise, law: Lanes, period, value, control) -> tuple[State, np.ndarray, np.ndarray]:
-    """State, load and stiffness for branches that are either elastic or relaxed; in closed form."""
+def _first_guess(rise, law: Lanes, period, value, control) -> tuple[State, np.ndarray, np.ndarray, np.ndarray]:
+    """State, load, stiffness and share for branches that are either elastic or relaxed; in closed form."""
     n, relaxed = rise.size, float(law.relaxed)
     x = law.times / period * 2 * np.pi * _CYCLES
     elastic = law.moduli * x**2 / (1 + x**2)
@@ -188,4 +188,4 @@ def _first_guess(rise, law: Lanes, period, value, control) -> tuple[State, np.nd
     share = np.maximum(np.searchsorted(below, depth - level * (1 - part)) / n, 2 / n)
     unknowns = elastic.shape[0] + 1
     state = State(elastic * (depth - level), depth, np.tile(np.eye(unknowns), (value.size, 1, 1)))
-    return state, np.asarray(relaxed * level), (relaxed + memory) * share
+    return state, np.asarray(relaxed * level), (relaxed + memory) * share, share

@@ -5,8 +5,8 @@ outside of what JAX traces (`solve.periodic`). From there one step of Newton's m
 
     y(p) = y - (dr/dy)^-1 r(y, p),
 
-changes nothing in y, to the residual it was left with, and gives it the derivative of the implicit function. Friction is
-a function of y(p) and p, so that its derivative follows by running through the period, twice: the contact step is
+changes nothing in y, to the residual it was left with, and gives it the derivative of the implicit function. Friction
+is a function of y(p) and p, so that its derivative follows by running through the period, twice: the contact step is
 differentiable but where an element is just touched, and those are few.
 """
 
@@ -115,7 +115,9 @@ def _period(y: Float[Array, "m lanes"], rise, spacing, law: Relaxation, velocity
     chunks = jnp.roll(rise, -1).reshape(-1, chunk)
     several = jax.checkpoint(lambda state, w: jax.lax.scan(one, state, w))
     nothing = jnp.zeros_like(depth)
-    (f, u, work, load, sums), _ = jax.lax.scan(several, (y[:-1], depth, nothing, nothing, jnp.zeros_like(y[:-1])), chunks)
+    (f, u, work, load, sums), _ = jax.lax.scan(
+        several, (y[:-1], depth, nothing, nothing, jnp.zeros_like(y[:-1])), chunks
+    )
     load = load / n
     whole = -jnp.expm1(-n * z)
     back = (f - y[:-1] + gain * (depth - u)) / whole

@@ -13,8 +13,9 @@ little.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -56,6 +57,7 @@ class Level(NamedTuple):
     stiffness: Float[np.ndarray, " lanes"]  # of the load against depth, about
     by_load: bool
     spacing: float  # h v, between samples [m]
+    ready: Any  # rise, by and free, where the computation is done
 
 
 class Found(NamedTuple):
@@ -86,7 +88,7 @@ def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, cont
     sums = by.keep * whole / -np.expm1(-step / law.times)
     return Level(
         rise, stride, by, free, most, slow[:most], np.where(slow, sums, 1.0)[:most], whole, load, stiffness,
-        control == "load", stride * spacing,
+        control == "load", stride * spacing, jax.device_put((rise, by, free)),
     )  # fmt: skip
 
 
@@ -193,10 +195,13 @@ def _sweep(level: Level, branches, depth, active, exact: bool) -> Swept:
     size = next((s for s in _PADDED if s >= chosen.size), chosen.size)
     pick = np.concatenate([chosen, np.full(size - chosen.size, chosen[0])])
 
-    found = sweep(
-        level.rise, level.rise.size // level.stride, level.stride, depth[pick], branches[:, pick], level.by.of(pick),
-        None if level.free is None else level.free.of(pick), level.slow, exact,
-    )  # fmt: skip
+    rise, by, free = level.ready
+    if size > chosen.size or size < depth.size:
+        by, free = level.by.of(pick), None if level.free is None else level.free.of(pick)
+    count = level.rise.size // level.stride
+    found = sweep(rise, count, level.stride, depth[pick], branches[:, pick], by, free, level.slow, exact)
+    if size == depth.size == chosen.size:
+        return Swept(*map(np.asarray, found))
     whole = []
     for field in found:
         part = np.asarray(field)[..., : chosen.size]

@@ -53,10 +53,8 @@ def stretches(rise: Float[np.ndarray, " n"], pieces: int, keep, lost, gain, give
     fall = np.zeros((lanes, s.shape[0]))
     for _ in range(2):
         stiff = np.einsum("kl,lki->li", s, vector)
-        rest = (
-            np.einsum("lki,kl,lkj->lij", vector, lost, vector)
-            + stiff[:, :, None] * stiff[:, None] * give[:, None, None]
-        )
+        rest = np.swapaxes(vector, 1, 2) @ (lost.T[:, :, None] * vector)
+        rest = rest + stiff[:, :, None] * stiff[:, None] * give[:, None, None]
         fall = np.diagonal(rest, axis1=1, axis2=2)
         apart = fall[:, None] - fall[:, :, None]
         turn = np.where(np.abs(rest) < 0.1 * np.abs(apart), rest / np.where(apart == 0, 1.0, apart), 0.0)
