@@ -6,6 +6,7 @@ from scipy.integrate import quad
 from scipy.special import erf, i0e, k0e
 
 import elastomdr as em
+from elastomdr.cli.main import main
 from elastomdr.mapping.direction import isotropic_loss
 from elastomdr.solve.heat import rise, scales
 
@@ -181,3 +182,45 @@ def test_bad_heat():
         em.Heat(0.2, [2e6, 1.0])
     with pytest.raises(em.InputError, match="velocity must be positive"):
         RUBBER.moving_band(1e5, 1e-3, 0.0, 0.0)
+
+
+SCENE = """
+material = "tread-passenger-synthetic"
+temperature = ["10 degC", "40 degC"]
+measured = "points.csv"
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_slope = 0.3
+longest = "3 mm"
+shortest = "0.1 mm"
+[contact]
+pressure = "0.05 MPa"
+velocity = ["0.01 m/s", "0.1 m/s", "1 m/s", "10 m/s"]
+[heat]
+conductivity = "{conductivity}"
+heat_capacity = "2 MJ/m^3/K"
+[numerics]
+average = "line"
+"""
+
+
+def test_scene_with_heat_and_measured_points(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
+    scene, points = tmp_path / "tyre.toml", tmp_path / "points.csv"
+    scene.write_text(SCENE.format(conductivity="0.25 W/m/K"))
+    points.write_text("velocity [mm/s],mu,temperature [degC]\n10,0.05,10\n100,0.06,10\n100,0.04,40\n1000,0.1,80\n")
+    assert main(["friction", str(scene), "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    for word in ("flash temperature", "K above", "without heating", "0.25 W/(m K)", "length scale", "excited beyond"):
+        assert word in said
+    table = (tmp_path / "tyre-friction.csv").read_text()
+    for title in ("flash temperature rise [K]", "without heating [-]", "heat flux into the rubber [W/m^2]"):
+        assert title in table
+    scene.write_text(SCENE.format(conductivity="0.25 W"))
+    assert main(["friction", str(scene)]) == 2
+    assert "thermal conductivity" in capsys.readouterr().err
+    scene.write_text(SCENE.format(conductivity="0.25 W/m/K"))
+    points.write_text("velocity,mu\n10,0.05\n")
+    assert main(["friction", str(scene)]) == 2
+    assert "without a unit" in capsys.readouterr().err

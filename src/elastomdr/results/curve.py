@@ -45,21 +45,22 @@ class AbstractCurve(AbstractResult):
     symbol: ClassVar[str]  # what its coefficient is called in a sentence
     coefficient_field: ClassVar[str]  # the field that a figure shows against velocity
 
-    def plot(self, ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
+    def plot(self, ax: Any = None, title: str | None = None, label: str | None = None, measured: Any = None) -> Any:
         """Draws the coefficient against velocity, one line per temperature, load or depth; returns matplotlib Axes.
 
         With `ax=None` on a new figure, which is the `.figure` of the answer. On axes that hold a curve already, this
-        one is added to it and to the legend, under `label` or the name of its material.
+        one is added to it and to the legend, under `label` or the name of its material. `measured` points are drawn
+        on top: a mapping with "velocity" [m/s], "mu" and, if known, "temperature" [K], lists of the same length.
         """
         from .figure import draw
 
-        return draw(self, ax, title, label)
+        return draw(self, ax, title, label, measured)
 
-    def png(self, title: str | None = None) -> bytes:
+    def png(self, title: str | None = None, measured: Any = None) -> bytes:
         """The figure as a PNG image, 200 dots per inch."""
         from .figure import png
 
-        return png(self, title)
+        return png(self, title, measured)
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """Inputs, model, largest coefficient and where, both ends, how many points failed, the largest error."""
