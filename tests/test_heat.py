@@ -146,6 +146,9 @@ def test_limits_of_the_flash_temperature():
     np.testing.assert_allclose(fast[0] / fast[1], 100.0, rtol=1e-2)  # heated in its volume, for a time ~ 1/v
     good = hot(em.Heat(1e6, 1e12))
     np.testing.assert_allclose(good.mu, good.rough.cold, rtol=1e-6)
+    full = hot(pressure=1e9)  # heated evenly: no flash
+    assert full.converged.all()
+    assert (full.rough.rise < 1e-6).all()
 
 
 def test_a_temperature_that_is_not_found():

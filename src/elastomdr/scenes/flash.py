@@ -29,6 +29,7 @@ _HIGHEST = 1000.0  # rise beyond which nothing is looked for [K]
 SETTLED = 1e-5  # relative agreement of the temperature with the friction found at it
 _SCAN, _ZOOMS = 512, 3  # temperatures tried at once; how often between the two on either side of a root
 _ROUNDS = 8
+_NOTHING = 1e-12  # rise that is none, as in full contact [K]
 
 
 class Warm(NamedTuple):
@@ -83,7 +84,7 @@ class _Group(NamedTuple):
         highest = self.highest()
         top = min(2 * float(np.max(made)) + 1, highest)
         curve = self.curve(top)
-        correction, first = np.ones(cold.size), 1e-6 * made
+        correction, first = np.ones(cold.size), np.maximum(1e-6 * made, _NOTHING)
         root = self.roots(curve, first, top, correction)
         while top < highest and np.isnan(root).any():
             top = min(4 * top, highest)
@@ -96,10 +97,12 @@ class _Group(NamedTuple):
             reduced = self.reduced(np.nan_to_num(root))[left]
             mean = self.friction(reduced, np.full(left.size, self.pressure), False)
             made = self.made(reduced, mean.mu, left)
-            off = np.abs(made - root[left]) / root[left]
+            off = np.abs(made - root[left]) / np.maximum(root[left], 1e6 * _NOTHING)
             settled = mean.good & (off <= SETTLED)
             yield left[settled], root[left[settled]], jax.tree.map(lambda field, at=settled: field[at], mean)
-            ratio = made / np.array([np.exp(curve[i](x)) for i, x in zip(left, np.log(reduced), strict=True)])
+            ratio = np.maximum(made, 1e-300) / np.array(
+                [np.exp(curve[i](x)) for i, x in zip(left, np.log(reduced), strict=True)]
+            )
             correction[left] = np.where(np.isfinite(ratio), ratio, np.nan)
             left = left[mean.good & ~settled]
             root = self.roots(curve, first, top, correction)
@@ -144,7 +147,8 @@ class _Group(NamedTuple):
         if known.sum() < 2:
             known, mu = np.ones_like(known), np.full_like(mu, np.nan)
         at = scales(self.foundation, self.surface, nodes[known], self.pressure)
-        level = np.log(mu[known] * self.pressure * self.velocity[:, None] * rise(self.heat, at, self.velocity))
+        made = mu[known] * self.pressure * self.velocity[:, None] * rise(self.heat, at, self.velocity)
+        level = np.log(np.maximum(made, 1e-300))
         return [PchipInterpolator(np.log(nodes[known]), np.nan_to_num(row, nan=800.0)) for row in level]
 
     def roots(self, curve: list, first: np.ndarray, top: float, correction: np.ndarray) -> np.ndarray:
