@@ -98,3 +98,32 @@ def test_a_second_curve_on_the_same_axes_goes_into_the_legend():
     assert second.startswith("the other one: peak")
     lines = [line for line in ax.get_lines() if len(line.get_xdata()) > 1]
     assert len({line.get_color() for line in lines}) == 3
+
+
+def test_measured_points_take_the_colour_of_their_temperature():
+    measured = {"velocity": [1e-3, 1e-2, 1e-1], "mu": [0.1, 0.7, 0.2], "temperature": [273.15, 294.0, 350.0]}
+    ax = drawn(friction_curve(temperature=KELVIN[:, None]), measured=measured)
+    labels = {line.get_label(): line for line in ax.get_lines() if str(line.get_label()).startswith("measured")}
+    assert set(labels) == {"measured, 0 °C", "measured, 20 °C", "measured"}
+    assert labels["measured"].get_xdata()[0] == 0.1
+    assert ax.get_ylim()[1] > 0.7
+    curves = [line for line in ax.get_lines() if len(line.get_xdata()) > 1]
+    assert labels["measured, 20 °C"].get_color() is not labels["measured, 0 °C"].get_color()
+    np.testing.assert_array_equal(labels["measured, 20 °C"].get_color(), curves[1].get_color())
+    for bad in ({"velocity": [1.0]}, {"velocity": [1.0], "mu": [1.0, 2.0]}, {"velocity": [-1.0], "mu": [1.0]}, 3.0):
+        with pytest.raises(em.InputError, match="measured"):
+            friction_curve().plot(measured=bad)
+
+
+def test_figure_of_a_surface():
+    surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e4, q_rolloff=3e3)
+    line, spectrum = surface.plot(seed=3)
+    height = line.get_lines()[0].get_ydata()
+    np.testing.assert_allclose(height.std(), 1e6 * surface.rms_height, rtol=1e-9)
+    np.testing.assert_array_equal(spectrum.get_lines()[0].get_xdata(), surface.q)
+    assert (line.get_xlabel(), spectrum.get_xlabel()) == ("Position on the line [mm]", "Wave number q [rad/m]")
+    x = np.linspace(0, 1e-3, 64, endpoint=False)
+    _, waves = em.RoughLine(x, 1e-6 * np.cos(2 * np.pi * 3 * x / 1e-3)).plot()
+    q, power = waves.get_lines()[0].get_data()
+    assert q[np.nanargmax(power)] == pytest.approx(6000 * np.pi)
+    np.testing.assert_allclose(2 * np.nansum(power) * 2000 * np.pi, 0.5e-12, rtol=1e-9)  # both sides: <h^2>

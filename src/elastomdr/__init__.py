@@ -19,6 +19,7 @@ _HOMES = {
     "mapping.spectrum": ("SelfAffine", "Spectrum"),
     "foundation.law": ("Foundation", "half_space", "layer"),
     "foundation.step": ("ContactStep",),
+    "solve.heat": ("Heat",),
     "solve.plan": ("Plan",),
     "scenes.friction": ("friction",),
     "scenes.rolling": ("rolling",),

@@ -35,7 +35,7 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
     stem = f"{scene.path.stem}-{verb}"
     files = {
         folder / f"{stem}.csv": curve.csv(notes).encode(),
-        folder / f"{stem}.png": curve.png(scene.title),
+        folder / f"{stem}.png": curve.png(scene.title, scene.measured),
     }
     _write(folder, files)
     if scene.title:

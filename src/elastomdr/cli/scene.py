@@ -10,7 +10,8 @@ from typing import Any
 from ..errors import InputError
 from .indenter import read_indenter
 from .keys import Keys, choice, flag, one, one_or_more, positive_number, text
-from .surface import read_surface
+from .measured import read_measured
+from .surface import read_heat, read_surface
 from .units import FORCE, LENGTH, LINE_LOAD, PRESSURE, TEMPERATURE, VELOCITY
 
 _MOST_POINTS = 100_000
@@ -27,6 +28,7 @@ class Scene:
     shape: Any
     arguments: dict[str, Any]  # keyword arguments: velocity, load or depth, temperature, average, rtol
     rough: bool = False  # whether the scene has a [surface]
+    measured: dict[str, Any] | None = None  # velocity, mu and temperature of points to draw
 
 
 @contextlib.contextmanager
@@ -61,7 +63,8 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def _scene(path: Path, content: dict[str, Any]) -> Scene:
-    keys = ("title", "material", "other", "temperature", "indenter", "surface", "layer", "contact", "numerics")
+    keys = ("title", "material", "other", "temperature", "measured", "indenter", "surface", "layer", "contact", "heat",
+            "numerics")  # fmt: skip
     top = Keys(content, "", keys)
     title = top.get("title", text) if "title" in top else None
     if "indenter" in top and "surface" in top:
@@ -78,11 +81,14 @@ def _scene(path: Path, content: dict[str, Any]) -> Scene:
     arguments |= _numerics(content.get("numerics", {}))
     if rough:
         shape, more = read_surface(content["surface"], path.parent)
-        arguments |= more
+        arguments |= more | (read_heat(content["heat"]) if "heat" in top else {})
+    elif "heat" in top:
+        raise InputError("[heat] goes with a [surface]: an indenter's friction is at the temperature given.")
     else:
         shape = read_indenter(content["indenter"], path.parent)
     material = read_material(top, content.get("layer"), shape, path.parent, arguments)
-    return Scene(path, title, material, shape, _on_axes(arguments), rough)
+    measured = read_measured(path.parent / top.get("measured", text)) if "measured" in top else None
+    return Scene(path, title, material, shape, _on_axes(arguments), rough, measured)
 
 
 def read_material(top: Keys, layer: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Any:

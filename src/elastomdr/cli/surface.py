@@ -5,7 +5,7 @@ from typing import Any
 
 from ..errors import InputError
 from .keys import Keys, choice, flag, number, numbers, one, positive_number, text
-from .units import LENGTH, WAVE_NUMBER
+from .units import CONDUCTIVITY, HEAT_CAPACITY, LENGTH, WAVE_NUMBER
 
 _CUTOFFS = ("q_low", "q_high", "q_rolloff", "longest", "shortest", "rolloff")
 _KEYS = {
@@ -38,6 +38,14 @@ def read_surface(content: Any, folder: Path) -> tuple[Any, dict[str, Any]]:
         return surface_from_file(folder / keys.get("file", text), **options), more
     except InputError as error:
         raise InputError(str(error) if str(error).startswith("[surface]") else f"[surface] {error}") from error
+
+
+def read_heat(content: Any) -> dict[str, Any]:
+    """`heat` from its table. Raises `InputError`."""
+    keys = Keys(content, "heat", ("conductivity", "heat_capacity"))
+    from .. import Heat
+
+    return {"heat": Heat(keys.get("conductivity", one(CONDUCTIVITY)), keys.get("heat_capacity", one(HEAT_CAPACITY)))}
 
 
 def _size(keys: Keys) -> dict[str, float]:

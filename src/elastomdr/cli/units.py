@@ -34,6 +34,8 @@ ADHESION = Kind("an energy per area", "J/m^2", "50 mJ/m^2", "J/m^2 mJ/m^2 N/m mN
 
 PRESSURE = Kind("a pressure", "Pa", "0.3 MPa", "Pa kPa MPa GPa bar psi")
 LINE_LOAD = Kind("a force per length", "N/m", "1 N/mm", "N/m N/mm kN/m")
+CONDUCTIVITY = Kind("a thermal conductivity", "W/(m*K)", "0.2 W/(m*K)", "W/(m*K) W/m/K mW/m/K")
+HEAT_CAPACITY = Kind("a heat capacity per volume", "J/(m^3*K)", "2e6 J/(m^3*K)", "J/(m^3*K) J/m^3/K MJ/m^3/K")
 WAVE_NUMBER = Kind("a wave number", "1/m", "1e3 1/m", "1/m 1/mm 1/um rad/m")
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)

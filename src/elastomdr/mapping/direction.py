@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .._runtime import Array, is_traced
+from ..material.relaxation import Relaxation
 
 _STENCIL = 14  # points of local Lagrange interpolation in log v
 BARE_LINE = 0.52  # of mu: how far below the line of the textbook the half-space lay at most on the validity map
@@ -44,6 +45,17 @@ def directions(rtol: float) -> Directions:
     weights[0] *= 0.5
     check = np.where(np.arange(count + 1) % 2 == 0, 2 * weights, 0.0)
     return Directions(cosines, weights, check, 4 / math.pi * math.exp(-t[-1]))
+
+
+def isotropic_loss(law: Relaxation, omega: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
+    """Loss modulus of an isotropic surface, (1/2 pi) int_0^2pi cos(phi) E''(w cos phi) dphi [Pa], exact.
+
+    sum_k E_k/x_k (1 - 1/sqrt(1 + x_k^2)) + eta w/2 with x_k = w tau_k: the direction average in full contact, in closed
+    form, and what waves of every direction lose on a half-space. Derived here.
+    """
+    x = np.asarray(omega)[..., None] * np.asarray(law.times)
+    root = np.sqrt(1 + x**2)
+    return (x / (root * (1 + root))) @ np.asarray(law.moduli) + 0.5 * np.asarray(law.viscosity) * omega
 
 
 class SharedGrid(NamedTuple):

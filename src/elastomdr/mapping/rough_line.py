@@ -87,6 +87,12 @@ class RoughLine(eqx.Module):
         slope = spline(spline_coefficients(jnp.asarray(self.height)), jnp.zeros(()))[1] / self.spacing
         return jnp.sqrt(jnp.mean(slope**2))
 
+    def plot(self, axes: Any = None) -> Any:
+        """The heights, and their spectrum, side by side; returns the two matplotlib Axes."""
+        from ..results.surface_figure import draw_surface
+
+        return draw_surface(self, axes)
+
     @in_float64
     def finer(self, factor: int) -> "RoughLine":
         """The same spline through `factor` times as many points."""

@@ -79,6 +79,12 @@ class AbstractSpectrum(eqx.Module):
         part = np.where(flat, width * (1 + 0.5 * slope * width), np.expm1(slope * width) / safe)
         return np.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
 
+    def plot(self, axes: Any = None, seed: int = 0) -> Any:
+        """The line made from `seed`, and the spectrum, side by side; returns the two matplotlib Axes."""
+        from ..results.surface_figure import draw_surface
+
+        return draw_surface(self, axes, seed)
+
     def words(self) -> str:
         """rms values and both cutoffs, in a few words."""
         return (

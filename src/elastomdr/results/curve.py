@@ -29,6 +29,9 @@ class Rough(NamedTuple):
     scatter: Float[Array, "..."] | None  # standard error of mu over the lines of the ensemble
     outside: Float[Array, "..."] | None  # share of <|grad h|^2> excited beyond the frequencies of the material's data
     seeds: int  # lines in the ensemble
+    rise: Float[Array, "..."] | None = None  # flash temperature, above `temperature` [K]
+    cold: Float[Array, "..."] | None = None  # mu without heating
+    heat: Float[Array, "..."] | None = None  # heat flux into the rubber, mu p v [W/m^2]
 
 
 class AbstractCurve(AbstractResult):
@@ -42,21 +45,22 @@ class AbstractCurve(AbstractResult):
     symbol: ClassVar[str]  # what its coefficient is called in a sentence
     coefficient_field: ClassVar[str]  # the field that a figure shows against velocity
 
-    def plot(self, ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
+    def plot(self, ax: Any = None, title: str | None = None, label: str | None = None, measured: Any = None) -> Any:
         """Draws the coefficient against velocity, one line per temperature, load or depth; returns matplotlib Axes.
 
         With `ax=None` on a new figure, which is the `.figure` of the answer. On axes that hold a curve already, this
-        one is added to it and to the legend, under `label` or the name of its material.
+        one is added to it and to the legend, under `label` or the name of its material. `measured` points are drawn
+        on top: a mapping with "velocity" [m/s], "mu" and, if known, "temperature" [K], lists of the same length.
         """
         from .figure import draw
 
-        return draw(self, ax, title, label)
+        return draw(self, ax, title, label, measured)
 
-    def png(self, title: str | None = None) -> bytes:
+    def png(self, title: str | None = None, measured: Any = None) -> bytes:
         """The figure as a PNG image, 200 dots per inch."""
         from .figure import png
 
-        return png(self, title)
+        return png(self, title, measured)
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """Inputs, model, largest coefficient and where, both ends, how many points failed, the largest error."""
@@ -136,6 +140,16 @@ class FrictionCurve(AbstractCurve):
     symbol: ClassVar[str] = "mu"
     coefficient_field: ClassVar[str] = "mu"
 
+    def findings(self) -> Iterator[tuple[str, str]]:
+        """As of every curve; with flash heating also the largest rise in temperature and what it does to mu."""
+        yield from super().findings()
+        rise, before = (None, None) if self.rough is None else (self.rough.rise, self.rough.cold)
+        if rise is not None and before is not None and np.isfinite(rise).any():
+            i = int(np.nanargmax(rise))
+            most, v, hot, cold = (float(x.ravel()[i]) for x in (rise, self.velocity, self.mu, before))
+            text = f"at most {significant(most)} K above the rubber's, at {in_words('velocity', v)}: mu "
+            yield "flash temperature", f"{text}{significant(hot)}, without heating {significant(cold)}"
+
     @property
     def table(self) -> tuple[Column, ...]:
         unit, per = ("N", "") if self.rough is None else ("N/m", " per length")
@@ -208,4 +222,7 @@ _ROUGH = (
     Column("rough.share", "share of the line in contact (not the real contact area)", "-"),
     Column("rough.scatter", "standard error over the lines", "-", optional=True),
     Column("rough.outside", "share of the slope beyond the material's range", "-", optional=True),
+    Column("rough.rise", "flash temperature rise", "K", optional=True),
+    Column("rough.cold", "friction coefficient without heating", "-", optional=True),
+    Column("rough.heat", "heat flux into the rubber", "W/m^2", optional=True),
 )

@@ -10,6 +10,7 @@ import numpy as np
 
 from .._runtime import significant
 from .axes import Peak, curves, in_words, peak
+from .measured_figure import as_measured, draw_measured
 from .table import write_files
 
 if TYPE_CHECKING:
@@ -21,7 +22,9 @@ _INK, _FAINT, _BLUE = "#222222", "#666666", "#1f5a94"
 _DPI = 200
 
 
-def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
+def draw(
+    result: "AbstractCurve", ax: Any = None, title: str | None = None, label: str | None = None, measured: Any = None
+) -> Any:
     """Draws a coefficient against velocity on `ax`, or on a new figure; returns the Axes.
 
     One line per temperature, load or depth, its largest value marked, the estimated error as a band where it can be
@@ -30,11 +33,14 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, labe
     """
     fields = {column.key: value for column, value in result.fields().items()}
     axis, all_curves = curves(fields)
-    ax = _new_axes(len(all_curves) > 1) if ax is None else ax
+    ax = _new_axes(len(all_curves) > 1 or measured is not None) if ax is None else ax
     beside_others = ax.has_data()
+    points = None if measured is None else as_measured(measured)
+    cold = fields.get("cold")
     name = label or (dict(result.inputs).get("material") if beside_others else None)
     value, error = fields[result.coefficient_field], fields["error"]
-    highest = float(np.fmax.reduce(value, axis=None, initial=0.0)) or 1.0
+    highest = float(np.fmax.reduce(value if cold is None else np.fmax(value, cold), axis=None, initial=0.0)) or 1.0
+    highest = highest if points is None else max(highest, float(points["mu"].max()))
     velocity, beyond = fields["velocity"], fields.get("extrapolated", np.zeros(value.shape, dtype=bool))
     against_velocity = axis.name == "velocity" or not axis.unit
     for curve, colour, named in zip(all_curves, _colours(len(all_curves)), _named(len(all_curves)), strict=True):
@@ -52,6 +58,8 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, labe
         colour = line[0].get_color()
         if beyond[curve.at].any():
             ax.plot(x, y, ":", color=colour, linewidth=1.4, marker=marker, markerfacecolor="none", zorder=3)
+        if cold is not None:
+            ax.plot(x, np.atleast_1d(cold[curve.at])[order], "--", color=colour, linewidth=1.2, zorder=2.5)
         if (e > _VISIBLE * highest).any():
             ax.fill_between(x, y - e, y + e, color=colour, alpha=0.2, linewidth=0, zorder=2)
         if top is not None and x.size > 1:
@@ -59,6 +67,8 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, labe
             if len(all_curves) == 1 and not name and x[0] < x[-1]:
                 scale = np.log if against_velocity else np.asarray
                 _write_above(ax, top, text, float((scale(top.x) - scale(x[0])) / (scale(x[-1]) - scale(x[0]))))
+    if points is not None and against_velocity:
+        draw_measured(ax, points, fields.get("temperature"), all_curves, _colours(len(all_curves)))
     if against_velocity:
         ax.set_xscale("log")
         ax.set_xlabel(f"{'Sliding' if result.coefficient_field == 'mu' else 'Rolling'} velocity [m/s]")
@@ -73,19 +83,20 @@ def draw(result: "AbstractCurve", ax: Any = None, title: str | None = None, labe
     ax.spines[["top", "right"]].set_visible(False)
     failed = int(np.sum(~fields["converged"]))
     notes = [f"{failed} of {fields['converged'].size} points did not converge and are left out"] if failed else []
+    notes += ["dashed: without heating"] if cold is not None else []
     notes += ["dotted: beyond the range of the material's data"] if beyond.any() else []
     note = "; ".join(notes)
     if title or not beside_others:
         _write_title(ax, title or result.heading(), result.model, note)
-    if len(all_curves) > 1 or name:
+    if len(all_curves) > 1 or name or points is not None:
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
     return ax
 
 
-def png(result: "AbstractCurve", title: str | None = None) -> bytes:
+def png(result: "AbstractCurve", title: str | None = None, measured: Any = None) -> bytes:
     """The figure of a result as a PNG image, 200 dots per inch."""
     buffer = io.BytesIO()
-    draw(result, title=title).figure.savefig(buffer, format="png", dpi=_DPI)
+    draw(result, title=title, measured=measured).figure.savefig(buffer, format="png", dpi=_DPI)
     return buffer.getvalue()
 
 

@@ -6,6 +6,7 @@ from .._runtime import in_float64
 from ..errors import InputError
 from ..mapping.synthesis import PERIODS
 from ..results.curve import FrictionCurve
+from ..solve.heat import Heat
 from .rough import is_rough, rough_friction
 from .steady import set_up, solve
 
@@ -28,6 +29,7 @@ def friction(
     periods: int = PERIODS,
     seeds: int = 1,
     sampling: float = 0.1,
+    heat: Heat | None = None,
     progress: Any = None,
     store: Any = None,
 ) -> FrictionCurve:
@@ -51,6 +53,10 @@ def friction(
     samples; `error` has the sampling too, and a point where it exceeds `sampling` times mu is NaN. `progress(done,
     total)` is called after each batch; `store` keeps finished batches (`get(key)`, `put(key, arrays)`). No gradients.
 
+    `heat=em.Heat(...)` heats the rubber of a surface under a `pressure` by its friction, from `temperature` on, until
+    friction and flash temperature agree (`elastomdr.solve.heat`): `mu` is then the hot curve, `rough.cold` the one
+    without heating, `rough.rise` the flash temperature. Points where no temperature is found are NaN.
+
     Exact for the line and for layers; for the half-space see `elastomdr.mapping.direction`. Raises `InputError`;
     points that do not converge are NaN and counted in one `ConvergenceWarning`. Differentiable with respect to moduli,
     times, geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7 and 10, and
@@ -60,10 +66,13 @@ def friction(
         return rough_friction(
             material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
             average=average, rtol=rtol, skip=skip, equivalent_length=equivalent_length, samples=samples,
-            periods=periods, seeds=seeds, sampling=sampling, progress=progress, store=store,
+            periods=periods, seeds=seeds, sampling=sampling, heat=heat, progress=progress,
+            store=store,
         )  # fmt: skip
     if equivalent_length is not None:
         raise InputError("equivalent_length belongs to a rough surface: it turns its pressure into a line load.")
+    if heat is not None:
+        raise InputError("heat belongs to a rough surface; an indenter's friction is at the temperature given.")
     scene = set_up(
         "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
         temperature=temperature, average=average, rtol=rtol, skip=skip,

@@ -2,34 +2,25 @@
 
 import warnings
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from .._runtime import as_float64, is_traced, plain, positive
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from ..foundation.law import Foundation, as_foundation
-from ..mapping.direction import SharedGrid, directions, interpolation_error, quadrature_error, shared_grid
 from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
-from ..mapping.synthesis import PERIODS, synthesise
 from ..results.curve import FrictionCurve, Rough
+from ..solve.heat import Heat
 from ..solve.periodic import Line, solve_line
+from .ensemble import Ask, Mean, ensemble, mean_of_lines, solutions
+from .flash import SETTLED, warmed
 from .steady import AVERAGED, BARE, brief, check_shift
 
-_AVERAGE = 1e-5  # least relative error asked of the direction average: contacts that come and go leave kinks in mu(v)
-_SAMPLES = 4096  # least number of samples of a line that is given by its points
 _OUTSIDE = 0.1  # share of the mean square slope beyond the material's range from which a point counts as extrapolated
-
-
-class _Ask(NamedTuple):
-    """The points of a call, flattened."""
-
-    velocity: np.ndarray  # times a_T [m/s]
-    value: np.ndarray  # line load [N/m] or depth [m]
-    control: Any
-    rtol: float
-    skip: bool
+_COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
+_FLASH = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 
 
 def is_rough(shape: Any) -> bool:
@@ -40,7 +31,8 @@ def is_rough(shape: Any) -> bool:
 def rough_friction(
     material: Any, surface: RoughLine | AbstractSpectrum, *, velocity: Any, load: Any, depth: Any, pressure: Any,
     temperature: Any, average: str | None, rtol: Any, skip: bool, equivalent_length: Any, samples: int | None,
-    periods: int, seeds: int, sampling: float, progress: Callable[[int, int], None] | None, store: Any,
+    periods: int, seeds: int, sampling: float, heat: Heat | None,
+    progress: Callable[[int, int], None] | None, store: Any,
 ) -> FrictionCurve:  # fmt: skip
     """`em.friction` of a rough line or surface; see there."""
     foundation = as_foundation(material)
@@ -48,6 +40,7 @@ def rough_friction(
     if is_traced(*traced) or (isinstance(surface, RoughLine) and is_traced(surface)):
         raise InputError("the friction of a rough line or surface is not differentiable, nor seen by jit and vmap.")
     _check(foundation, average, rtol, samples, periods, seeds)
+    _check_heat(heat, surface, pressure, temperature)
     control, value, length, rule = _control(surface, load, depth, pressure, equivalent_length)
     velocity, value = as_float64("velocity", velocity), value
     positive("velocity", velocity)
@@ -70,27 +63,44 @@ def rough_friction(
         factor = np.asarray(foundation.shift.a(kelvin))
         check_shift(kelvin, velocity, factor)
     reduced = np.broadcast_to(velocity * factor, shape)
-    ask = _Ask(reduced.ravel(), np.broadcast_to(value, shape).ravel(), control, float(rtol), bool(skip))
-    lines = _ensemble(surface, samples, periods, seeds)
+    given = np.broadcast_to(value, shape).ravel()
+    lines = ensemble(surface, samples, periods, seeds)
     law = foundation.law()
-
-    def solved(line: RoughLine, velocity: np.ndarray, value: np.ndarray, control: Any) -> Line:
-        return solve_line(
-            np.asarray(line.height), float(line.spacing), law, velocity, value, control, ask.rtol, ask.skip, tick, store
-        )
-
-    own_only = average is None
-    total, finished = seeds * _solutions(ask, own_only), [0]
+    asked, finished = [0], [0]
 
     def tick(count: int) -> None:
         finished[0] += count
         if progress is not None:
-            progress(min(finished[0], total), total)
+            progress(min(finished[0], asked[0]), asked[0])
 
-    runs = [_bare(ask, line, solved) if own_only else _averaged(ask, line, solved) for line in lines]
-    mu, error, load_, deep, share = (np.mean([getattr(r, k) for r in runs], axis=0) for k in _Run._fields[:-1])
-    scatter = np.std([r.mu for r in runs], axis=0, ddof=1) / np.sqrt(seeds) if seeds > 1 else None
-    good = np.all([r.good for r in runs], axis=0) & np.isfinite(mu)
+    def solved(line: RoughLine, velocity: np.ndarray, value: np.ndarray, control: Any, rtol: float) -> Line:
+        return solve_line(
+            np.asarray(line.height), float(line.spacing), law, velocity, value, control, rtol, bool(skip), tick, store
+        )
+
+    def points(reduced: np.ndarray, value: np.ndarray, coarse: bool = False) -> Mean:
+        tolerance = max(_COARSE, float(rtol)) if coarse else float(rtol)
+        ask = Ask(reduced, value, control, tolerance, bool(skip))
+        asked[0] += seeds * solutions(ask, average)
+        return mean_of_lines(ask, lines, average, solved)
+
+    found = points(reduced.ravel(), given)
+    warm, cold = None, found.mu
+    if (
+        heat is not None
+        and isinstance(surface, AbstractSpectrum)
+        and kelvin is not None
+        and foundation.shift is not None
+    ):
+        v, t = (np.broadcast_to(a, shape).ravel() for a in (velocity, kelvin))
+
+        def at_pressure(reduced: np.ndarray, pressure: np.ndarray, coarse: bool) -> Mean:
+            return points(reduced, pressure * length, coarse)
+
+        warm = warmed(heat, foundation, foundation.shift, surface, v, t, given / length, found, at_pressure)
+        found, reduced = warm.mean, warm.reduced.reshape(shape)
+    mu, good = found.mu, found.good
+    error = found.error + (0.0 if warm is None else SETTLED * np.abs(mu - cold))
     coarse = good & ~(error <= sampling * np.abs(mu))
     good = good & ~coarse
     if not good.all():
@@ -115,104 +125,38 @@ def rough_friction(
     ]
     inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
     inputs += [("ensemble", f"{seeds} line{'s' * (seeds > 1)} of {lines[0].count} samples")]
-    if foundation.range is not None and outside is not None and extrapolated is not None and extrapolated.any():
-        text = (
-            f"at {int(extrapolated.sum())} of {outside.size} points more than {_OUTSIDE:.0%} of the mean square slope, "
-            f"at most {outside.max():.0%}, is excited beyond the frequencies of the material's data"
-        )
-        inputs.append(("extrapolated", text))
-        if not foundation.range.illustrative:
-            warnings.warn(f"{text}.", ExtrapolationWarning, stacklevel=4)
-    cost = f"{total} line solutions of {lines[0].count} samples by periodic quasi-Newton sweeps"
+    inputs += [] if heat is None else [("heat", heat.words())]
+    if outside is not None and extrapolated is not None and foundation.range is not None:
+        inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
+        if extrapolated.any():
+            text = (
+                f"at {int(extrapolated.sum())} of {outside.size} points more than {_OUTSIDE:.0%} of the mean square "
+                f"slope, at most {outside.max():.0%}, is excited beyond the frequencies of the material's data"
+            )
+            inputs.append(("extrapolated", text))
+            if not foundation.range.illustrative:
+                warnings.warn(f"{text}.", ExtrapolationWarning, stacklevel=4)
+    cost = f"{asked[0]} line solutions of {lines[0].count} samples by periodic quasi-Newton sweeps"
     return FrictionCurve(
         velocity=np.broadcast_to(velocity, shape).copy(),
         mu=field(mu),
-        normal_force=field(load_),
-        friction_force=field(mu * load_),
-        depth=field(deep),
+        normal_force=field(found.load),
+        friction_force=field(mu * found.load),
+        depth=field(found.depth),
         contact=None,
         error=field(error),
         converged=good.reshape(shape),
         temperature=None if kelvin is None else np.broadcast_to(kelvin, shape).copy(),
-        model=(BARE if own_only else AVERAGED) + rule,
+        model=(BARE if average is None else AVERAGED) + rule + ("" if warm is None else _FLASH),
         plan=cost,
         inputs=tuple(inputs),
         extrapolated=extrapolated,
         rough=Rough(
             None if pressure is None else np.broadcast_to(value / length, shape).copy(),
-            field(share), None if scatter is None else field(scatter), outside, seeds,
+            field(found.share), None if found.scatter is None else field(found.scatter), outside, seeds,
+            *(() if warm is None else (field(warm.rise), field(cold), field(warm.heat))),
         ),
     )  # fmt: skip
-
-
-class _Run(NamedTuple):
-    """One line's answer at each point."""
-
-    mu: np.ndarray
-    error: np.ndarray
-    load: np.ndarray
-    depth: np.ndarray
-    share: np.ndarray
-    good: np.ndarray
-
-
-def _bare(ask: _Ask, line: RoughLine, solved: Callable[..., Line]) -> _Run:
-    own = solved(line, ask.velocity, ask.value, ask.control)
-    return _Run(own.mu, own.error + own.cost * own.mu, own.load, own.depth, own.share, own.converged)
-
-
-def _averaged(ask: _Ask, line: RoughLine, solved: Callable[..., Line]) -> _Run:
-    """Points of one load share a line curve; with the depth given, each has its own load and so its own directions."""
-    rtol = max(ask.rtol, _AVERAGE)
-    own = solved(line, ask.velocity, ask.value, ask.control)
-    mu, error = np.empty_like(ask.velocity), np.empty_like(ask.velocity)
-    if ask.control == "depth":
-        rule = directions(rtol)
-        slowed = ask.velocity[:, None] * rule.cosines
-        load = np.broadcast_to(np.where(own.converged, own.load, 1.0)[:, None], slowed.shape)
-        every = solved(line, slowed.ravel(), load.ravel(), "load")
-        each = every.mu.reshape(slowed.shape)
-        mu = each @ rule.weights
-        error = (
-            np.asarray(quadrature_error(mu, each @ rule.check, rule.tail))
-            + every.error.reshape(slowed.shape) @ rule.weights
-        )
-        return _Run(mu, error + own.cost * mu, own.load, own.depth, own.share, own.converged & np.isfinite(mu))
-    grids = _grids(ask)
-    speeds = np.concatenate([grid.velocity for grid, _ in grids])
-    loads = np.concatenate([np.full(grid.velocity.size, ask.value[chosen][0]) for grid, chosen in grids])
-    every = solved(line, speeds, loads, "load")
-    start, tail = 0, directions(rtol).tail
-    for grid, chosen in grids:
-        part = slice(start, start + grid.velocity.size)
-        start = part.stop
-        curve = every.mu[part]
-        used = grid.weights != 0
-        # A node that failed spoils the points that use it and no others.
-        broken = used @ ~np.isfinite(curve) > 0
-        curve = np.where(np.isfinite(curve), curve, 0.0)
-        average = grid.weights @ curve
-        mu[chosen] = np.where(broken, np.nan, average)
-        error[chosen] = (
-            quadrature_error(average, grid.check @ curve, tail)
-            + interpolation_error(average, np.where(broken, np.nan, grid.lower @ curve))
-            + np.abs(grid.weights) @ np.nan_to_num(every.error[part])
-            + average * np.nanmax(every.cost[part], initial=0.0)
-        )
-    return _Run(mu, error, own.load, own.depth, own.share, own.converged & np.isfinite(mu))
-
-
-def _grids(ask: _Ask) -> list[tuple[SharedGrid, np.ndarray]]:
-    chosen = [np.flatnonzero(ask.value == value) for value in np.unique(ask.value)]
-    return [(shared_grid(ask.velocity[points], max(ask.rtol, _AVERAGE)), points) for points in chosen]
-
-
-def _solutions(ask: _Ask, own_only: bool) -> int:
-    if own_only:
-        return ask.velocity.size
-    if ask.control == "depth":
-        return ask.velocity.size * (1 + directions(max(ask.rtol, _AVERAGE)).cosines.size)
-    return ask.velocity.size + sum(grid.velocity.size for grid, _ in _grids(ask))
 
 
 def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, periods: Any, seeds: Any) -> None:
@@ -232,6 +176,20 @@ def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, period
             continue
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
             raise InputError(f"{name} must be a whole number, {least} or more, got {value!r}.")
+
+
+def _check_heat(heat: Any, surface: Any, pressure: Any, temperature: Any) -> None:
+    if heat is None:
+        return
+    if not isinstance(heat, Heat):
+        raise InputError(f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}.")
+    if isinstance(surface, RoughLine) or pressure is None:
+        raise InputError(
+            "heat needs a surface given by its spectrum, and a pressure: a line has no contact area that is that of "
+            "a surface, on which the flash temperature depends."
+        )
+    if temperature is None:
+        raise InputError("heat needs a temperature [K], that of the rubber without the flash, and so a shift law.")
 
 
 def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_length: Any) -> tuple:
@@ -265,22 +223,12 @@ def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_leng
     return "load", value * length, length, f"; pressure p as line load p L with L = {length:.4g} m as given"
 
 
-def _ensemble(surface: Any, samples: int | None, periods: int, seeds: int) -> list[RoughLine]:
-    if isinstance(surface, RoughLine):
-        if seeds != 1 or periods != PERIODS:
-            raise InputError("seeds and periods belong to a surface given by its spectrum; a RoughLine is what it is.")
-        factor = 4
-        while surface.count * factor < (_SAMPLES if samples is None else samples):
-            factor *= 2
-        return [surface.finer(factor)]
-    return [synthesise(surface, seed, periods, samples) for seed in range(seeds)]
-
-
 def _words(surface: Any, line: RoughLine) -> str:
     if isinstance(surface, RoughLine):
         return (
             f"rough line, period {float(surface.period):.4g} m, {surface.count} points, rms height "
-            f"{float(surface.rms_height):.4g} m, rms slope {float(surface.rms_slope):.4g}"
+            f"{float(surface.rms_height):.4g} m, rms slope {float(surface.rms_slope):.4g}, cutoffs "
+            f"{2 * np.pi / float(surface.period):.4g} and {np.pi / float(surface.spacing):.4g} rad/m"
         )
     return f"{surface.label}, {surface.words()}; line: rms height {float(line.rms_height):.4g} m, rms slope " + (
         f"{float(line.rms_slope):.4g}"
