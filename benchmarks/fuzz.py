@@ -2,12 +2,12 @@
 
     python benchmarks/fuzz.py [--files N] [--seed S] [--computed K]
 
-The shipped scenes and materials, and measurements and surfaces written here, are damaged at random: bytes flipped or cut,
-lines deleted, doubled or exchanged, numbers made huge, tiny, negative, nan or of another type, other encodings, empty or
-binary files, folders in their place. Each run must end with status 0, 2 or 3 in good time; with 2 there must be one
-line on the standard error that begins with "elastomdr: error: ", and no run may leave a traceback. All goes through
-`elastomdr.cli.main.main`. A scene that survives its reading and every check of its arguments is not computed, which
-would take hours, but for the first `--computed` of them.
+The shipped scenes and materials, and measurements and surfaces written here, are damaged at random: bytes flipped or
+cut, lines deleted, doubled or exchanged, numbers made huge, tiny, negative, nan or of another type, other encodings,
+empty or binary files, folders and pipes in their place. Each run must end with status 0, 2 or 3 in good time; with 2
+there must be one line on the standard error that begins with "elastomdr: error: ", and no run may leave a traceback.
+All goes through `elastomdr.cli.main.main`. A scene that survives its reading and every check of its arguments is not
+computed, which would take hours, but for the first `--computed` of them.
 """
 
 import argparse
@@ -15,6 +15,7 @@ import contextlib
 import io
 import os
 import re
+import resource
 import signal
 import sys
 import tempfile
@@ -29,12 +30,15 @@ from typing import Any
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-LIMIT = 10  # seconds for a file that is only read and checked
+LIMIT = 30  # seconds for a file that is only read and checked
+MEMORY = 6_000_000_000  # bytes of address space, most of which JAX only reserves
 COMPUTED_LIMIT = 120  # seconds for one that is computed
 VALUES = (
     "nan", "inf", "-inf", "0", "-0.0", "-1", "1e400", "1e308", "1e-320", "99999999999999999999999", "true", '""', "[]",
-    "{}", "[[1]]", '"x"', "1979-05-27", "07:32:00", '"1e400 m"', '"nan m"', '"5 mm"', '"-5 mm"', '"0 s"', '"10 N"', '"1e-300 m/s"',
-    '"1e300 m/s"', '"20 degC"', '"/dev/null"', '"/dev/zero"', '"."', '"\\u0000"', '"é µ"', "'''a\nb'''", "0x7f", "1_000", "3.5",
+    "{}", "[[1]]", '"x"', "1979-05-27", "07:32:00", '"1e400 m"', '"nan m"', '"5 mm"', '"-5 mm"', '"0 s"', '"10 N"',
+    '"1e-300 m/s"',
+    '"1e300 m/s"', '"20 degC"', '"/dev/null"', '"/dev/zero"', '"."', '"\\u0000"', '"é µ"', "'''a\nb'''",
+    "0x7f", "1_000", "3.5",
     '"m**m"', '"5 m**(1/0)"', '"5 m^9999999999"', "[1, 2, 'a']", '["1 s", "2 s"]', "[nan, 1e308, -1e308, 1]",
 )  # fmt: skip
 NUMBER = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
@@ -89,7 +93,22 @@ def _value(content: bytes, random: np.random.Generator) -> bytes:
 
 def _number(content: bytes, random: np.random.Generator) -> bytes:
     """A number anywhere replaced, also inside texts and lists."""
-    choices = (b"nan", b"inf", b"-1", b"0", b"1e400", b"1e300", b"1e-300", b"", b"x", b"1,5", b"9" * 400, b"-0", b"1e9", b"2")
+    choices = (
+        b"nan",
+        b"inf",
+        b"-1",
+        b"0",
+        b"1e400",
+        b"1e300",
+        b"1e-300",
+        b"",
+        b"x",
+        b"1,5",
+        b"9" * 400,
+        b"-0",
+        b"1e9",
+        b"2",
+    )
     return _replaced(content, NUMBER, choices[random.integers(len(choices))], random)
 
 
@@ -116,12 +135,41 @@ def _binary(content: bytes, random: np.random.Generator) -> bytes:
 
 
 def _inserted(content: bytes, random: np.random.Generator) -> bytes:
-    tokens = (b"[", b"]", b"{", b'"', b"'", b"=", b"#", b"\0", b"\xff\xfe", b"[[contact]]\n", b"[x.y]\n", b"," * 500, b"[" * 3000)
+    tokens = (
+        b"[",
+        b"]",
+        b"{",
+        b'"',
+        b"'",
+        b"=",
+        b"#",
+        b"\0",
+        b"\xff\xfe",
+        b"[[contact]]\n",
+        b"[x.y]\n",
+        b"," * 500,
+        b"[" * 3000,
+    )
     i = int(random.integers(len(content) + 1))
     return content[:i] + tokens[random.integers(len(tokens))] + content[i:]
 
 
-_DAMAGES = (_flip, _cut, _lines, _lines, _value, _value, _value, _number, _number, _number, _encoded, _breaks, _binary, _inserted)
+_DAMAGES = (
+    _flip,
+    _cut,
+    _lines,
+    _lines,
+    _value,
+    _value,
+    _value,
+    _number,
+    _number,
+    _number,
+    _encoded,
+    _breaks,
+    _binary,
+    _inserted,
+)
 
 
 def sources(folder: Path) -> list[tuple[str, bytes, list[list[str]]]]:
@@ -139,7 +187,12 @@ def sources(folder: Path) -> list[tuple[str, bytes, list[list[str]]]]:
     track = "x [mm], height [um]\n" + "\n".join(f"{a:.6g},{50 * np.sin(2 * a) + 20 * np.cos(5.3 * a):.6g}" for a in x)
     rubber = (ROOT / "materials" / "epdm-70.toml").read_bytes()
     tip = b"# a tip\nr, z\n0, 0\n1, 0.1\n2; 0.4\n3\t0.9\n4 1.6\n"
-    for name, content in (("friction.toml", scene), ("rough.toml", rough), ("track.csv", track.encode()), ("tip.csv", tip)):
+    for name, content in (
+        ("friction.toml", scene),
+        ("rough.toml", rough),
+        ("track.csv", track.encode()),
+        ("tip.csv", tip),
+    ):
         (folder / name).write_bytes(content)
     (folder / "rubber.toml").write_bytes(rubber)
     found += [
@@ -149,7 +202,9 @@ def sources(folder: Path) -> list[tuple[str, bytes, list[list[str]]]]:
         ("track.csv", track.encode(), [["friction", "rough.toml"]]),
     ]
     for path in sorted((ROOT / "materials").glob("*.toml")):
-        found.append(("rubber.toml", path.read_bytes(), [["materials", "./rubber.toml"], ["friction", "friction.toml"]]))
+        found.append(
+            ("rubber.toml", path.read_bytes(), [["materials", "./rubber.toml"], ["friction", "friction.toml"]])
+        )
     return found + [(name, content, [["fit", "FILE"]]) for name, content in _measured()]
 
 
@@ -236,6 +291,8 @@ def run(argv: list[str]) -> tuple[str, str]:
     said = err.getvalue()
     if status == 2 and not (said.startswith("elastomdr: error: ") and said.count("\n") == 1 and len(said) < 2000):
         return "2", f"not one clear line: {said[:300]!r}"
+    if "memory" in said:
+        return "2", f"asks for too much memory: {said[:300]!r}"
     if status not in (0, 2, 3):
         return str(status), f"status {status}: {said[:300]!r}"
     if "\0" in said or "Traceback" in said:
@@ -271,8 +328,11 @@ def main() -> int:
         raise TooLong
 
     signal.signal(signal.SIGALRM, alarm)
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     record = heading(
-        "Fuzz: damaged files through the command line", f"{chosen.files} files, seed {chosen.seed}", f"at most {LIMIT} s each"
+        "Fuzz: damaged files through the command line",
+        f"{chosen.files} files, seed {chosen.seed}",
+        f"at most {LIMIT} s each",
     )
     counts: dict[str, Counter] = {}
     bad: dict[str, tuple[list[str], str, bytes]] = {}

@@ -11,6 +11,7 @@ branch slower than the passage enters as E_k [g(a) - g(x) - h_k(x)] with h_k = i
 that a small loss is not the difference of large numbers; about ten digits of mu are left.
 """
 
+import itertools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -19,7 +20,7 @@ from mpmath import mp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-NODES = np.polynomial.legendre.leggauss(8)
+NODES = np.polynomial.legendre.leggauss(12)
 INNER = np.polynomial.legendre.leggauss(32)
 FAR = 42.0  # relaxation lengths after which nothing is left of a branch, exp(-42) = 6e-19
 LEVELS = 18  # panels towards a kink, each a quarter of the one before
@@ -164,7 +165,7 @@ def marched(body: Body, law: Law, velocity: float, leading: float) -> Truth:
         normal = drag = 0.0
         state = start
         node, weight = 0.5 * (1 + NODES[0]), 0.5 * NODES[1]
-        for x0, x1 in zip(ends[:-1], ends[1:], strict=True):
+        for x0, x1 in itertools.pairwise(ends):
             x = x0 - (x0 - x1) * np.append(node, 1.0)
             gone = x0 - x
             passed = _local(body, x, gone, decay, slow)
@@ -212,7 +213,7 @@ def _local(body: Body, x: np.ndarray, reach: np.ndarray, decay: np.ndarray, slow
 def _graded(ends: list[float]) -> np.ndarray:
     """Descending panel ends, ever finer towards each of the given ends."""
     shrink = 0.5 * 0.25 ** np.arange(LEVELS)
-    parts = [x0 - (x0 - x1) * np.r_[0.0, shrink[::-1], 1 - shrink[1:]] for x0, x1 in zip(ends[:-1], ends[1:], strict=True)]
+    parts = [x0 - (x0 - x1) * np.r_[0.0, shrink[::-1], 1 - shrink[1:]] for x0, x1 in itertools.pairwise(ends)]
     return np.append(np.concatenate(parts), ends[-1])
 
 

@@ -2,13 +2,13 @@
 
     python benchmarks/stress.py [--scenes N] [--seed S] [--show K]
 
-Every scene has a material, a body and a load or depth of its own, and two velocities: 1 to 60 branches, their times over
-24 decades or nearly equal, moduli over 12 decades, with and without equilibrium modulus and dashpot; velocities over 20
-decades; paraboloids and cones (judged in closed form with mpmath), spheres, power laws with exponents from 1 to 40,
-cylinders on layers, profiles from points (judged by a march of their own, `slow_route.py`), and the direction average
-(judged by Gauss' rule over 400 bare lines). An answer is taken at the contact size it came with: how far the judge's
-load is off there counts as an error of mu too. Wrong is a converged answer off by more than rtol; covered one that is
-off by no more than its `error`; flagged one that is NaN with converged=False.
+Every scene has a material, a body and a load or depth of its own, and two velocities: 1 to 60 branches, their times
+over 24 decades or nearly equal, moduli over 12 decades, with and without equilibrium modulus and dashpot; velocities
+over 20 decades; paraboloids and cones (judged in closed form with mpmath), spheres, power laws with exponents from 1
+to 40, cylinders on layers, profiles from points (judged by a march of their own, `slow_route.py`), and the direction
+average (judged by Gauss' rule over 224 bare lines). An answer is taken at the contact size it came with: how far the
+judge's load is off there counts as an error of mu too. Wrong is a converged answer off by more than rtol; covered one
+that is off by no more than its `error`; flagged one that is NaN with converged=False.
 """
 
 import argparse
@@ -26,12 +26,12 @@ import numpy as np
 from slow_route import Body, Law, closed, from_points, marched
 
 JUDGES = {"closed": 3e-14, "marched": 1e-9, "lines": 3e-11}  # what each route itself is good to, relative
-EXPONENTS = (1.0, 1.001, 1.5, 2.000001, 3.0, 7.0, 10.5, 40.0)
+EXPONENTS = (1.0, 1.001, 3.0, 1.5, 7.0, 40.0)
 SHARES = {  # of the scenes
-    "paraboloid": 0.4, "cone": 0.2, "cylinder on a layer": 0.1, "sphere": 0.12, "power law": 0.1, "profile": 0.02,
-    "direction average": 0.06,
+    "paraboloid": 0.4, "cone": 0.2, "cylinder on a layer": 0.1, "sphere": 0.14, "power law": 0.1, "profile": 0.004,
+    "direction average": 0.056,
 }  # fmt: skip
-FEW, MANY = (2, 8), (1, 2, 3, 5, 8, 16, 30, 60)  # numbers of branches: each size is compiled once
+FEW, MANY = (1, 2, 3), (1, 2, 3, 5, 8, 16, 30, 60)  # numbers of branches: each size is compiled once
 
 
 class Drawn(NamedTuple):
@@ -72,16 +72,17 @@ def draw(family: str, random: np.random.Generator) -> Drawn:
     control = str(random.choice(["load", "depth"]))
     load, depth = 10 ** random.uniform(-12, 12), 10 ** random.uniform(-9, -0.5)
     if family == "power law":
-        exponent, size = float(random.choice(EXPONENTS)), 10 ** random.uniform(-6, 0)
+        which, size = random.integers(len(EXPONENTS)), 10 ** random.uniform(-6, 0)
+        exponent, control = EXPONENTS[which], ("load", "depth")[which % 2]  # half as much to compile
         body = (exponent, 10 ** random.uniform(-3, 0) * size ** (1 - exponent))
         depth *= body[1] * size**exponent
     elif family == "cone":
         body = (10 ** random.uniform(-4, 1),)
     elif family == "profile":
         r = np.linspace(0, 1, 8) * 10 ** random.uniform(-6, 0)
-        powers, shares = random.uniform(1.6, 5, 3), 10 ** random.uniform(-2, 0, 3)
+        powers, shares = (2, 3, 4), 10 ** random.uniform(-1, 0, 3)
         body = (r, r[-1] * sum(s * np.linspace(0, 1, 8) ** p for s, p in zip(shares, powers, strict=True)))
-        depth *= body[1][-1]
+        depth, control = depth * body[1][-1], "load"  # half as much to compile
     else:
         body = (10 ** random.uniform(-6, 3),)
         depth *= body[0]
@@ -91,7 +92,7 @@ def draw(family: str, random: np.random.Generator) -> Drawn:
         size *= body[0][-1] if family == "profile" else body[0]
         load = equilibrium * size * (size**2 / body[0] if family == "sphere" else body[1][-1] * (size / r[-1]) ** 2)
     velocity = 10 ** random.uniform(-10, 10, 2)
-    rtol = 1e-6 if few else float(random.choice([1e-3, 1e-6, 1e-9]))
+    rtol = (1e-3 if family == "profile" else 1e-6) if few else float(random.choice([1e-3, 1e-6, 1e-9]))
     return Drawn(family, law, body, control, load if control == "load" else depth, velocity, rtol)
 
 
@@ -127,12 +128,12 @@ def _average(material: Any, shape: Any, velocity: np.ndarray, load: np.ndarray) 
     import elastomdr as em
 
     node, weight = np.polynomial.legendre.leggauss(8)
-    s = (0.5 * np.arange(50)[:, None] + 0.25 * (node + 1)).ravel()
+    s = (0.5 * np.arange(28)[:, None] + 0.25 * (node + 1)).ravel()
     theta = np.pi / 2 * np.exp(-s)
     load = np.where(np.isfinite(load), load, 1.0)
     slowed = velocity[:, None] * np.sin(theta)
     line = em.friction(material, shape, velocity=slowed, load=load[:, None], rtol=1e-10, average=None)
-    return 2 / np.pi * (line.mu * np.sin(theta) * theta) @ np.tile(0.25 * weight, 50)
+    return 2 / np.pi * (line.mu * np.sin(theta) * theta) @ np.tile(0.25 * weight, 28)
 
 
 def judge(scene: Drawn, found: Answer) -> list[tuple[str, float, float]]:
@@ -157,6 +158,8 @@ def judge(scene: Drawn, found: Answer) -> list[tuple[str, float, float]]:
 def _miss(scene: Drawn, found: Answer, i: int, velocity: float, mu: float) -> tuple[float, str]:
     """Relative difference of mu to the judge's, with that of the load or depth at the contact size given."""
     if scene.family == "direction average":
+        if not math.isfinite(found.leading[i]):
+            raise ArithmeticError("a line of the judge failed")
         return abs(mu / found.leading[i] - 1), "lines"
     a = float(found.leading[i])
     power, steepness, body = _line(scene)
@@ -169,6 +172,8 @@ def _miss(scene: Drawn, found: Answer, i: int, velocity: float, mu: float) -> tu
     wanted = (truth.normal_force if scene.control == "load" else depth) / scene.value - 1
     force = truth.normal_force / found.normal[i] - 1
     edge = abs(truth.trailing - found.trailing[i]) / a
+    if not math.isfinite(truth.mu):
+        raise ArithmeticError("the judge has no answer")
     if edge > 1e-5:
         return math.inf, route
     return abs(mu / truth.mu - 1) + abs(wanted) + abs(force), route
@@ -202,6 +207,7 @@ def main() -> int:
     options.add_argument("--scenes", type=int, default=5000)
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--show", type=int, default=10, help="how many wrong scenes are printed")
+    options.add_argument("--others", type=int, default=0, help="how many flagged and uncovered ones are printed")
     options.add_argument("--family", choices=list(SHARES))
     chosen = options.parse_args()
     from common import heading, save, table, verdict
@@ -227,7 +233,7 @@ def main() -> int:
                     crashed.append((scene, traceback.format_exc(limit=-3)))
         took = time.perf_counter() - begin
         verdicts = [(scene, found, said.result()) for scene, found, said in waiting]
-    rows, wrong = [], []
+    rows, wrong, others = [], [], []
     for family in dict.fromkeys(scene.family for scene in scenes):
         ours = [(s, f, said) for s, f, all_said in verdicts if s.family == family for said in all_said]
         kinds = [said[0] for *_, said in ours]
@@ -240,12 +246,15 @@ def main() -> int:
              100 * float(np.mean(np.append(ratios, 1.0)[: max(ratios.size, 1)] <= 1)))
         )  # fmt: skip
         wrong += [(s, f, said) for s, f, said in ours if said[0] == "wrong"]
+        others += [(s, f, said) for s, f, said in ours if said[0] in ("flagged", "unjudged") or said[2] > 1]
     record["families"] = table(
         ("family", "scenes", "points", "wrong", "flagged", "unjudged", "crashed", "largest miss of mu", "covered [%]"),
         rows,
     )
     for scene, found, said in wrong[: chosen.show]:
         print(f"\n  WRONG {said}\n    {scene}\n    {found}")
+    for scene, found, said in others[: chosen.others]:
+        print(f"\n  {said}\n    {scene}\n    {found}")
     for scene, text in crashed[: chosen.show]:
         print(f"\n  CRASHED {scene}\n{text}")
     ratios = np.array([r for *_, all_said in verdicts for kind, _, r in all_said if kind in ("right", "wrong")])
