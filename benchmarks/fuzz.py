@@ -179,7 +179,8 @@ def sources(folder: Path) -> list[tuple[str, bytes, list[list[str]]]]:
         content = path.read_bytes()
         verbs = ["slide"] if b"[[stage]]" in content else ["indent"] if b"[history]" in content else []
         found.append(("scene.toml", content, [[verb, "FILE"] for verb in verbs or ["friction", "rolling", "plan"]]))
-    scene = b"""material = "rubber.toml"\ntemperature = "20 degC"\n[indenter]\nshape = "profile"\nunit = "mm"\nfile = "tip.csv"
+    scene = b"""material = "rubber.toml"\ntemperature = "20 degC"
+[indenter]\nshape = "profile"\nunit = "mm"\nfile = "tip.csv"
 [contact]\ndepth = ["0.1 mm", "1 um"]\nvelocity = ["1 mm/s", "1 m/s"]\n[numerics]\nrtol = 1e-4\naverage = "line"\n"""
     rough = b"""material = "rubber.toml"\n[surface]\nshape = "file"\nfile = "track.csv"\nshortest = "0.2 mm"
 [contact]\npressure = "0.1 MPa"\nvelocity = "1 m/s"\n"""
@@ -187,12 +188,8 @@ def sources(folder: Path) -> list[tuple[str, bytes, list[list[str]]]]:
     track = "x [mm], height [um]\n" + "\n".join(f"{a:.6g},{50 * np.sin(2 * a) + 20 * np.cos(5.3 * a):.6g}" for a in x)
     rubber = (ROOT / "materials" / "epdm-70.toml").read_bytes()
     tip = b"# a tip\nr, z\n0, 0\n1, 0.1\n2; 0.4\n3\t0.9\n4 1.6\n"
-    for name, content in (
-        ("friction.toml", scene),
-        ("rough.toml", rough),
-        ("track.csv", track.encode()),
-        ("tip.csv", tip),
-    ):
+    written = {"friction.toml": scene, "rough.toml": rough, "track.csv": track.encode(), "tip.csv": tip}
+    for name, content in written.items():
         (folder / name).write_bytes(content)
     (folder / "rubber.toml").write_bytes(rubber)
     found += [
