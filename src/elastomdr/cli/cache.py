@@ -5,6 +5,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+DAMAGED = "the cache of compiled code is damaged, so everything was compiled anew: remove elastomdr's cache folder."
+
 
 def enable_cache() -> None:
     """Lets JAX keep compiled code between runs, in the user's cache folder or in JAX_COMPILATION_CACHE_DIR.

@@ -3,12 +3,12 @@
 import os
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
-from .cache import enable_cache
+from .cache import DAMAGED, enable_cache
 from .main import DONE, NOT_CONVERGED
 from .parts import Bar, Parts
 from .scene import Scene, in_file
@@ -19,16 +19,17 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
     if scene.rough and verb != "friction":
         raise InputError(f"{scene.path.name}: a [surface] has friction, no {verb}: use elastomdr friction.")
     folder = _folder(out)
+    parts, bar = Parts(folder / f".{scene.path.stem}-{verb}.parts"), Bar()
     enable_cache()
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", ConvergenceWarning)
         warnings.simplefilter("always", ExtrapolationWarning)
         with in_file(scene.path):
             if scene.rough:
-                parts, bar = Parts(folder / f".{scene.path.stem}-{verb}.parts"), Bar()
-                curve = call(scene.material, scene.shape, **scene.arguments, progress=bar, store=parts)
-                bar.end()
-                parts.remove()
+                try:
+                    curve = call(scene.material, scene.shape, **scene.arguments, progress=bar, store=parts)
+                finally:
+                    bar.end()
             else:
                 curve = call(scene.material, scene.shape, **scene.arguments)
     notes = [("scene", scene.path.name)] + ([("title", scene.title)] if scene.title else [])
@@ -38,14 +39,22 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         folder / f"{stem}.png": curve.png(scene.title, scene.measured),
     }
     _write(folder, files)
+    parts.remove()  # not before: what was computed outlives a full disk
     if scene.title:
         print(scene.title)
     print(curve.summary())
     print("wrote " + " and ".join(str(path) for path in files))
-    for warning in said:
-        text = " ".join(str(warning.message).replace("; they are NaN", "; their cells in the table are empty").split())
-        print(f"elastomdr: warning: {text}", file=sys.stderr)
+    say(said)
     return DONE if curve.converged.all() else NOT_CONVERGED
+
+
+def say(warned: Iterable[warnings.WarningMessage]) -> None:
+    """Prints what was warned of, one line each; a damaged cache, of which JAX complains by the file, once."""
+    texts = [
+        str(warning.message).replace("; they are NaN", "; their cells in the table are empty") for warning in warned
+    ]
+    for text in dict.fromkeys(DAMAGED if "persistent compilation cache" in text else text for text in texts):
+        print(f"elastomdr: warning: {' '.join(text.split())}", file=sys.stderr)
 
 
 def _folder(out: str) -> Path:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..files import read_text
 from .keys import Keys, choice, numbers, one, positive_number, text
 from .units import LENGTH, Kind, number_in, quantity
 
@@ -78,7 +79,7 @@ def _points_file(folder: Path) -> Any:
     def read(name: str, value: Any) -> tuple[list[float], list[float]]:
         path = folder / text(name, value)
         try:
-            lines = path.read_text().splitlines()
+            lines = read_text(path).split("\n")
         except OSError as error:
             raise InputError(f"{name}: {value!r} cannot be read: {error.strerror or error}.") from error
         except ValueError as error:

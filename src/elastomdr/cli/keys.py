@@ -1,6 +1,6 @@
 """Typed values out of TOML tables; every complaint names the table, the key, the value and what is accepted."""
 
-import math
+import sys
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
@@ -54,7 +54,7 @@ def flag(name: str, value: Any) -> bool:
 
 def number(name: str, value: Any) -> float:
     """A plain finite number."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
         raise InputError(f"{name} must be a plain number, got {value!r}.")
     return float(value)
 

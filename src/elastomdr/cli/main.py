@@ -11,6 +11,7 @@ from .. import __version__
 from ..errors import InputError
 
 DONE, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 130
+_LONGEST = 1000  # characters of a message
 
 
 class _Parser(argparse.ArgumentParser):
@@ -26,14 +27,35 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except InputError as error:
-        print(f"elastomdr: error: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"elastomdr: error: {_one_line(str(error))}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         print("elastomdr: interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output, such as `head`, has what it wanted
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return DONE
+    except OSError as error:  # files are written and read with care; what is left is our own output
+        _drop_output()
+        print(
+            f"elastomdr: error: the output cannot be written: {_one_line(error.strerror or str(error))}.",
+            file=sys.stderr,
+        )
+        return BAD_INPUT
+    except MemoryError as error:
+        print(f"elastomdr: error: the scene needs more memory than there is: {_one_line(str(error))}", file=sys.stderr)
+        return BAD_INPUT
+
+
+def _drop_output() -> None:
+    """Lets what is still to be printed go nowhere, so that Python does not complain about it at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _one_line(text: str) -> str:
+    """A message with single blanks, cut to a readable length, what cannot be printed as a question mark."""
+    text = "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -1,9 +1,11 @@
 """`elastomdr plan SCENE.toml`: what would be computed, skipped and condensed, and why."""
 
 import argparse
+import warnings
 
 from ..errors import InputError
 from .cache import enable_cache
+from .curve import say
 from .main import DONE
 from .scene import in_file, read_scene
 
@@ -16,6 +18,7 @@ def run(arguments: argparse.Namespace) -> int:
     enable_cache()
     from .. import plan
 
-    with in_file(scene.path):
+    with warnings.catch_warnings(record=True) as said, in_file(scene.path):
         print(plan(scene.material, scene.shape, **scene.arguments, quantity=arguments.quantity))
+    say(said)
     return DONE

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..files import read_bytes
 from .indenter import read_indenter
 from .keys import Keys, choice, flag, one, one_or_more, positive_number, text
 from .measured import read_measured
@@ -49,16 +50,10 @@ def read_scene(path: str) -> Scene:
 def read_toml(path: Path) -> dict[str, Any]:
     """The content of a TOML file. Raises `InputError` for whatever is none."""
     try:
-        with path.open("rb") as file:
-            content = file.read(_MOST_BYTES + 1)
-        if len(content) > _MOST_BYTES:
-            raise InputError(f"the scene must be a TOML file, got one of more than {_MOST_BYTES // 1_000_000} MB.")
-        return tomllib.loads(content.decode())
+        return tomllib.loads(read_bytes(path, _MOST_BYTES).decode())
     except OSError as error:
         raise InputError(f"the scene cannot be read: {error.strerror or error}.") from error
     except (ValueError, RecursionError) as error:  # not UTF-8, not TOML, no valid path
-        if isinstance(error, InputError):
-            raise
         raise InputError(f"the scene is not valid TOML: {error}.") from error
 
 

@@ -38,6 +38,7 @@ CONDUCTIVITY = Kind("a thermal conductivity", "W/(m*K)", "0.2 W/(m*K)", "W/(m*K)
 HEAT_CAPACITY = Kind("a heat capacity per volume", "J/(m^3*K)", "2e6 J/(m^3*K)", "J/(m^3*K) J/m^3/K MJ/m^3/K")
 WAVE_NUMBER = Kind("a wave number", "1/m", "1e3 1/m", "1/m 1/mm 1/um rad/m")
 
+_LARGEST = 1e100  # in SI units: products of such numbers stay within float64
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 
 
@@ -64,6 +65,8 @@ def quantity(name: str, text: Any, kind: Kind) -> float:
     if not math.isfinite(value) or (value <= 0 and kind.accepted == "positive"):
         accepted = "above absolute zero" if kind is TEMPERATURE else kind.accepted
         raise InputError(f'{name} must be {accepted} and finite, got "{text}".')
+    if value and not 1 / _LARGEST < abs(value) < _LARGEST:
+        raise InputError(f'{name} must be between {1 / _LARGEST:g} and {_LARGEST:g} {kind.unit}, got "{text}".')
     return value
 
 

@@ -1,15 +1,20 @@
 """Files into rows of cells: text in several encodings and separators, spreadsheets."""
 
 import csv
+import importlib.util
 import io
+import json
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import InputError
+from ..files import read_bytes
 
-_MOST_BYTES = 200_000_000
+_PATIENCE = 60  # seconds for a spreadsheet
 _LATIN = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7")  # what a Latin-1 file of measurements holds beyond ASCII
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 _MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")  # a number, whatever its comma and point mean
@@ -35,9 +40,7 @@ def read_cells(path: Path) -> Sheet:
     try:
         if path.is_dir():
             raise InputError(f"{path.name}: must be a file, got a folder; give the files in it.")
-        if path.stat().st_size > _MOST_BYTES:
-            raise InputError(f"{path.name}: must be a table of measurements, got {path.stat().st_size / 1e6:.0f} MB.")
-        raw = path.read_bytes()
+        raw = read_bytes(path)
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
@@ -147,25 +150,18 @@ def _separator(lines: list[str]) -> str:
 
 
 def _spreadsheet(path: Path) -> list[Row]:
+    if importlib.util.find_spec("python_calamine") is None:
+        raise InputError(f"{path.name}: reading spreadsheets needs python-calamine: pip install elastomdr[excel]")
+    reader = [sys.executable, str(Path(__file__).with_name("spreadsheet.py")), os.fspath(path)]
     try:
-        from python_calamine import CalamineError, CalamineWorkbook
-    except ImportError as error:
-        raise InputError(
-            f"{path.name}: reading spreadsheets needs python-calamine: pip install elastomdr[excel]"
-        ) from error
-    try:
-        book = CalamineWorkbook.from_path(os.fspath(path))
-        sheets = [book.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in book.sheet_names]
-    except (CalamineError, OSError, ValueError) as error:
-        raise InputError(f"{path.name}: is not a spreadsheet that can be read ({error}).") from error
+        read = subprocess.run(reader, capture_output=True, timeout=_PATIENCE, check=False)
+    except subprocess.TimeoutExpired as error:
+        raise InputError(f"{path.name}: is not a spreadsheet that can be read in {_PATIENCE} s.") from error
+    if read.returncode != 0:
+        said = read.stdout.decode(errors="replace").strip() if read.returncode == 1 else ""
+        raise InputError(f"{path.name}: is not a spreadsheet that can be read ({said or 'it is damaged'}).")
     rows: list[Row] = []
-    for sheet in sheets:  # line numbers are those of the sheet
-        rows += [Row(i, [_text(cell) for cell in cells]) for i, cells in enumerate(sheet, start=1)]
+    for sheet in json.loads(read.stdout):  # line numbers are those of the sheet
+        rows += [Row(i, cells) for i, cells in enumerate(sheet, start=1)]
         rows.append(Row(0, []))
     return rows
-
-
-def _text(cell: object) -> str:
-    if isinstance(cell, float):
-        return repr(cell)
-    return str(cell).strip()

@@ -9,9 +9,11 @@ import numpy as np
 
 from .._runtime import plain, positive
 from ..errors import InputError
+from ..files import read_text
 from ..mapping.measured import MeasuredSurface, from_map, from_profile
 
 _METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}
+_LARGEST = 1e100  # [m]
 _TITLE = re.compile(r"\s*(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]\s*")
 
 
@@ -27,9 +29,7 @@ def surface_from_file(
     """
     name = Path(path).name
     try:
-        lines = [
-            line for line in Path(path).read_text().splitlines() if line.strip() and not line.lstrip().startswith("#")
-        ]
+        lines = [line for line in read_text(path).split("\n") if line.strip() and not line.lstrip().startswith("#")]
     except (OSError, ValueError) as error:
         raise InputError(f"path must be a text file that can be read, got {name!r}: {error}.") from error
     if not lines:
@@ -45,6 +45,10 @@ def surface_from_file(
             f"path: {name!r} has {len(body[wrong])} cells in row {wrong + 1}, {len(rows[0])} in the first."
         )
     data = np.array([[_number(cell) for cell in row] for row in body]).reshape(-1, len(scale)) * scale
+    if not np.all(np.abs(data[np.isfinite(data)]) < _LARGEST):
+        raise InputError(
+            f"path: {name!r} must hold lengths below {_LARGEST:g} m, got one of {np.nanmax(np.abs(data)):g} m."
+        )
     if shortest is not None:
         shortest = plain("shortest", shortest)
         positive("shortest", shortest)

@@ -20,6 +20,7 @@ from .spectrum import AbstractSpectrum, Spectrum
 
 _BANDS = 10  # per decade of q
 _EVEN = 1e-4  # unevenness of x, relative to its step, that counts as rounding
+_MOST = 4_000_000  # even points along a profile
 _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
 
 
@@ -58,6 +59,10 @@ def from_profile(x: np.ndarray, height: np.ndarray, shortest: float | None, detr
             f"heights are coarsely rounded: {levels} levels, {step:.3g} m apart; short waves are rounding noise"
         )
     n = round(float((x[-1] - x[0]) / np.median(np.diff(x)))) + 1
+    if n > _MOST:
+        raise InputError(
+            f"x of a profile spans {n:.3g} of its median steps, more than {_MOST:.0e}: is one of the values mistyped?"
+        )
     even = np.linspace(x[0], x[-1], n)
     if n != x.size or np.abs(x - even).max() > _EVEN * (even[1] - even[0]):
         report.append(f"x was not evenly spaced: {n} even points by straight lines")

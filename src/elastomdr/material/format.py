@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, closest
+from ..files import read_bytes
 
 GRADES = ("measured", "published fit", "fitted here", "illustrative")
 
@@ -79,7 +80,7 @@ _HEADER = "# Material of elastomdr, SI units throughout; the format is described
 def read_document(path: Path) -> dict[str, Any]:
     """A material file's content, with known keys and right types only; raises `InputError`, one line with the path."""
     try:
-        raw = path.read_bytes()
+        raw = read_bytes(path)
         document = tomllib.loads(raw.decode("utf-8"))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error}).") from error
@@ -121,6 +122,11 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
     _validate_table(path, "", document, _KEYS, _REQUIRED)
     if "poisson" not in document and "bulk" not in document:
         raise InputError(f"{path}: key 'poisson' (or 'bulk') is missing.")
+    counts = len(document["moduli"]), len(document["times"])
+    if counts[0] != counts[1]:
+        raise InputError(
+            f"{path}: moduli and times must have the same length, got {counts[0]} and {counts[1]} entries."
+        )
     if "shift" in document:
         shift = document["shift"]
         law = shift.get("law")

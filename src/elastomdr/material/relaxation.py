@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array, as_float64, ascending, in_float64, is_traced, not_negative, positive
+from .._runtime import Array, as_float64, ascending, in_float64, is_traced, not_negative, positive, require
 from ..errors import InputError
 from .secular import secular_roots
 
@@ -109,6 +109,7 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
         if value.shape != ():
             raise InputError(f"{name} must be a single number, got an array of shape {value.shape}.")
         not_negative(name, value)
+        _representable(name, value)
     if moduli.ndim != 1 or times.ndim != 1 or moduli.shape != times.shape:
         raise InputError(
             "moduli and times must be lists of the same length, one entry per branch, "
@@ -117,9 +118,18 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
     not_negative("moduli", moduli)
     positive("times", times)
     ascending("times", times)
+    _representable("moduli", moduli)
+    _representable("times", times)
     if not is_traced(equilibrium, moduli, viscosity) and equilibrium + viscosity + moduli.sum() <= 0:
         raise InputError("equilibrium, moduli and viscosity are all zero: such a material carries no load.")
     return Relaxation(equilibrium, moduli, times, viscosity)
+
+
+def _representable(name: str, value: Any) -> None:
+    """Refuses numbers whose products would leave the range of float64."""
+    require(
+        name, value, "zero or between 1e-100 and 1e100 in SI units", lambda x: (x == 0) | ((x > 1e-100) & (x < 1e100))
+    )
 
 
 def scaled(law: Relaxation, factor: Any) -> Relaxation:

@@ -1,0 +1,65 @@
+"""Has anything become slower or worse? What `results/` records now against what is committed.
+
+    python benchmarks/run_all.py && python benchmarks/check.py [--against REVISION]
+
+Every benchmark records `verdicts` (or `figures`): a name, a measured figure and its target, at least or at most. A
+figure has fallen if it is worse by more than a third than the one of the revision (default: HEAD): less than 3/4 of it
+where more is better, more than 4/3 where less is better, beyond the target as well. Exit status 1 if any has, or if a
+figure is gone.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from common import RESULTS, table
+
+WORSE = 4 / 3
+
+
+def figures(record: dict[str, Any]) -> dict[str, tuple[float, bool, bool]]:
+    """Name to (measured, whether more is better, whether the target is met)."""
+    entries = [e for key in ("verdicts", "figures") for e in record.get(key) or () if isinstance(e, dict)]
+    return {
+        e["name"]: (float(e["measured"]), e["target"].startswith(">="), bool(e["met"]))
+        for e in entries
+        if "target" in e
+    }
+
+
+def recorded(path: Path, revision: str) -> dict[str, Any]:
+    """A result as it was committed, or an empty record."""
+    shown = subprocess.run(
+        ["git", "show", f"{revision}:./{path.name}"], cwd=path.parent, capture_output=True, text=True, check=False
+    )
+    return json.loads(shown.stdout) if shown.returncode == 0 else {}
+
+
+def main() -> int:
+    options = argparse.ArgumentParser(description="Benchmark results against those of a revision.")
+    options.add_argument("--against", default="HEAD")
+    revision = options.parse_args().against
+    rows, fallen, compared = [], 0, 0
+    for path in sorted(RESULTS.glob("*.json")):
+        before, now = figures(recorded(path, revision)), figures(json.loads(path.read_text()))
+        for name, (old, more, _) in before.items():
+            compared += 1
+            if name not in now:
+                rows.append((path.stem, name, old, float("nan"), "gone"))
+                continue
+            new, _, met = now[name]
+            bad = new < old / WORSE if more else new > old * WORSE
+            if bad and not met:
+                rows.append((path.stem, name, old, new, "fallen"))
+    fallen = len(rows)
+    if rows:
+        table(("benchmark", "figure", "recorded", "now", ""), rows)
+    print(f"\n{compared} recorded figures, {fallen} fallen by more than a third or gone")
+    return 1 if fallen else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
