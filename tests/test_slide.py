@@ -99,6 +99,21 @@ def test_spline_interpolates_and_is_periodic():
     assert np.isclose(finer.period, length, rtol=1e-14)
 
 
+def test_depth_of_a_rough_line_counts_from_the_highest_place_of_its_spline():
+    """So `em.slide` and `em.friction`, which refines the line through its spline, mean the same depth."""
+    from scipy.interpolate import CubicSpline
+
+    ends = np.append(POINTS, WAVES.period), np.append(WAVES.height, WAVES.height[0])
+    truth = CubicSpline(*ends, bc_type="periodic")
+    highest = truth(truth.derivative().roots(extrapolate=False)).max()
+    np.testing.assert_allclose([WAVES.highest, WAVES.finer(2).highest], highest, rtol=1e-12)
+    assert WAVES.height.max() < highest - 1e-10
+    assert em.RoughLine(POINTS, 0 * POINTS).highest == 0
+    slope = jax.grad(lambda h: em.RoughLine(POINTS, h).highest)(jnp.asarray(WAVES.height))
+    higher = em.RoughLine(POINTS, WAVES.height + 1e-12 * np.arange(96)).highest
+    np.testing.assert_allclose((higher - WAVES.highest) / 1e-12, slope @ np.arange(96.0), rtol=1e-3)
+
+
 def test_full_contact_is_the_closed_form():
     """F_x per length = sum (1/2) A^2 k E''(k v), the mean force E_inf times the mean displacement."""
     v, k = 0.02, 2 * np.pi / float(WAVES.period)
