@@ -1,5 +1,7 @@
 """Energy audits: work in = stored + dissipated, each side by a route of its own."""
 
+import itertools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,6 +9,8 @@ import pytest
 from scipy.integrate import quad
 
 import elastomdr as em
+from elastomdr.foundation.episode import energies, follow, pressed
+from elastomdr.foundation.modes import recovery_modes
 from elastomdr.mapping.lines import SingleLine
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.solve.over_line import indenter
@@ -158,6 +162,34 @@ def test_sliding_on_a_partial_contact_converges_with_the_square_of_the_step():
     counts = np.array([128, 256, 512, 1024])  # half as many steps: whole blocks of the march
     slope = np.polyfit(np.log(counts), np.log([gap(n) for n in counts]), 1)[0]
     assert -2.8 < slope < -1.5
+
+
+@pytest.mark.parametrize("steps", [16, 40])
+def test_sliding_on_a_partial_contact_without_time_steps(steps):
+    """Elements that meet and leave the surface each at its own instant: what the body does on them is stored or lost,
+    to rounding and whatever the step, if the body moves straight from place to place over each element.
+    """
+    count, spacing = 48, 1e-4
+    with jax.enable_x64(True):
+        law = Relaxation(*map(jnp.asarray, (4e6, np.array([12e6]), np.array([1e-3]), 0.0)))
+        modes = recovery_modes(law)
+        surface = indenter(SingleLine(em.Paraboloid(0.01)), -2e-3, spacing, count, 1.0)
+        place, depth = np.linspace(0, 2e-3, steps + 1), 1e-4 * (1 + 0.3 * np.sin(np.arange(steps + 1)))
+        w = jnp.asarray(depth)[:, None] + jax.vmap(surface.rise)(jnp.asarray(place))
+        h = 2e-3 / steps
+        advance = jax.jit(lambda state, start, end: follow(law, modes, state, start, (end - start) / h, h))
+        state = pressed(law, modes, w[0])
+        touched = []
+        for start, end in itertools.pairwise(w):
+            state = advance(state, start, end)
+            touched.append(np.asarray(state.contact))
+        left = sum(energies(law, modes, state))
+        touched = np.array(touched)
+        assert (touched[1:] > touched[:-1]).any()
+        assert (touched[1:] < touched[:-1]).any()
+        np.testing.assert_allclose(jnp.sum(state.work), jnp.sum(left + state.heat), rtol=1e-13)
+        np.testing.assert_allclose(state.work, left + state.heat, rtol=0, atol=1e-13 * float(state.work.max()))
+        assert (state.heat > -1e-16 * state.work.max()).all()
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from elastomdr.mapping.lines import SingleLine
 from elastomdr.mapping.rough_line import spline, spline_coefficients
 from elastomdr.material.relaxation import Relaxation
 from elastomdr.solve.over_line import indenter, rough
-from elastomdr.solve.slide import march, settle
+from elastomdr.solve.slide import march, padded, settle
 from elastomdr.solve.timeline import Steps, cut, timeline
 
 RUBBER = em.Foundation(4e6, [12e6, 3e6], [1e-3, 1e-1])
@@ -97,6 +97,21 @@ def test_spline_interpolates_and_is_periodic():
     finer = WAVES.finer(2)
     np.testing.assert_allclose(finer.height[1::2], truth(POINTS + 5e-6), atol=1e-18)
     assert np.isclose(finer.period, length, rtol=1e-14)
+
+
+def test_depth_of_a_rough_line_counts_from_the_highest_place_of_its_spline():
+    """So `em.slide` and `em.friction`, which refines the line through its spline, mean the same depth."""
+    from scipy.interpolate import CubicSpline
+
+    ends = np.append(POINTS, WAVES.period), np.append(WAVES.height, WAVES.height[0])
+    truth = CubicSpline(*ends, bc_type="periodic")
+    highest = truth(truth.derivative().roots(extrapolate=False)).max()
+    np.testing.assert_allclose([WAVES.highest, WAVES.finer(2).highest], highest, rtol=1e-12)
+    assert WAVES.height.max() < highest - 1e-10
+    assert em.RoughLine(POINTS, 0 * POINTS).highest == 0
+    slope = jax.grad(lambda h: em.RoughLine(POINTS, h).highest)(jnp.asarray(WAVES.height))
+    higher = em.RoughLine(POINTS, WAVES.height + 1e-12 * np.arange(96)).highest
+    np.testing.assert_allclose((higher - WAVES.highest) / 1e-12, slope @ np.arange(96.0), rtol=1e-3)
 
 
 def test_full_contact_is_the_closed_form():
@@ -224,6 +239,23 @@ def test_steps_cover_the_history():
         np.testing.assert_allclose(steps.value[last], load)
         assert np.abs(np.diff(steps.position)).max() <= 0.5 / finer + 1e-12
         assert (steps.h > 0).all()
+
+
+def test_one_compiled_program_serves_all_levels():
+    """Elements beyond the others and steps without length, which it needs, change nothing."""
+    before = march._cache_size()
+    found = em.slide(RUBBER, BALL, time=[0.0, 0.1], position=[0.0, 0.0], load=10.0, rtol=1e-3)
+    assert found.plan.levels > 2
+    assert march._cache_size() <= before + 1
+    alone = Steps(jnp.full(64, 1e-4), jnp.arange(64) * 4e-5, jnp.full(64, 10.0))
+    ends = [
+        march(RUBBER.law(), indenter(SingleLine(BALL), -2e-3, 4e-5, count, 1.0), steps, control="load")[0]
+        for count, steps in ((192, alone), (384, padded(alone, 200)))
+    ]
+    assert ends[1].drag.shape == (256,)
+    for exact, found in zip(*ends, strict=True):
+        np.testing.assert_allclose(found[:64], exact, rtol=1e-12, atol=1e-12 * float(jnp.abs(exact).max()))
+        np.testing.assert_array_equal(found[64:], found[63])
 
 
 def test_result_is_a_table_and_a_figure(tmp_path):

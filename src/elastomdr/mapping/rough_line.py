@@ -71,9 +71,15 @@ class RoughLine(eqx.Module):
         return np.arange(self.count) * self.spacing
 
     @property
+    @in_float64
     def highest(self) -> Array:
-        """The highest of the points [m], from which a depth counts."""
-        return self.height.max()
+        """The highest place of the spline [m], from which a depth counts; seldom one of the points."""
+        part, between = _summits(jax.lax.stop_gradient(jnp.asarray(self.height)))
+        place = jnp.argmax(between)
+        coefficients = spline_coefficients(jnp.asarray(self.height))
+        # Sums, not an index: its derivative would be taken outside of `in_float64`.
+        near = [(place + m) % self.count == jnp.arange(self.count) for m in (-1, 0, 1, 2)]
+        return _cubic(jnp.stack([jnp.sum(jnp.where(here, coefficients, 0.0)) for here in near]), part[place])
 
     @property
     def rms_height(self) -> Array:
@@ -113,6 +119,27 @@ def spline_coefficients(height: Float[Array, " n"]) -> Float[Array, " n"]:
     """B-spline coefficients c of the periodic cubic spline: (c_{i-1} + 4 c_i + c_{i+1})/6 = h_i."""
     angle = 2 * jnp.pi * np.arange(height.shape[0] // 2 + 1) / height.shape[0]
     return jnp.fft.irfft(jnp.fft.rfft(height) * 3 / (2 + jnp.cos(angle)), n=height.shape[0])
+
+
+def _cubic(c: Array, t: Array) -> Array:
+    """The spline a part t of the way from its second to its third coefficient, of four along the first axis."""
+    u = 1 - t
+    return (u**3 * c[0] + (4 - 6 * t**2 + 3 * t**3) * c[1] + (4 - 6 * u**2 + 3 * u**3) * c[2] + t**3 * c[3]) / 6
+
+
+@jax.jit
+def _summits(height: Float[Array, " n"]) -> tuple[Array, Array]:
+    """Where the spline is highest between each point and the next (0 to 1 of the way), and how high."""
+    c = spline_coefficients(height)
+    c = jnp.stack([jnp.roll(c, 1 - m) for m in range(4)])
+    # 2 s'(t) = a t^2 + 2 b t + d: the root at which it falls through zero, in the form that loses no digits.
+    a, b, d = c[3] - 3 * c[2] + 3 * c[1] - c[0], c[2] - 2 * c[1] + c[0], c[2] - c[0]
+    root = jnp.sqrt(jnp.maximum(b**2 - a * d, 0.0))
+    below = root - b
+    t = jnp.where(below > 0, d / jnp.where(below > 0, below, 1.0), 0.0)
+    ends = jnp.stack([jnp.clip(t, 0.0, 1.0), jnp.zeros_like(t)])
+    heights = _cubic(c[:, None], ends)
+    return jnp.where(heights[0] > heights[1], ends[0], 0.0), jnp.max(heights, axis=0)
 
 
 def spline(coefficients: Float[Array, " n"], shift: Array) -> tuple[Float[Array, " n"], Float[Array, " n"]]:

@@ -18,12 +18,13 @@ from ..results.drive import Drive
 from ..solve.dynamics import History, Mount, Scene, run
 from ..solve.over_line import AbstractOverLine, Indenter, rough
 from ..solve.refine import Levels, finest, refine
-from ..solve.sizes import contact_sizes
+from ..solve.sizes import contact_sizes, shared_level
 from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
 from .steady import BARE, LAYER, brief, contact, describe
 
 _ACROSS = 24  # elements over the contact on the coarsest level
 _FINEST = 4  # levels beyond the coarsest
+_ROOM = 3e7  # elements times steps times branches marched sooner than another program is compiled
 _PERIOD = 12  # steps per period of a mass on its spring and the contact, on the coarsest level
 
 
@@ -151,19 +152,23 @@ def _within(
         count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
     samples = 8 if traced else _samples(history, spacing, mounts, law)
     size = [0, 0]
+    work = count * samples * history.time.size * max(law.times.size, 1)
+    most = min(_FINEST, finest(work, traced))
+    shared = shared_level(work, most, _ROOM)
 
     def solve(level: int) -> tuple[History, Any]:
         finer = 2**level
-        surface = _surface(body, track, low, spacing / finer, count * finer, finer)
+        room = max(finer, 2**shared)
+        surface = _surface(body, track, low, jnp.asarray(spacing / finer), count * room, finer, room // finer)
         scene = Scene(law, surface, *mounts)
-        seen, line, done = run(scene, time, place, load, history.shortest, samples * finer)
-        size[:] = surface.count, samples * finer * (history.time.size - 1)
-        inside = jnp.bool_(True) if isinstance(body, RoughLine) else (line.u[0] == 0) & (line.u[-1] == 0)
+        used = jnp.asarray(samples * finer)
+        seen, line, done = run(scene, time, place, load, history.shortest, samples * room, used)
+        size[:] = count * finer, samples * finer * (history.time.size - 1)
+        inside = jnp.bool_(True) if isinstance(body, RoughLine) else (line.u[0] == 0) & (line.u[count * finer - 1] == 0)
         good = inside & done
         return (seen, good) if is_traced(seen) else jax.tree.map(np.asarray, (seen, good))
 
-    work = count * samples * history.time.size * law.times.size
-    return refine(solve, history.rtol, min(_FINEST, finest(work, traced)), slope), size
+    return refine(solve, history.rtol, most, slope), size
 
 
 def _samples(history: GivenHistory, spacing: Any, mounts: list[Any], law: Any) -> int:
@@ -178,10 +183,17 @@ def _samples(history: GivenHistory, spacing: Any, mounts: list[Any], law: Any) -
 
 
 def _surface(
-    body: RoughLine | AbstractLines, track: RoughLine | None, low: Any, spacing: Any, count: int, finer: int
+    body: RoughLine | AbstractLines,
+    track: RoughLine | None,
+    low: Any,
+    spacing: Any,
+    count: int,
+    finer: int,
+    periods: int,
 ) -> AbstractOverLine:
+    """The body over `count` elements; over so many periods of a rough line, with `finer` elements for each point."""
     if isinstance(body, RoughLine):
-        return rough(body._finer(finer), body.spacing / finer, body.highest)
+        return rough(jnp.tile(body._finer(finer), periods), spacing, jnp.asarray(body.highest))
     x = low + spacing * (jnp.arange(count) + 0.5)
     height: Any = jnp.zeros(())
     if track is not None:

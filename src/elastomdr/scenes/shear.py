@@ -178,7 +178,7 @@ def _reach(
         largest = _elastic_depth(shape, per_area, largest * _creep(law, time[-1] - time[0]))
     reach = contact_size(shape, jnp.where(largest > 0, largest, 1e-9), by_height)
     limit = jnp.asarray(shape.largest_contact)
-    return jnp.minimum(jnp.where(jnp.isnan(reach), limit, reach * (1 + 2 / elements)), limit * (1 - 1e-12))
+    return jnp.minimum(jnp.where(jnp.isnan(reach), limit, reach * elements / max(elements - 2, 1)), limit * (1 - 1e-12))
 
 
 def _creep(law: Relaxation, span: Any) -> Any:

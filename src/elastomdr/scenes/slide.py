@@ -18,13 +18,14 @@ from ..material.relaxation import Relaxation
 from ..results.slide import Slide
 from ..solve.over_line import indenter, rough
 from ..solve.refine import Levels, finest, refine
-from ..solve.sizes import contact_sizes
+from ..solve.sizes import contact_sizes, shared_level
 from ..solve.slide import Forces, march, padded
 from ..solve.timeline import cut, timeline
 from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
 from .steady import BARE, LAYER, contact, describe
 
 _ACROSS = 40  # elements over the contact on the coarsest level
+_ROOM = 5e6  # elements times steps times branches marched sooner than another program is compiled
 
 
 @in_float64
@@ -78,18 +79,22 @@ def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
     spacing = None if is_traced(history.position, history.value) else float(shape.spacing)
     line = timeline(history.time, history.position, history.value, spacing, history.shortest, even)
     size: list[int] = []
+    work = shape.count * line.part.size * max(law.times.size, 1)
+    most = finest(work, traced)
+    shared = shared_level(work, most, _ROOM)
 
     def solve(level: int) -> tuple[Forces, Any]:
         finer = 2**level
+        room = max(finer, 2**shared)
         steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
-        surface = rough(shape._finer(finer), shape.spacing / finer, shape.highest)
-        forces, _ = march(law, surface, padded(steps), control=history.control, viscous=history.viscous)
-        size[:] = surface.count, steps.h.shape[0]
+        surface = rough(jnp.tile(shape._finer(finer), room // finer), shape.spacing / finer, jnp.asarray(shape.highest))
+        steps_padded = padded(steps, line.part.size * room)
+        forces, _ = march(law, surface, steps_padded, control=history.control, viscous=history.viscous)
+        size[:] = shape.count * finer, steps.h.shape[0]
         forces = Forces(*(field[last] for field in forces))
         return forces if is_traced(forces) else jax.tree.map(np.asarray, forces), np.bool_(True)
 
-    work = shape.count * line.part.size * law.times.size
-    found = refine(solve, history.rtol, finest(work, traced), shape.rms_slope)
+    found = refine(solve, history.rtol, most, shape.rms_slope)
     text = f"every element of the period of {float(shape.period):.4g} m can be touched"
     return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, text)
 
@@ -136,15 +141,22 @@ def _within(
     largest = lines.shape.largest_contact
     deepest = jnp.where(jnp.isinf(largest), jnp.inf, lines.depth(largest * (1 - 1e-12)))
 
+    single = isinstance(lines, SingleLine)
+    work = count * line.part.size * max(law.times.size, 1) * (1 if single else count // 2)
+    most = finest(work, traced)
+    shared = shared_level(work, most, _ROOM, 4.0 if single else 8.0)
+
     def solve(level: int) -> tuple[Forces, Any]:
         finer = 2**level
+        room = max(finer, 2**shared)
         steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
-        surface = indenter(lines, first + 0.5 * spacing / finer, spacing / finer, count * finer, reach)
-        forces, end = march(law, surface, padded(steps), control=history.control, viscous=history.viscous)
-        size[:] = surface.count, steps.h.shape[0]
+        surface = indenter(lines, first + 0.5 * spacing / finer, spacing / finer, count * room, reach * (room // finer))
+        steps_padded = padded(steps, line.part.size * room)
+        forces, end = march(law, surface, steps_padded, control=history.control, viscous=history.viscous)
+        size[:] = count * finer * (1 if single else -(-count * finer // 2)), steps.h.shape[0]
         # The outermost elements must never have been touched, else the body reaches further than was thought.
-        u = end.u.reshape(-1, count * finer)
-        inside = (u[:, 0] == 0).all() & (u[:, -1] == 0).all()
+        u = end.u.reshape(-1, count * room)
+        inside = (u[:, 0] == 0).all() & (u[:, count * finer - 1] == 0).all()
         forces = Forces(*(field[last] for field in forces))
         room = forces.depth < deepest
         if not is_traced(forces):
@@ -152,8 +164,7 @@ def _within(
             outside[0] = not inside
         return forces, inside & room
 
-    work = count * line.part.size * max(law.times.size, 1) * (1 if isinstance(lines, SingleLine) else count // 2)
-    found = refine(solve, history.rtol, finest(work, traced), lines.depth(widest) / widest)
+    found = refine(solve, history.rtol, most, lines.depth(widest) / widest)
     text = "elements that the body cannot touch are left out"
     return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, text), outside[0]
 

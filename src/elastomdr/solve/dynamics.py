@@ -88,9 +88,13 @@ class DriveTerm(diffrax.AbstractTerm):
 
 
 class CoupledStep(diffrax.AbstractSolver):
-    """Advances bodies and elements together, `samples` equal contact steps in one step of the solver; second order."""
+    """Advances bodies and elements together, `used` equal contact steps in one step of the solver; second order.
+
+    `samples` is the room for them, which the compiled program depends on; `used` is a value, `samples` at most.
+    """
 
     samples: int = 1
+    used: Any = 1
     term_structure: ClassVar = DriveTerm
     interpolation_cls: ClassVar[Callable[..., diffrax.LocalLinearInterpolation]] = diffrax.LocalLinearInterpolation
 
@@ -103,21 +107,23 @@ class CoupledStep(diffrax.AbstractSolver):
     def step(
         self, terms: Any, t0: Any, t1: Any, y0: Motion, args: Scene, solver_state: None, made_jump: Any
     ) -> tuple[Motion, None, dict[str, Motion], None, diffrax.RESULTS]:
-        times = t0 + (t1 - t0) * jnp.linspace(0.0, 1.0, self.samples + 1)
+        number = jnp.arange(self.samples + 1)
+        times = t0 + (t1 - t0) * jnp.minimum(number / self.used, 1.0)
         given = jax.vmap(lambda t: terms.vf(t, y0, args))(times)
 
         @jax.checkpoint
         def block(scene: Scene, start: Motion, given: Any, h: Array) -> Motion:
             c = coefficients(scene.law, h)
 
-            def one(state: Motion, ends: Any) -> tuple[Motion, None]:
-                before, after = ends
-                return _advance(scene, c, state, before, after, h), None
+            def one(state: Motion, now: Any) -> tuple[Motion, None]:
+                going, before, after = now
+                step = functools.partial(_advance, scene, c, before=before, after=after, h=h)
+                return jax.lax.cond(going, step, lambda y: y, state), None
 
             ends = [tuple(part[at] for part in given) for at in (slice(None, -1), slice(1, None))]
-            return jax.lax.scan(one, start, tuple(ends))[0]
+            return jax.lax.scan(one, start, (number[:-1] < self.used, *ends))[0]
 
-        y1 = block(args, y0, given, (t1 - t0) / self.samples)
+        y1 = block(args, y0, given, (t1 - t0) / self.used)
         return y1, None, {"y0": y0, "y1": y1}, None, diffrax.RESULTS.successful
 
     def func(self, terms: Any, t0: Any, y0: Motion, args: Scene) -> Any:
@@ -232,10 +238,10 @@ class History(NamedTuple):
 
 @eqx.filter_jit
 def run(
-    scene: Scene, time: Array, drive: Array, load: Array, shortest: Any, samples: int
+    scene: Scene, time: Array, drive: Array, load: Array, shortest: Any, samples: int, used: Any
 ) -> tuple[History, Line, Array]:
     """The whole motion in one `diffeqsolve`: what is known at the instants, the line at the end, whether it
-    succeeded."""
+    succeeded. `used` contact steps are made between two instants, in a program that has room for `samples`."""
 
     def given(t: Any) -> tuple[Array, Array]:
         return jnp.interp(t, time, drive), jnp.interp(t, time, load)
@@ -249,7 +255,7 @@ def run(
     start = put_down(scene, drive[0], load[0], shortest)
     solution = diffrax.diffeqsolve(
         DriveTerm(given),
-        CoupledStep(samples),
+        CoupledStep(samples, used),
         t0=time[0],
         t1=time[-1],
         dt0=None,

@@ -1,4 +1,4 @@
-"""How far a contact reaches in a history, before it is marched."""
+"""How far a contact reaches in a history, before it is marched, and how large the program is that marches it."""
 
 from typing import Any
 
@@ -8,6 +8,17 @@ import jax.numpy as jnp
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .passage import Control, estimate_sizes
+
+
+def shared_level(work: float, most: int, room: float, factor: float = 4.0) -> int:
+    """The finest level of refinement, up to `most`, whose compiled program serves the coarser ones as well.
+
+    `work` is elements times steps times branches of level 0; each further level has `factor` times as much, and `room`
+    is what is marched sooner than another program is compiled. Compiling takes seconds, most marches milliseconds: so
+    the coarse levels are marched with as many elements as that level has, the further ones lying where the body does
+    not come (of a rough line: in further periods).
+    """
+    return max(level for level in range(most + 1) if level <= 1 or factor**level * work <= room)
 
 
 def contact_sizes(

@@ -159,7 +159,11 @@ def march(
 
     @jax.checkpoint
     def block(state: Any, part: Steps) -> tuple[Any, Forces]:
-        return jax.lax.scan(step, state, part)
+        def nothing(state: Any, part: Steps) -> tuple[Any, Forces]:
+            return state, Forces(*(jnp.full(_BLOCK, field) for field in felt(state)))
+
+        going = functools.partial(jax.lax.scan, step)
+        return jax.lax.cond(part.h[0] > 0, going, nothing, state, part)
 
     zero, line = jnp.zeros(()), untouched(law, surface, steps.position[0])
     start = (line, 0 * line.u, 0 * line.u, zero, steps.position[0])
@@ -169,10 +173,14 @@ def march(
     return forces, end[0]
 
 
-def padded(steps: Steps) -> Steps:
-    """The steps with the last one repeated at rest, to a number of them that few histories differ in."""
+def padded(steps: Steps, most: int) -> Steps:
+    """The steps with room for `most` of them, rounded up to a number that few histories differ in.
+
+    The last block is filled up with steps at rest; those of further blocks have no length and are not made.
+    """
     count = steps.h.shape[0]
-    blocks = max(1, math.ceil(count / _BLOCK))
+    whole, blocks = (max(1, math.ceil(n / _BLOCK)) for n in (count, max(count, most)))
     grain = 2 ** max(0, math.floor(math.log2(blocks)) - 2)
     missing = _BLOCK * grain * math.ceil(blocks / grain) - count
-    return Steps(*(jnp.concatenate([jnp.asarray(x), jnp.repeat(jnp.asarray(x)[-1:], missing)]) for x in steps))
+    long = Steps(*(jnp.concatenate([jnp.asarray(x), jnp.repeat(jnp.asarray(x)[-1:], missing)]) for x in steps))
+    return long._replace(h=jnp.where(jnp.arange(count + missing) < _BLOCK * whole, long.h, 0.0))
