@@ -34,9 +34,10 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
                 curve = call(scene.material, scene.shape, **scene.arguments)
     notes = [("scene", scene.path.name)] + ([("title", scene.title)] if scene.title else [])
     stem = f"{scene.path.stem}-{verb}"
+    points = {} if scene.measured is None else {"measured": scene.measured}
     files = {
         folder / f"{stem}.csv": curve.csv(notes).encode(),
-        folder / f"{stem}.png": curve.png(scene.title, scene.measured),
+        folder / f"{stem}.png": curve.png(scene.title, **points),
     }
     _write(folder, files)
     parts.remove()  # not before: what was computed outlives a full disk

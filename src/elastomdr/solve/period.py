@@ -28,6 +28,7 @@ from .._runtime import Array, one_kernel
 from .stretches import Stretches, recover
 
 _UNROLL = 4  # steps in one turn of the compiled loop
+_FADED = 128  # samples after contact from which the work within free steps is left out
 
 
 class Lanes(NamedTuple):
@@ -129,15 +130,15 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
 
     def on(free, carry):
         """Passes the stretches that nothing touches, and then takes the steps of the next."""
-        first, ready, (f, u, du, work, load, sums, touching) = carry
+        first, quiet, (f, u, du, work, load, sums, touching) = carry
+        # Within its steps an element that has just been let go works still: the exact sum waits until that has faded.
+        ready = length * quiet >= _FADED if exact else True
         y = jnp.concatenate([(by.relaxed * u)[None], f])
         j, y, summed = recover(free, first, ready, y, depth, length, slow)
         fall = -(y[0] + (by.keep * y[1:]).sum(axis=0)) * by.give  # du of the next free step, that of the last nearly
         state = y[1:], y[0] / by.relaxed, jnp.where(j > first, fall, du), work, load, sums + summed, touching
         state = steps(length * j, jnp.minimum(length * (j + 1), count), state)
-        # Within its steps an element that has just been let go works still: the exact sum waits until that has faded.
-        ready = (state[-1] == touching).all() if exact else True
-        return j + 1, ready, state
+        return j + 1, jnp.where((state[-1] == touching).all(), quiet + 1, 0), state
 
     nothing = jnp.zeros_like(depth)
     state: Any = (branches, depth, nothing, nothing, nothing, jnp.zeros_like(branches[:slow]), nothing)
@@ -146,6 +147,6 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
     else:
         length = count // free.highest.size
         f, u, _, *sums = jax.lax.while_loop(
-            lambda s: s[0] < free.highest.size, partial(on, free), (0, not exact, state)
+            lambda s: s[0] < free.highest.size, partial(on, free), (0, 0, state)
         )[-1]
     return Swept(f, u, *sums)

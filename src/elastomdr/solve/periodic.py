@@ -124,7 +124,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     for stride in strides:
         level = level_of(rise, spacing, stride, step, carried, load, stiffness, control, skip and share.max() < _LIGHT)
         if stride == strides[0]:
-            state = state._replace(inverse=jacobian(level, state))
+            state = state._replace(inverse=jacobian(level, state, np.ones(velocity.size, bool)))
         found, turns, good = iterate(level, state)
         fine = finish(level, found)
         sweeps += (turns + 1) / stride

@@ -28,6 +28,7 @@ SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
 _PADDED = (8, 16, 32, 64)  # numbers of lanes that are compiled
 _SUMS = (1, 2, 4, 8)  # numbers of slow branches that are compiled
 _SWEEPS = (60, 30)  # at most, with all samples and with fewer
+_STALLED = 3  # sweeps without halving the residual, after which the Jacobian is computed anew
 _SINGULAR = 1e-8  # least singular value of a Jacobian that is inverted
 _STRETCHES = 128  # that a line is cut into, at most
 _WORTH = 16  # samples that a stretch must have to be worth a look
@@ -98,7 +99,8 @@ def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lane
     lanes, unknowns = depth.size, inverse.shape[1]
     load, count = level.load, level.rise.size // level.stride
     floor = 2e-16 * np.sqrt(count) * depth / (level.by.give * load)  # what rounding of u leaves
-    best, kept, failures = np.full(lanes, np.inf), None, np.zeros(lanes, int)
+    best, kept = np.full(lanes, np.inf), None
+    stalled, restarts = np.zeros(lanes, int), np.zeros(lanes, int)
     moved = before = None
     active, turns = np.ones(lanes, bool), np.zeros(lanes)
     for _ in range(_SWEEPS[level.stride > 1]):
@@ -114,13 +116,14 @@ def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lane
         if kept is None:
             kept = (depth.copy(), branches.copy(), r.copy())
         worse = active & ~(size <= 2 * best)
-        failures = np.where(worse, failures + 1, 0)
-        retry = failures >= 3  # what was learnt misleads: start over from the best point, with shorter steps
-        inverse = np.where(
-            retry[:, None, None], np.eye(unknowns) * 0.5 ** np.minimum(failures, 8)[:, None, None], inverse
-        )
+        stalled = np.where(size < 0.5 * best, 0, stalled + active)
         depth, branches = np.where(worse, kept[0], depth), np.where(worse, kept[1], branches)
         r = np.where(worse[:, None], kept[2], r)
+        retry = stalled > _STALLED  # what was learnt misleads: start over from the best point, with shorter steps
+        if retry.any():
+            fresh = jacobian(level, State(branches, depth, inverse), retry) * 0.5 ** restarts[:, None, None]
+            inverse = np.where(retry[:, None, None], fresh, inverse)
+            stalled, restarts = np.where(retry, 0, stalled), restarts + retry
         better = active & (size <= best)
         kept = (
             np.where(better, depth, kept[0]), np.where(better, branches, kept[1]), np.where(better[:, None], r, kept[2])
@@ -145,10 +148,9 @@ def finish(level: Level, state: State) -> Found:
     return Found(_mu(level, end), load / count, touching / count, np.abs(r).max(axis=1))
 
 
-def jacobian(level: Level, state: State) -> Float[np.ndarray, "lanes unknowns unknowns"]:
-    """The inverse of minus the Jacobian of the residuals, by differences; the identity where it is singular."""
+def jacobian(level: Level, state: State, every: np.ndarray) -> Float[np.ndarray, "lanes unknowns unknowns"]:
+    """The inverse of minus the Jacobian of the residuals of some lanes, by differences; the identity elsewhere."""
     lanes, unknowns = state.depth.size, state.inverse.shape[1]
-    every = np.ones(lanes, bool)
     start = _residual(level, state.branches, state.depth, every)[0]
     found = np.tile(np.eye(unknowns), (lanes, 1, 1))  # of minus the Jacobian
     for j in range(unknowns if level.by_load else unknowns - 1):
@@ -158,7 +160,7 @@ def jacobian(level: Level, state: State) -> Float[np.ndarray, "lanes unknowns un
         else:
             depth = depth + _NUDGE * level.load / level.stiffness
         found[:, :, j] = (start - _residual(level, branches, depth, every)[0]) / _NUDGE
-    found[~np.isfinite(found).all(axis=(1, 2))] = np.eye(unknowns)
+    found[~every | ~np.isfinite(found).all(axis=(1, 2))] = np.eye(unknowns)
     found[np.linalg.svd(found, compute_uv=False)[:, -1] < _SINGULAR] = np.eye(unknowns)
     return np.linalg.inv(found)
 
