@@ -9,7 +9,7 @@ converges exponentially: as a function of log v a relaxation spectrum is analyti
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -101,7 +101,8 @@ def quadrature_error(mu: Array, check: Array, tail: float) -> Array:
 
     The factor 0.1 keeps the estimate 3 to 10 times above the error found on spectra from one branch to broad ones.
     """
-    relative = np.minimum(np.abs(check - mu) / np.where(mu > 0, mu, 1.0), 1.0)
+    numpy: Any = jnp if is_traced(mu, check) else np
+    relative = numpy.minimum(numpy.abs(check - mu) / numpy.where(mu > 0, mu, 1.0), 1.0)
     return mu * (0.1 * relative**2 + tail)
 
 

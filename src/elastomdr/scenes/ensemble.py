@@ -11,7 +11,7 @@ from ..mapping.rough_line import RoughLine
 from ..mapping.synthesis import PERIODS, synthesise
 from ..solve.periodic import Line
 
-_AVERAGE = 1e-5  # least relative error asked of the direction average: contacts that come and go leave kinks in mu(v)
+AVERAGE = 1e-5  # least relative error asked of the direction average: contacts that come and go leave kinks in mu(v)
 _SAMPLES = 4096  # least number of samples of a line that is given by its points
 
 
@@ -63,7 +63,7 @@ def _bare(ask: Ask, line: RoughLine, solved: Callable[..., Line]) -> _Run:
 
 def _averaged(ask: Ask, line: RoughLine, solved: Callable[..., Line]) -> _Run:
     """Points of one load share a line curve; with the depth given, each has its own load and so its own directions."""
-    rtol = max(ask.rtol, _AVERAGE)
+    rtol = max(ask.rtol, AVERAGE)
     own = solved(line, ask.velocity, ask.value, ask.control, ask.rtol)
     mu, error = np.empty_like(ask.velocity), np.empty_like(ask.velocity)
     if ask.control == "depth":
@@ -104,7 +104,7 @@ def _averaged(ask: Ask, line: RoughLine, solved: Callable[..., Line]) -> _Run:
 
 def _grids(ask: Ask) -> list[tuple[SharedGrid, np.ndarray]]:
     chosen = [np.flatnonzero(ask.value == value) for value in np.unique(ask.value)]
-    return [(shared_grid(ask.velocity[points], max(ask.rtol, _AVERAGE)), points) for points in chosen]
+    return [(shared_grid(ask.velocity[points], max(ask.rtol, AVERAGE)), points) for points in chosen]
 
 
 def solutions(ask: Ask, average: str | None) -> int:
@@ -112,7 +112,7 @@ def solutions(ask: Ask, average: str | None) -> int:
     if average is None:
         return ask.velocity.size
     if ask.control == "depth":
-        return ask.velocity.size * (1 + directions(max(ask.rtol, _AVERAGE)).cosines.size)
+        return ask.velocity.size * (1 + directions(max(ask.rtol, AVERAGE)).cosines.size)
     return ask.velocity.size + sum(grid.velocity.size for grid, _ in _grids(ask))
 
 

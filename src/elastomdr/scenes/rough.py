@@ -4,6 +4,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 
 from .._runtime import as_float64, is_traced, plain, positive
@@ -16,6 +17,7 @@ from ..solve.heat import Heat
 from ..solve.periodic import Line, solve_line
 from .ensemble import Ask, Mean, ensemble, mean_of_lines, solutions
 from .flash import SETTLED, warmed
+from .rough_traced import traced_mean_of_lines
 from .steady import AVERAGED, BARE, brief, check_shift
 
 _OUTSIDE = 0.1  # share of the mean square slope beyond the material's range from which a point counts as extrapolated
@@ -36,9 +38,9 @@ def rough_friction(
 ) -> FrictionCurve:  # fmt: skip
     """`em.friction` of a rough line or surface; see there."""
     foundation = as_foundation(material)
-    traced = (foundation, velocity, load, depth, pressure, temperature, equivalent_length)
-    if is_traced(*traced) or (isinstance(surface, RoughLine) and is_traced(surface)):
-        raise InputError("the friction of a rough line or surface is not differentiable, nor seen by jit and vmap.")
+    traced = is_traced(foundation, surface, velocity, load, depth, pressure, temperature)
+    if traced and heat is not None:
+        raise InputError("heat must be left out under jax.grad, jit and vmap: flash temperature is not differentiable.")
     _check(foundation, average, rtol, samples, periods, seeds)
     _check_heat(heat, surface, pressure, temperature)
     control, value, length, rule = _control(surface, load, depth, pressure, equivalent_length)
@@ -60,10 +62,12 @@ def rough_friction(
         raise InputError(f"velocity, {control} and temperature must not be empty, got shape {shape}.")
     factor = 1.0
     if kelvin is not None and foundation.shift is not None:
-        factor = np.asarray(foundation.shift.a(kelvin))
-        check_shift(kelvin, velocity, factor)
-    reduced = np.broadcast_to(velocity * factor, shape)
-    given = np.broadcast_to(value, shape).ravel()
+        factor = foundation.shift.a(kelvin)
+        if not is_traced(factor, velocity):
+            check_shift(kelvin, velocity, factor)
+    numpy: Any = jnp if traced else np
+    reduced = numpy.broadcast_to(velocity * factor, shape)
+    given = numpy.broadcast_to(value, shape).ravel()
     lines = ensemble(surface, samples, periods, seeds)
     law = foundation.law()
     asked, finished = [0], [0]
@@ -84,7 +88,10 @@ def rough_friction(
         asked[0] += seeds * solutions(ask, average)
         return mean_of_lines(ask, lines, average, solved)
 
-    found = points(reduced.ravel(), given)
+    if traced:
+        found = traced_mean_of_lines(lines, law, reduced.ravel(), given, control, float(rtol), average)
+    else:
+        found = points(reduced.ravel(), given)
     warm, cold = None, found.mu
     if (
         heat is not None
@@ -101,9 +108,9 @@ def rough_friction(
         found, reduced = warm.mean, warm.reduced.reshape(shape)
     mu, good = found.mu, found.good
     error = found.error + (0.0 if warm is None else SETTLED * np.abs(mu - cold))
-    coarse = good & ~(error <= sampling * np.abs(mu))
+    coarse = good & ~(error <= sampling * numpy.abs(mu))
     good = good & ~coarse
-    if not good.all():
+    if not traced and not good.all():
         text = f"{int((~good).sum())} of {good.size} points did not converge; they are NaN."
         if coarse.any():
             text += (
@@ -113,11 +120,14 @@ def rough_friction(
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
 
     def field(values: np.ndarray) -> np.ndarray:
-        return np.where(good, values, np.nan).reshape(shape)
+        return numpy.where(good, values, np.nan).reshape(shape)
 
-    outside = _outside(foundation, surface, reduced)
+    outside = None if traced else _outside(foundation, surface, reduced)
     extrapolated = None if outside is None else outside > _OUTSIDE
-    inputs = [("material", foundation.name or "given directly"), ("surface", _words(surface, lines[0]))]
+    inputs = [
+        ("material", foundation.name or "given directly"),
+        ("surface", surface.label if traced else _words(surface, lines[0])),
+    ]
     inputs += [("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []
     inputs += [
         (f"line {control}", brief(value, "N/m" if control == "load" else "m")),
@@ -138,7 +148,7 @@ def rough_friction(
                 warnings.warn(f"{text}.", ExtrapolationWarning, stacklevel=4)
     cost = f"{asked[0]} line solutions of {lines[0].count} samples by periodic quasi-Newton sweeps"
     return FrictionCurve(
-        velocity=np.broadcast_to(velocity, shape).copy(),
+        velocity=numpy.broadcast_to(velocity, shape).copy(),
         mu=field(mu),
         normal_force=field(found.load),
         friction_force=field(mu * found.load),
@@ -146,13 +156,13 @@ def rough_friction(
         contact=None,
         error=field(error),
         converged=good.reshape(shape),
-        temperature=None if kelvin is None else np.broadcast_to(kelvin, shape).copy(),
+        temperature=None if kelvin is None else numpy.broadcast_to(kelvin, shape).copy(),
         model=(BARE if average is None else AVERAGED) + rule + ("" if warm is None else _FLASH),
         plan=cost,
         inputs=tuple(inputs),
         extrapolated=extrapolated,
         rough=Rough(
-            None if pressure is None else np.broadcast_to(value / length, shape).copy(),
+            None if pressure is None else numpy.broadcast_to(value / length, shape).copy(),
             field(found.share), None if found.scatter is None else field(found.scatter), outside, seeds,
             *(() if warm is None else (field(warm.rise), field(cold), field(warm.heat))),
         ),
@@ -162,7 +172,7 @@ def rough_friction(
 def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, periods: Any, seeds: Any) -> None:
     if foundation.per_area:
         raise InputError("material must be a half-space under a rough surface, got a layer.")
-    if not float(foundation.equilibrium) > 0:
+    if not is_traced(foundation.equilibrium) and not float(foundation.equilibrium) > 0:
         raise InputError(
             "material must have an equilibrium modulus under a rough surface, got 0: a liquid carries no steady load "
             "on a surface without end, since every element sinks until the mean force is gone."

@@ -146,7 +146,5 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
         f, u, _, *sums = steps(0, count, state)
     else:
         length = count // free.highest.size
-        f, u, _, *sums = jax.lax.while_loop(
-            lambda s: s[0] < free.highest.size, partial(on, free), (0, 0, state)
-        )[-1]
+        f, u, _, *sums = jax.lax.while_loop(lambda s: s[0] < free.highest.size, partial(on, free), (0, 0, state))[-1]
     return Swept(f, u, *sums)

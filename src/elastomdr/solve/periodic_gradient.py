@@ -43,21 +43,26 @@ def solve_traced(
 ) -> Differentiable:  # fmt: skip
     """As `solve.periodic.solve_line`, for arguments that JAX traces."""
     branches, lanes = jnp.shape(law.moduli)[0], jnp.shape(velocity)[0]
-    answer = [jax.ShapeDtypeStruct(s, jnp.float64) for s in ((branches, lanes), *[(lanes,)] * 4)]
+    answer = [jax.ShapeDtypeStruct((*s, 2), jnp.uint32) for s in ((branches, lanes), *[(lanes,)] * 4)]
     fixed = jax.lax.stop_gradient((jnp.asarray(height), law, velocity, value))
+    # JAX calls back from threads of its own, where it would round float64 to float32: bits pass unchanged.
+    bits = jax.tree.map(lambda x: jax.lax.bitcast_convert_type(jnp.asarray(x, jnp.float64), jnp.uint32), fixed)
     solved = partial(_solved, spacing=spacing, control=control, rtol=rtol)
-    state, depth, share, error, good = jax.pure_callback(solved, answer, *fixed, vmap_method="sequential")
+    found = jax.pure_callback(solved, answer, *bits, vmap_method="sequential")
+    state, depth, share, error, good = (jax.lax.bitcast_convert_type(x, jnp.float64) for x in found)
     mu, load, depth = _followed(jnp.asarray(height), law, velocity, value, state, depth, spacing, control)
     fail = jnp.where(good > 0, 0.0, jnp.nan)
     return Differentiable(mu + fail, load + fail, depth + fail, share + fail, error + fail, good)
 
 
-def _solved(height, law, velocity, value, *, spacing, control, rtol) -> tuple[np.ndarray, ...]:
-    law = jax.tree.map(np.asarray, law)
-    velocity, value = np.asarray(velocity), np.asarray(value)
-    line, state = solve_states(np.asarray(height), spacing, law, velocity, value, control, rtol)
+def _solved(*bits, spacing, control, rtol) -> tuple[np.ndarray, ...]:
+    """The solution outside of JAX; in and out as pairs of 32 bits."""
+    plain = jax.tree.map(lambda x: np.ascontiguousarray(x).view(np.float64)[..., 0], bits)
+    height, law, velocity, value = plain
+    line, state = solve_states(height, spacing, law, velocity, value, control, rtol)
     order = np.argsort(np.argsort(-law.times, kind="stable"))
-    return state.branches[order], state.depth, line.share, line.error, line.converged.astype(np.float64)
+    answer = (state.branches[order], state.depth, line.share, line.error, line.converged)
+    return tuple(np.ascontiguousarray(x, dtype=np.float64)[..., None].view(np.uint32) for x in answer)
 
 
 @partial(jax.jit, static_argnames=("spacing", "control"))
@@ -94,7 +99,8 @@ def _period(y: Float[Array, "m lanes"], rise, spacing, law: Relaxation, velocity
     z = step / times
     keep, lost = jnp.exp(-z), -jnp.expm1(-z)
     held = lost / z
-    late = jnp.where(z < 1e-4, 0.5 - z / 6 + z**2 / 24, (z - lost) / z**2)
+    some = jnp.maximum(z, 1e-4)  # what is not chosen must not be infinite either, for the derivative
+    late = jnp.where(z < 1e-4, 0.5 - z / 6 + z**2 / 24, (some + jnp.expm1(-some)) / some**2)
     gain = moduli * held
     dashpot = law.viscosity / step
     stiffness = law.equilibrium + dashpot + gain.sum(axis=0)
@@ -121,7 +127,8 @@ def _period(y: Float[Array, "m lanes"], rise, spacing, law: Relaxation, velocity
     load = load / n
     whole = -jnp.expm1(-n * z)
     back = (f - y[:-1] + gain * (depth - u)) / whole
-    r = jnp.where(n * z < SLOW, -sums / (keep * whole / lost), back)
+    slow = n * z < SLOW
+    r = jnp.where(slow, -sums / jnp.where(slow, keep * whole / lost, 1.0), back)
     target = value if control == "load" else jax.lax.stop_gradient(load)
     r = jnp.concatenate([r, (target - load)[None]]) / jax.lax.stop_gradient(target)
     return r, work / (n * spacing * load), load

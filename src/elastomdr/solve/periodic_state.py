@@ -96,7 +96,7 @@ def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, cont
 def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lanes"], np.ndarray]:
     """The periodic state, the number of sweeps of each lane, and which lanes have converged."""
     branches, depth, inverse = (np.array(a) for a in state)
-    lanes, unknowns = depth.size, inverse.shape[1]
+    lanes = depth.size
     load, count = level.load, level.rise.size // level.stride
     floor = 2e-16 * np.sqrt(count) * depth / (level.by.give * load)  # what rounding of u leaves
     best, kept = np.full(lanes, np.inf), None

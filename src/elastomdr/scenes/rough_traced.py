@@ -1,0 +1,44 @@
+"""Friction of a rough line or surface under a transformation of JAX: each point has its own directions."""
+
+from typing import Any
+
+import jax.numpy as jnp
+from jaxtyping import Float
+
+from .._runtime import Array
+from ..mapping.direction import directions, quadrature_error
+from ..mapping.rough_line import RoughLine
+from ..material.relaxation import Relaxation
+from ..solve.periodic_gradient import Differentiable, solve_traced
+from .ensemble import AVERAGE, Mean
+
+
+def traced_mean_of_lines(
+    lines: list[RoughLine], law: Relaxation, velocity: Float[Array, " n"], value: Float[Array, " n"], control: Any,
+    rtol: float, average: str | None,
+) -> Mean:  # fmt: skip
+    """Mean over the lines, as `scenes.ensemble.mean_of_lines`: the same numbers, with derivatives."""
+    runs = [_one_line(line, law, velocity, value, control, rtol, average) for line in lines]
+    mu, error, load, depth, share = (sum(run[k] for run in runs) / len(runs) for k in range(5))
+    good = jnp.stack([run.good for run in runs]).all(axis=0)
+    return Mean(mu, error, load, depth, share, good & jnp.isfinite(mu), None)
+
+
+def _one_line(line: RoughLine, law, velocity, value, control, rtol, average) -> Mean:
+    def solved(velocity: Array, value: Array, control: Any) -> Differentiable:
+        return solve_traced(line.height, float(line.spacing), law, velocity, value, control, rtol)
+
+    if average is None:
+        own = solved(velocity, value, control)
+        return Mean(own.mu, own.error, own.load, own.depth, own.share, own.good > 0, None)
+    rule = directions(max(rtol, AVERAGE))
+    own = solved(velocity, value, control)
+    slowed = velocity[:, None] * rule.cosines
+    loads = jnp.broadcast_to(own.load[:, None], slowed.shape)
+    every = solved(slowed.ravel(), loads.ravel(), "load")
+    each = every.mu.reshape(slowed.shape)
+    mu, check = (each * rule.weights).sum(axis=1), (each * rule.check).sum(axis=1)
+    sampled = (every.error.reshape(slowed.shape) * rule.weights).sum(axis=1)
+    error = quadrature_error(mu, check, rule.tail) + sampled
+    good = (own.good > 0) & (every.good.reshape(slowed.shape) > 0).all(axis=1)
+    return Mean(mu, error, own.load, own.depth, own.share, good, None)

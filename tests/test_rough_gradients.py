@@ -1,0 +1,68 @@
+"""Derivatives of the friction of rough lines and surfaces, in both modes, against differences."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.mapping.synthesis import synthesise
+
+SURFACE = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=8e3)
+LINE = synthesise(SURFACE, 0, 4, 64)
+SHIFT = em.WLF(c1=8.86, c2=101.6, reference=293.15)
+GIVEN = np.array([2e7, 3e6, 1e-4, 1e-2, 0.3, 3e4, 298.0])  # E_1, E_2, tau_1, tau_2, v, p, T
+
+
+def by_pressure(x, average=None):
+    rubber = em.Prony(1e6, x[:2], x[2:4], shift=SHIFT)
+    return em.friction(
+        rubber, SURFACE, velocity=x[4], pressure=x[5], temperature=x[6], average=average, samples=256, sampling=1.0
+    ).mu
+
+
+def by_depth(x):
+    """Of a line whose heights and depth are given: the first heights, and the depth."""
+    line = em.RoughLine(LINE.x, LINE.height * (1 + x[0]) + x[1] * jnp.cos(2 * jnp.pi * np.arange(64) / 64))
+    rubber = em.Foundation(1e6, [2e7], [1e-4])
+    return em.friction(rubber, line, velocity=0.3, depth=x[2], average=None, samples=256, sampling=1.0).mu
+
+
+@pytest.mark.parametrize(
+    ("friction", "at", "step"),
+    [
+        (by_pressure, GIVEN, 1e-6 * GIVEN),
+        (lambda x: by_pressure(x, "direction"), GIVEN, 1e-6 * GIVEN),
+        (by_depth, np.array([0.0, 1e-6, 2e-5]), np.array([1e-5, 1e-10, 1e-10])),
+    ],
+    ids=["pressure", "direction", "depth"],
+)
+def test_both_modes_against_differences(friction, at, step):
+    with jax.enable_x64(True):
+        value, slope = jax.value_and_grad(friction)(jnp.asarray(at))
+        compiled = jax.jit(friction)
+        assert np.isclose(compiled(at), value, rtol=1e-9)
+        for i in range(at.size):
+            move = np.zeros(at.size)
+            move[i] = step[i]
+            difference = (compiled(at + move) - compiled(at - move)) / (2 * step[i])
+            np.testing.assert_allclose(slope[i], difference, rtol=1e-5)
+        along = jax.jvp(friction, (jnp.asarray(at),), (jnp.asarray(step),))[1]
+        np.testing.assert_allclose(along, slope @ step, rtol=1e-8)
+
+
+def test_many_at_once():
+    with jax.enable_x64(True):
+        found = jax.vmap(lambda v: by_pressure(jnp.asarray(GIVEN).at[4].set(v)))(jnp.asarray([0.1, 0.3]))
+        assert np.isclose(found[1], by_pressure(GIVEN), rtol=1e-7)
+
+
+def test_flash_temperature_has_no_derivative():
+    heat = em.Heat(conductivity=0.2, heat_capacity=2e6)
+    rubber = em.StandardSolid(1e6, 2e7, 1e-4, shift=SHIFT)
+
+    def hot(v):
+        return em.friction(rubber, SURFACE, velocity=v, pressure=3e4, temperature=298.0, heat=heat).mu
+
+    with pytest.raises(em.InputError, match="not differentiable"):
+        jax.grad(hot)(0.3)
