@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .._runtime import Array
 from ..errors import InputError
 from ..mapping.direction import SharedGrid, directions, interpolation_error, quadrature_error, shared_grid
 from ..mapping.rough_line import RoughLine
@@ -28,13 +29,13 @@ class Ask(NamedTuple):
 class Mean(NamedTuple):
     """The ensemble's answer at each point."""
 
-    mu: np.ndarray
-    error: np.ndarray
-    load: np.ndarray
-    depth: np.ndarray
-    share: np.ndarray
-    good: np.ndarray
-    scatter: np.ndarray | None  # standard error of mu
+    mu: Array
+    error: Array
+    load: Array
+    depth: Array
+    share: Array
+    good: Array
+    scatter: Array | None  # standard error of mu
 
 
 def mean_of_lines(ask: Ask, lines: list[RoughLine], average: str | None, solved: Callable[..., Line]) -> Mean:

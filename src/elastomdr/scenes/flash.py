@@ -58,7 +58,7 @@ def warmed(
         at = np.flatnonzero((pressure == p) & cold.good)
         if at.size:
             group = _Group(heat, foundation, shift, surface, velocity[at], kelvin[at], float(p), friction)
-            for points, kelvins, state in group.settle(cold.mu[at]):
+            for points, kelvins, state in group.settle(np.asarray(cold.mu)[at]):
                 found[at[points]] = kelvins
                 for field, values in zip(jax.tree.leaves(mean), jax.tree.leaves(state), strict=True):
                     field[at[points]] = values
@@ -96,7 +96,7 @@ class _Group(NamedTuple):
                 return
             reduced = self.reduced(np.nan_to_num(root))[left]
             mean = self.friction(reduced, np.full(left.size, self.pressure), False)
-            made = self.made(reduced, mean.mu, left)
+            made = self.made(reduced, np.asarray(mean.mu), left)
             off = np.abs(made - root[left]) / np.maximum(root[left], 1e6 * _NOTHING)
             settled = mean.good & (off <= SETTLED)
             yield left[settled], root[left[settled]], jax.tree.map(lambda field, at=settled: field[at], mean)

@@ -7,7 +7,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, is_traced, plain, positive
+from .._runtime import Array, as_float64, is_traced, plain, positive
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.rough_line import RoughLine
@@ -119,7 +119,7 @@ def rough_friction(
             )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
 
-    def field(values: np.ndarray) -> np.ndarray:
+    def field(values: Array) -> Array:
         return numpy.where(good, values, np.nan).reshape(shape)
 
     outside = None if traced else _outside(foundation, surface, reduced)

@@ -19,7 +19,7 @@ def traced_mean_of_lines(
 ) -> Mean:  # fmt: skip
     """Mean over the lines, as `scenes.ensemble.mean_of_lines`: the same numbers, with derivatives."""
     runs = [_one_line(line, law, velocity, value, control, rtol, average) for line in lines]
-    mu, error, load, depth, share = (sum(run[k] for run in runs) / len(runs) for k in range(5))
+    mu, error, load, depth, share = (jnp.stack(values).mean(axis=0) for values in list(zip(*runs, strict=True))[:5])
     good = jnp.stack([run.good for run in runs]).all(axis=0)
     return Mean(mu, error, load, depth, share, good & jnp.isfinite(mu), None)
 

@@ -132,7 +132,7 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
         """Passes the stretches that nothing touches, and then takes the steps of the next."""
         first, quiet, (f, u, du, work, load, sums, touching) = carry
         # Within its steps an element that has just been let go works still: the exact sum waits until that has faded.
-        ready = length * quiet >= _FADED if exact else True
+        ready = length * quiet >= _FADED if exact else jnp.asarray(True)
         y = jnp.concatenate([(by.relaxed * u)[None], f])
         j, y, summed = recover(free, first, ready, y, depth, length, slow)
         fall = -(y[0] + (by.keep * y[1:]).sum(axis=0)) * by.give  # du of the next free step, that of the last nearly
