@@ -12,12 +12,10 @@ from elastomdr.solve.over_line import indenter
 from elastomdr.solve.slide import march, padded, settle
 from elastomdr.solve.timeline import Steps, cut, timeline
 
-RUBBER = em.Foundation(4e6, [12e6, 3e6], [1e-3, 1e-1])
+from .test_slide_rough import RUBBER, WAVES
+
 BALL = em.Paraboloid(0.01)
 CONE = em.Cone(0.2)
-POINTS = np.arange(96) * 1e-5
-MODES = ((1e-6, 1), (5e-7, 3), (2e-7, 5))  # amplitude [m], waves in the period
-WAVES = em.RoughLine(POINTS, sum(a * np.cos(2 * np.pi * m * POINTS / 9.6e-4 + m) for a, m in MODES))
 
 
 @pytest.fixture(autouse=True)

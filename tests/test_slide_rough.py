@@ -13,8 +13,6 @@ from elastomdr.solve.slide import march
 from elastomdr.solve.timeline import Steps
 
 RUBBER = em.Foundation(4e6, [12e6, 3e6], [1e-3, 1e-1])
-BALL = em.Paraboloid(0.01)
-CONE = em.Cone(0.2)
 POINTS = np.arange(96) * 1e-5
 MODES = ((1e-6, 1), (5e-7, 3), (2e-7, 5))  # amplitude [m], waves in the period
 WAVES = em.RoughLine(POINTS, sum(a * np.cos(2 * np.pi * m * POINTS / 9.6e-4 + m) for a, m in MODES))
