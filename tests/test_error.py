@@ -9,13 +9,7 @@ from scipy.optimize import brentq
 
 import elastomdr as em
 
-BROAD = em.Foundation(1e6, 1e8 / 10 ** np.linspace(0, 2, 16), 10.0 ** np.arange(-8, 8))
-SHAPES = {
-    "paraboloid": em.Paraboloid(5e-3),
-    "sphere": em.Sphere(5e-3),
-    "cone": em.Cone(0.1),
-    "fourth power": em.PowerLaw(4, 2e6),
-}
+from .test_steady import BROAD, SHAPES
 
 
 @pytest.mark.parametrize(

@@ -283,13 +283,9 @@ def test_bad_scenes():
         em.impact(em.KelvinVoigt(1e6, 1.0), em.Cylinder(R, 0.1), mass=M, velocity=V)
     with pytest.raises(em.InputError, match="empty list"):
         em.impact([], BALL, mass=M, velocity=V)
+    kinds = [em.half_space(em.KelvinVoigt(1e6, 1.0)), em.Foundation(1e6, [], [], per_area=True)]
     with pytest.raises(em.InputError, match="both"):
-        em.impact(
-            [em.half_space(em.KelvinVoigt(1e6, 1.0)), em.Foundation(1e6, [], [], per_area=True)],
-            BALL,
-            mass=1,
-            velocity=1,
-        )
+        em.impact(kinds, BALL, mass=1, velocity=1)
 
 
 def test_tables_and_figures(tmp_path):
