@@ -113,6 +113,61 @@ def test_partial_contact_against_a_march(skip, rtol):
     assert abs(heat - work) < got.error
 
 
+def test_contact_along_the_line():
+    line, one = rough(1024), em.Foundation(1e6, [2e7], [3e-4])
+    got = em.line_contact(one, line, velocity=1.0, depth=2e-5, samples=4096)
+    _, heat, load = march(line.finer(4), one, 1.0, 2e-5, 30)
+    np.testing.assert_allclose(got.force.mean(), load, rtol=1e-7)
+    np.testing.assert_allclose(got.height.max(), 2e-5, rtol=1e-12)
+    assert (got.force[got.touching] > 0).all()
+    assert (got.surface >= got.height).all()
+    np.testing.assert_array_equal(got.surface[got.touching], got.height[got.touching])
+    # The force on what moves to +x, by the slopes it meets: the rubber pushes back on the leading flanks.
+    slope = (np.roll(got.height, -1) - np.roll(got.height, 1)) / (2 * (got.x[1] - got.x[0]))
+    np.testing.assert_allclose(-(got.force * slope).mean() / load, heat, rtol=0.02)
+    assert "not the real contact area" in got.summary()
+    assert got.csv().count("True") > got.touching.sum()
+    axes = got.plot()
+    assert len(axes.lines) == 4
+    with pytest.raises(em.InputError, match="must be single numbers"):
+        em.line_contact(one, line, velocity=[1.0, 2.0], depth=2e-5)
+
+
+def test_pressure_by_the_rule_of_full_contact():
+    """Waves of one length in full contact: the friction stress of a half-space, <h^2> q^2 <cos E''(q v cos)>/2."""
+    narrow = em.SelfAffine(0.0, rms_height=1e-6, q_low=1e3, q_high=1.01e3)
+    one = em.Foundation(1e6, [1e6], [1e-3])
+    scene = {"velocity": 1.0, "pressure": 1e5, "equivalent_length": "full contact", "rtol": 1e-5, "samples": 1024}
+    found = em.friction(one, narrow, **scene)
+    assert found.rough.share == 1
+    # E'' = E_1 w tau/(1 + (w tau)^2), at w tau = 1.005 for waves along the motion
+    phi = (np.arange(4000) + 0.5) * np.pi / 2 / 4000
+    w = 1.005 * np.cos(phi)
+    stress = 1e-12 * 1.005e3**2 / 2 * np.mean(np.cos(phi) * 1e6 * w / (1 + w**2))
+    np.testing.assert_allclose(found.mu, stress / 1e5, rtol=0.01)
+    plan = em.plan(one, narrow, **scene)
+    assert str(plan) == str(found.plan)
+    assert "full contact" in found.model
+
+
+def test_plan_of_a_rough_line():
+    many = em.Foundation(1e6, 1e6 * np.ones(9), np.geomspace(1e-12, 1e6, 9))
+    plan = em.plan(many, rough(1024), velocity=np.geomspace(1e-4, 1, 5), load=10.0, average=None)
+    assert (plan.points, plan.branches, plan.solutions, plan.lines) == (5, 9, 5, 1)
+    text = str(plan)
+    assert 1 <= plan.carried[0] <= plan.carried[1] < 9
+    assert plan.forgotten[1] >= 2
+    assert plan.slow[1] >= 2
+    assert plan.cost < 0.1 * plan.rtol
+    assert "forgotten within a sample" in text
+    assert "lumped into one" in text
+    whole = em.plan(many, rough(1024), velocity=1.0, load=10.0, skip=False)
+    assert whole.carried == (9, 9)
+    assert "switched off" in str(whole)
+    with pytest.raises(em.InputError, match="quantity must be 'friction'"):
+        em.plan(many, rough(1024), velocity=1.0, load=10.0, quantity="rolling")
+
+
 def test_order_in_the_sample_spacing():
     line = cosines(1024, np.array([2e-5, 4e-6, 0.0]))
     mu = [float(em.friction(RUBBER, line, velocity=0.1, load=3.0, average=None, samples=n).mu) for n in
@@ -274,6 +329,9 @@ def test_scene(tmp_path, capsys, monkeypatch):
     table = (tmp_path / "road-friction.csv").read_text()
     assert "not the real contact area" in table
     assert (tmp_path / "road-friction.png").stat().st_size > 10_000
+    assert (tmp_path / "road-friction-contact.png").stat().st_size > 10_000
+    assert main(["plan", str(scene)]) == 0
+    assert "carried, each velocity its own window" in capsys.readouterr().out
     assert not list(tmp_path.glob(".*parts"))
     assert main(["rolling", str(scene)]) == 2
     scene.write_text(SCENE.format(contact=""))

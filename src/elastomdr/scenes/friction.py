@@ -3,11 +3,10 @@
 from typing import Any
 
 from .._runtime import in_float64
-from ..errors import InputError
 from ..mapping.synthesis import PERIODS
 from ..results.curve import FrictionCurve
 from ..solve.heat import Heat
-from .rough import is_rough, rough_friction
+from .rough import is_rough, only_rough, rough_friction
 from .steady import set_up, solve
 
 
@@ -69,10 +68,7 @@ def friction(
             periods=periods, seeds=seeds, sampling=sampling, heat=heat, progress=progress,
             store=store,
         )  # fmt: skip
-    if equivalent_length is not None:
-        raise InputError("equivalent_length belongs to a rough surface: it turns its pressure into a line load.")
-    if heat is not None:
-        raise InputError("heat belongs to a rough surface; an indenter's friction is at the temperature given.")
+    only_rough(equivalent_length, heat)
     scene = set_up(
         "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
         temperature=temperature, average=average, rtol=rtol, skip=skip,
