@@ -150,6 +150,14 @@ def test_pressure_by_the_rule_of_full_contact():
     assert "full contact" in found.model
 
 
+def test_elastic_line_loses_nothing():
+    """Full contact: mean u is load over E*, depth that and the highest wave on top."""
+    got = em.friction(em.Foundation(1e6, [], []), cosines(1024), velocity=0.3, load=[3.0, 600.0], average=None)
+    np.testing.assert_array_equal(got.mu, 0.0)
+    np.testing.assert_allclose(got.depth[1], 6e-4 + HEIGHTS.sum(), rtol=1e-9)
+    assert got.converged.all()
+
+
 def test_plan_of_a_rough_line():
     many = em.Foundation(1e6, 1e6 * np.ones(9), np.geomspace(1e-12, 1e6, 9))
     plan = em.plan(many, rough(1024), velocity=np.geomspace(1e-4, 1, 5), load=10.0, average=None)
@@ -273,6 +281,54 @@ def test_measured_profile(tmp_path):
         em.surface_from_file(file)
 
 
+HEIGHT = np.cumsum(np.cumsum(np.random.default_rng(0).standard_normal((64, 32)), axis=0), axis=1)
+READER = """
+import json
+import numpy as np
+class Found:
+    dim, unit, nb_grid_pts, physical_sizes = 2, "um", (64, 32), (128.0, 64.0)
+    def __init__(self, path):
+        self.values = json.loads(open(path).read())
+    topography = lambda self: self
+    heights = lambda self: np.ma.masked_invalid(np.array(self.values, float))
+open_topography = Found
+"""
+
+
+def as_table(folder, height):
+    i, j = np.indices(height.shape)
+    rows = np.stack([2.0 * i, 2.0 * j, height], axis=-1).reshape(-1, 3).tolist()
+    (folder / "map.csv").write_text("x [um],y [um],h [um]\n" + "\n".join(",".join(map(repr, row)) for row in rows))
+    return em.surface_from_file(folder / "map.csv")
+
+
+def test_file_of_an_instrument_by_a_reader_in_its_place(tmp_path, monkeypatch):
+    """The package that reads such files is an extra; here a module of its name stands in for it."""
+    expected = as_table(tmp_path, HEIGHT)
+    file = tmp_path / "map.x3p"
+    file.write_text(str(HEIGHT.tolist()))
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(em.InputError, match=r"elastomdr\[instruments\]"):
+        em.surface_from_file(file)
+    monkeypatch.undo()
+    (tmp_path / "SurfaceTopography.py").write_text(READER)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.syspath_prepend(tmp_path)
+    got = em.surface_from_file(file)
+    np.testing.assert_allclose(got.c, expected.c, rtol=1e-9)
+    file.write_text("[[1, 2")
+    with pytest.raises(em.InputError, match=r"got 'map.x3p': JSONDecodeError"):
+        em.surface_from_file(file)
+
+
+def test_file_of_an_instrument(tmp_path):
+    """Needs SurfaceTopography; the test above does without."""
+    topography = pytest.importorskip("SurfaceTopography")
+    made = topography.Topography(HEIGHT, (128.0, 64.0), unit="um")
+    made.to_x3p(tmp_path / "map.x3p")
+    np.testing.assert_allclose(em.surface_from_file(tmp_path / "map.x3p").c, as_table(tmp_path, HEIGHT).c, rtol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -318,6 +374,9 @@ average = "line"
 """
 
 
+FULL = '[surface]\nequivalent_length = "full contact"'
+
+
 def test_scene(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
     scene = tmp_path / "road.toml"
@@ -334,6 +393,9 @@ def test_scene(tmp_path, capsys, monkeypatch):
     assert "carried, each velocity its own window" in capsys.readouterr().out
     assert not list(tmp_path.glob(".*parts"))
     assert main(["rolling", str(scene)]) == 2
+    scene.write_text(SCENE.format(contact='pressure = "0.05 MPa"').replace("[surface]", FULL))
+    assert main(["plan", str(scene)]) == 0
+    assert "that of full contact" in capsys.readouterr().out
     scene.write_text(SCENE.format(contact=""))
     assert main(["friction", str(scene)]) == 2
     assert "pressure" in capsys.readouterr().err

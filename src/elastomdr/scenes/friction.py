@@ -47,10 +47,12 @@ def friction(
 
     A rough line (`RoughLine`) takes `load` per length [N/m] or `depth` of its highest point [m]. A surface
     (`SelfAffine`, `Spectrum`, measured) takes a nominal `pressure` [Pa], turned into the line load p L with L = 2
-    pi/q_low or `equivalent_length` [m], and is computed on `seeds` lines of random phases, each `periods` longest
+    pi/q_low, the rule of the textbook, for light contact; `equivalent_length="full contact"` takes 2 m_2/m_3 of the
+    spectrum's moments, better at higher loads, and a number [m] itself (`docs/rough.md` compares them with three
+    dimensions). It is computed on `seeds` lines of random phases, each `periods` longest
     waves long, of `samples` samples (default: eight per shortest wave). There `rtol` is that of the solution on these
     samples; `error` has the sampling too, and a point where it exceeds `sampling` times mu is NaN. `progress(done,
-    total)` is called after each batch; `store` keeps finished batches (`get(key)`, `put(key, arrays)`). No gradients.
+    total)` is called after each batch; `store` keeps finished batches (`get(key)`, `put(key, arrays)`).
 
     `heat=em.Heat(...)` heats the rubber of a surface under a `pressure` by its friction, from `temperature` on, until
     friction and flash temperature agree (`elastomdr.solve.heat`): `mu` is then the hot curve, `rough.cold` the one
