@@ -399,3 +399,13 @@ def test_scene(tmp_path, capsys, monkeypatch):
     scene.write_text(SCENE.format(contact=""))
     assert main(["friction", str(scene)]) == 2
     assert "pressure" in capsys.readouterr().err
+
+
+def test_line_of_a_surface():
+    """`surface.line(seed)` has the surface's rms height and, as its slope, the whole |grad h|."""
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
+    line = surface.line(seed=3, periods=2, samples=1024)
+    np.testing.assert_allclose(line.period, 2 * 2 * np.pi / 1e3, rtol=1e-12)
+    np.testing.assert_allclose(np.std(line.height), surface.rms_height, rtol=1e-2)
+    np.testing.assert_allclose(line.rms_slope, 0.3, rtol=2e-2)
+    assert (surface.line(seed=3, periods=2, samples=1024).height == line.height).all()

@@ -81,6 +81,16 @@ class AbstractSpectrum(eqx.Module):
         part = numpy.where(flat, width * (1 + 0.5 * slope * width), numpy.expm1(slope * width) / safe)
         return numpy.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
 
+    def line(self, seed: int = 0, periods: int = 1, samples: int | None = None) -> Any:
+        """An `em.RoughLine` of this surface, for `em.slide` and `em.drive`, its phases from `seed`.
+
+        As in `em.friction`: C_1D(q) = pi q C(q), over `periods` of the longest wave, in `samples` points (a power of 2
+        that resolves the shortest wave where none is given).
+        """
+        from .synthesis import synthesise
+
+        return synthesise(self, seed, periods, samples)
+
     def plot(self, axes: Any = None, seed: int = 0) -> Any:
         """The line made from `seed`, and the spectrum, side by side; returns the two matplotlib Axes."""
         from ..results.surface_figure import draw_surface

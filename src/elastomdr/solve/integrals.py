@@ -19,6 +19,7 @@ import jax.numpy as jnp
 from jaxtyping import Float
 
 from .._runtime import Array
+from ..foundation.modes import Modes
 from ..foundation.moments import contract
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
@@ -67,10 +68,64 @@ def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, 
     span = _Span(p, size, ratio)
     correlation = _autocorrelation(p, size, span.entry, span.exit)
     samples = correlation(span.positions(jnp.zeros_like(span.exit)))
+    moduli = p.law.moduli[:, None]
+    kept, gone, slow = _memories(p, span, samples)
+    total = jnp.sum(moduli * jnp.where(slow, -gone, kept), axis=1)
+    tail = jnp.zeros_like(total)
+    if not p.rule.exact:
+        decay = p.velocity * p.law.times[:, None]
+        before = moduli * jnp.exp(-span.start / decay)
+        tail = _tail(p, before, span.width * _legendre(p.rule, samples), span.width / decay)
+    springs = p.law.equilibrium + jnp.sum(jnp.where(slow, moduli, 0.0), axis=1)
+    dashpot = p.velocity * p.law.viscosity * correlation(jnp.zeros_like(_spread(span.exit)))[:, 0, 0]
+    rise = span.rise()
+    # Of a loss below 1e-30 of the stored energy nothing is left but how the trailing edge was rounded.
+    blur = 4 * jnp.finfo(rise.dtype).eps * jnp.abs(span.slope_at_exit()) * span.entry
+    tail = tail + jax.lax.stop_gradient(springs * blur * (jnp.abs(rise) + blur))
+    return _total(p, size, 0.5 * springs * rise**2 + dashpot + total, tail)
+
+
+def branch_losses(
+    p: Passage, modes: Modes, size: Array, ratio: Array
+) -> tuple[Float[Array, " points"], Float[Array, "branches points"]]:
+    """What the parallel dashpot and each branch turn into heat, per length of way [N], all lines together.
+
+    With y_k the displacement of a branch's dashpot, at the trailing edge Y_k = int (1 - e^{-r/s_k}) g'(r-b) dr, and u_b
+    = g(a) - g(b), the work on a branch less what it holds at the edge is
+
+        E_k int e^{-r/s_k} C dr - E_k (u_b - Y_k)^2/2 = E_k [u_b Y_k - int (1 - e^{-r/s_k}) C dr - Y_k^2/2],
+
+    the first for fast branches, the second for slow ones, each without cancellation. What all springs hold at the edge
+    is lost in free recovery, where y_k = sum_j Y_jk m_j e^{-t/lambda_j}: E_k tau_k int y_k'^2 dt in closed form. Exact
+    where the sampling is; their sum is the friction force. Derived here.
+    """
+    span = _Span(p, size, ratio)
+    correlation = _autocorrelation(p, size, span.entry, span.exit)
+    kept, gone, slow = _memories(p, span, correlation(span.positions(jnp.zeros_like(span.exit))))
+    force, lag, _ = _memories(p, span, span.slope_samples())
+    rise = span.rise()
+    left = rise[:, None]
+    inside = p.law.moduli[:, None] * jnp.where(slow, left * lag - gone - 0.5 * lag**2, kept - 0.5 * force**2)
+    friction = p.law.moduli * p.law.times
+    present = modes.gain > 0
+    share = jnp.where(present, 1 / jnp.where(present, modes.norm, 1.0), 0.0)
+    m = jnp.einsum("jk,k,lkp->ljp", modes.shape, friction, jnp.where(slow, lag, left - force))
+    m = share[:, None] * (m + p.law.viscosity * left)
+    rates = modes.rate[:, None] + modes.rate
+    decay = modes.rate[:, None] * modes.rate / jnp.where(rates > 0, rates, 1.0)
+    after = jnp.einsum("k,ik,jk,ij,lip,ljp->lkp", friction, modes.shape, modes.shape, decay, m, m, optimize="greedy")
+    dashpot = p.velocity * correlation(jnp.zeros_like(_spread(span.exit)))[:, 0, 0]
+    dashpot = p.law.viscosity * (dashpot + jnp.einsum("ij,lip,ljp->lp", decay, m, m, optimize="greedy"))
+    weight = p.lines.weight(size)
+    return jnp.sum(weight * dashpot, axis=0), jnp.sum(weight[:, None] * (inside + after), axis=0)
+
+
+def _memories(p: Passage, span: "_Span", samples: Array) -> tuple[Array, Array, Array]:
+    """int e^{-r/s_k} h dr and int (1 - e^{-r/s_k}) h dr from samples of h, and which branches take the second, since
+    they are slower than the passage: arrays (lines, branches, points)."""
     c = jnp.asarray(span.width * _legendre(p.rule, samples))
     decay = p.velocity * p.law.times[:, None]
-    slow = (decay > (span.entry + span.exit)[:, None])[:, None]  # lines, 1, branches, points
-    moduli = p.law.moduli[:, None]
+    slow = decay > (span.entry + span.exit)[:, None]
     before, z = jnp.exp(-span.start / decay), span.width / decay
     # 1 - mu_0 = (z/2)(mu_0 + mu_1), hence the third row; one call serves all three.
     zero = jnp.zeros_like(c)
@@ -78,15 +133,7 @@ def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, 
     first = jnp.concatenate([c[:1], c[:1], zero[2:]])
     fast, later, first = contract(jnp.stack([c, later, first], axis=1), z)
     relaxed = -jnp.expm1(-span.start / decay) * c[0] + before * (0.5 * z * first - later)
-    total = jnp.sum(moduli * jnp.where(slow, -relaxed, before * fast), axis=(1, 2))
-    tail = _tail(p, moduli * before, c, z) if not p.rule.exact else jnp.zeros_like(total)
-    springs = p.law.equilibrium + jnp.sum(jnp.where(slow[:, 0], moduli, 0.0), axis=1)
-    dashpot = p.velocity * p.law.viscosity * correlation(jnp.zeros_like(_spread(span.exit)))[:, 0, 0]
-    rise = span.rise()
-    # Of a loss below 1e-30 of the stored energy nothing is left but how the trailing edge was rounded.
-    blur = 4 * jnp.finfo(rise.dtype).eps * jnp.abs(span.slope_at_exit()) * span.entry
-    tail = tail + jax.lax.stop_gradient(springs * blur * (jnp.abs(rise) + blur))
-    return _total(p, size, 0.5 * springs * rise**2 + dashpot + total, tail)
+    return jnp.sum(before * fast, axis=1), jnp.sum(relaxed, axis=1), slow
 
 
 def _total(p: Passage, size: Array, force: Array, tail: Array) -> tuple[Array, Array]:

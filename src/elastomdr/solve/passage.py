@@ -15,9 +15,10 @@ import jax.numpy as jnp
 from jaxtyping import Bool, Float
 
 from .._runtime import Array
+from ..foundation.modes import recovery_modes
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
-from .integrals import Passage, balance, exit_density, friction_force, normal_force
+from .integrals import Passage, balance, branch_losses, exit_density, friction_force, normal_force
 from .rule import Rule, gauss
 
 Control = Literal["load", "depth"]
@@ -221,17 +222,7 @@ def _size_of_load(p: Passage, load: Array, log_size: Array, ratio: Array, top: A
 def _polish(law, lines, value, velocity, found: _Found, *, rule: Rule, control: Control) -> Passages:
     """One Newton step on both equations, then forces and their sampling error."""
     p = Passage(law, lines, rule, velocity)
-    size, ratio = found.size, found.ratio
-    density, reached = balance(p, size, ratio)
-    if control == "depth":
-        reached = lines.depth(size)
-    step = _small((value - reached) / found.reached_size, size)
-    pinned = ratio <= 2 * _NEAREST_EXIT
-    slope = jnp.where(pinned | (found.density_ratio == 0), 1.0, found.density_ratio)
-    ratio_step = -(density + found.density_size * step) / slope
-    ratio = ratio + jnp.where(pinned, 0.0, _small(ratio_step, ratio))
-    size = size + step
-
+    size, ratio = _edges(p, value, found, control)
     normal, normal_error = normal_force(p, size, ratio)
     drag, drag_error = friction_force(p, size, ratio)
     mu = drag / normal
@@ -247,6 +238,46 @@ def _polish(law, lines, value, velocity, found: _Found, *, rule: Rule, control: 
         error=jax.lax.stop_gradient((drag_error + jnp.abs(mu) * normal_error) / normal),
         converged=found.converged,
     )
+
+
+def _edges(p: Passage, value: Array, found: _Found, control: Control) -> tuple[Array, Array]:
+    """Contact size and trailing edges after one Newton step, which carries the derivatives."""
+    size, ratio = found.size, found.ratio
+    density, reached = balance(p, size, ratio)
+    if control == "depth":
+        reached = p.lines.depth(size)
+    step = _small((value - reached) / found.reached_size, size)
+    pinned = ratio <= 2 * _NEAREST_EXIT
+    slope = jnp.where(pinned | (found.density_ratio == 0), 1.0, found.density_ratio)
+    ratio_step = -(density + found.density_size * step) / slope
+    ratio = ratio + jnp.where(pinned, 0.0, _small(ratio_step, ratio))
+    return size + step, ratio
+
+
+class Losses(NamedTuple):
+    """Where the energy of a passage goes."""
+
+    dashpot: Float[Array, " points"]  # of the parallel dashpot, per length of way [N]
+    branches: Float[Array, "branches points"]  # of each branch [N]
+    friction_force: Float[Array, " points"]  # the work, by its own integral [N]
+    converged: Bool[Array, " points"]
+
+
+def solve_losses(
+    law: Relaxation, lines: AbstractLines, rule: Rule, control: Control, value: Array, velocity: Array
+) -> Losses:
+    """Steady passages, and what each branch turns into heat; differentiable as `solve_passages` is."""
+    law, lines, value, velocity = jax.tree.map(jnp.asarray, (law, lines.refined(rule.strips), value, velocity))
+    found = _search(*jax.lax.stop_gradient((law, lines, value, velocity)), rule=rule, control=control)
+    return _losses(law, recovery_modes(law), lines, value, velocity, jax.lax.stop_gradient(found), rule, control)
+
+
+@functools.partial(jax.jit, static_argnames=("rule", "control"))
+def _losses(law, modes, lines, value, velocity, found: _Found, rule: Rule, control: Control) -> Losses:
+    p = Passage(law, lines, rule, velocity)
+    size, ratio = _edges(p, value, found, control)
+    dashpot, branches = branch_losses(p, modes, size, ratio)
+    return Losses(dashpot, branches, friction_force(p, size, ratio)[0], found.converged)
 
 
 def exponent_at(lines: AbstractLines, size: Array) -> Array:

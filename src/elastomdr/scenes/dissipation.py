@@ -1,0 +1,123 @@
+"""Where in the relaxation spectrum a sliding or rolling contact turns its work into heat."""
+
+import warnings
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from .._runtime import Array, in_float64, is_traced
+from ..errors import ConvergenceWarning, InputError
+from ..mapping.direction import directions
+from ..material.relaxation import Relaxation
+from ..results.dissipation import Dissipation
+from ..solve.passage import Losses, solve_losses
+from .steady import Scene, set_up, solve
+
+_BATCH = 4096  # passages at once
+
+
+@in_float64
+def dissipation(
+    material: Any,
+    shape: Any,
+    *,
+    velocity: Any,
+    load: Any = None,
+    depth: Any = None,
+    temperature: Any = None,
+    average: str | None = "direction",
+    rtol: float = 1e-6,
+) -> Dissipation:
+    """Share of each branch of the relaxation spectrum in what a sliding or rolling body dissipates.
+
+        F_k = (1/v) int f_k^2/(E_k tau_k) dx,      sum_k F_k = F_x,
+
+    f_k the force of branch k, over the contact and over the free recovery behind it, where the springs give back what
+    they hold to the dashpots. With the direction average F_k is averaged as the friction is, at the same normal force:
+    exact to first order in the loss. Fields have one more axis than the arguments make together, the last: branches in
+    order of their times, after a parallel dashpot if there is one, whose time is zero.
+
+    Arguments as for `friction`, for bodies with a convex profile; differentiable as it is. Exact for the line.
+    `error` is the share of the work that the branches do not account for. Raises `InputError` as `friction` does; a
+    point that failed is NaN with `converged=False`. Derived here (`docs/theory.md`, section 22).
+    """
+    scene = set_up(
+        "dissipation", material, shape, velocity=velocity, load=load, depth=depth, pressure=None,
+        temperature=temperature, average=average, rtol=rtol, skip=True,
+    )  # fmt: skip
+    if scene.plan.marched:
+        raise InputError("shape must have a convex profile: branches are not told apart where contact may be renewed.")
+    if scene.plan.elastic:
+        raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
+    found = solve(scene)
+    traced = is_traced(found.mu, scene.law)
+    xp: Any = jnp if traced else np
+    dashpot, branches, work, good = _forces(scene, xp.ravel(found.normal_force), xp)
+    with_dashpot = is_traced(scene.law.viscosity) or bool(scene.law.viscosity > 0)
+    forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches
+    total = xp.sum(forces, axis=0)
+    missing = abs(total / work - 1)
+    good = found.converged & (good & (missing <= scene.plan.rtol)).reshape(scene.shape)
+    if not traced and (lost := int(np.sum(found.converged & ~good))):
+        text = f"the losses of {lost} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."
+        warnings.warn(text, ConvergenceWarning, stacklevel=3)
+    share = xp.moveaxis(forces / total, 0, -1).reshape(*scene.shape, -1)
+    share = xp.where(good[..., None], share, xp.nan)
+    times = xp.asarray(scene.law.times)
+    times = xp.concatenate([xp.zeros(1), times]) if with_dashpot else times
+    factor = (scene.reduced / scene.velocity).reshape(scene.shape)[..., None]
+
+    def spread(field: Any) -> Any:
+        return xp.broadcast_to(field[..., None], share.shape)
+
+    force = share * found.friction_force[..., None]
+    return Dissipation(
+        velocity=spread(found.velocity),
+        temperature=None if scene.temperature is None else spread(scene.temperature),
+        time=times * factor,
+        share=share,
+        resistance=force,
+        power=force * found.velocity[..., None],
+        normal_force=spread(found.normal_force),
+        error=spread(xp.where(good, missing.reshape(scene.shape), xp.nan)),
+        converged=spread(good),
+        model=scene.plan.model,
+        plan=scene.plan,
+        inputs=found.inputs,
+    )
+
+
+def _forces(scene: Scene, load: Array, xp: Any) -> tuple[Array, Array, Array, Any]:
+    """Force of the dashpot, of each branch, and of friction by its own integral [N], averaged as the plan says."""
+    plan = scene.plan
+    velocity, control, value = scene.reduced, scene.control, scene.value
+    cosines, weights = np.ones(1), np.ones(1)
+    if plan.averaged:
+        rule = directions(plan.rtol)
+        cosines, weights = rule.cosines, rule.weights
+        control, value = "load", xp.where(xp.isfinite(load), load, 1.0)
+    slowed = (velocity[:, None] * cosines).ravel()
+    value = xp.broadcast_to(value[:, None], (velocity.size, cosines.size)).ravel()
+    parts = []
+    for start in range(0, slowed.size, _BATCH):
+        here = slice(start, start + _BATCH)
+        rule = plan.rules[0] if plan.traced else plan.rules[-1]
+        parts.append(_padded(scene, rule, control, value[here], slowed[here], xp))
+    every = Losses(*(xp.concatenate(fields, axis=-1) for fields in zip(*parts, strict=True)))
+    dashpot, branches, work = (
+        xp.asarray(field).reshape(*field.shape[:-1], velocity.size, cosines.size) @ weights
+        for field in (every.dashpot, every.branches, every.friction_force)
+    )
+    return dashpot, branches, work, every.converged.reshape(velocity.size, -1).all(axis=1)
+
+
+def _padded(scene: Scene, rule: Any, control: Any, value: Array, velocity: Array, xp: Any) -> Losses:
+    """Solves with the number of points rounded up to a power of 2, so that few sizes are compiled."""
+    count = velocity.size
+    fill = (0, max(64, 2 ** (count - 1).bit_length()) - count)
+    law = Relaxation(*(xp.asarray(x) for x in (scene.law.equilibrium, scene.law.moduli, scene.law.times,
+                                               scene.law.viscosity)))  # fmt: skip
+    value, velocity = xp.pad(value, fill, "edge"), xp.pad(velocity, fill, "edge")
+    out = solve_losses(law, scene.lines, rule, control, value, velocity)
+    return Losses(*(xp.asarray(field)[..., :count] for field in out))

@@ -1,0 +1,197 @@
+"""How warm a rolling body gets: the heat of its own resistance against what it gives off.
+
+One temperature for the body, heat capacity C, losing heat through a conductance H to surroundings at T_a:
+
+    C dT/dt = P(T) - H (T - T_a),      P(T) = v F(v, T) the power of `em.rolling`.
+
+Rubber that gets warmer gets faster, so that P falls with T beyond the loss peak and the rise is less than P(T_a)/H. On
+the glassy side P grows with T and there may be several steady states; a body that starts at T_a reaches the lowest.
+"""
+
+import warnings
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from .._runtime import as_float64, ascending, in_float64, is_traced, not_negative, plain, positive
+from ..errors import ConvergenceWarning, InputError
+from ..foundation.law import as_foundation
+from ..results.warming import Warming
+from .rolling import rolling
+from .steady import brief
+
+_SCAN = 33  # temperatures at which the steady state is looked for
+_NEAR = 5  # temperatures between the two on either side of it
+_WAY = 49  # temperatures between start and steady state, for the history
+_LEFT = 0.1  # of the last Newton step, what it may leave: its slope is good to a few per cent
+_REACHED = 10  # times rtol of the rise, the error up to which a temperature is handed out
+
+
+@in_float64
+def warming(
+    material: Any,
+    shape: Any,
+    *,
+    velocity: Any,
+    load: Any,
+    ambient: Any,
+    conductance: Any,
+    capacity: Any = None,
+    time: Any = None,
+    hottest: float | None = None,
+    average: str | None = "direction",
+    rtol: float = 1e-6,
+) -> Warming:
+    """Steady temperature of a rolling body that its own resistance heats, and the way to it from `ambient`.
+
+    - `velocity` [m/s], `load` [N], `ambient` temperature [K], `conductance` H [W/K] from body to surroundings, and
+      `capacity` C [J/K] broadcast.
+    - `time` [s], ascending from zero on, with `capacity`: fields get one more axis, the last, along which the body
+      warms from `ambient`.
+    - `hottest` [K]: the highest temperature looked at, by default the end of the material's range.
+
+    The body has one temperature; all power goes into it. `error` is that of the temperature [K]. Differentiable in the
+    steady state as `rolling` is, by the implicit function. The history is exact for a heat flow that is linear between
+    49 temperatures, and its error estimated from every second of them. Raises `InputError`; a point that has no steady
+    state below `hottest` is NaN with `converged=False`. Derived here (`docs/wheel.md`).
+    """
+    foundation = as_foundation(material)
+    if foundation.shift is None:
+        raise InputError(f"material must have a shift law to warm up, got {foundation.name or 'one without'}.")
+    given = {"velocity": velocity, "load": load, "ambient": ambient, "conductance": conductance}
+    if capacity is not None:
+        given["capacity"] = capacity
+    if (time is None) != (capacity is None):
+        raise InputError("time and capacity belong together: give both for the history, or neither.")
+    arrays = {name: as_float64(name, value) for name, value in given.items()}
+    for name, value in arrays.items():
+        positive(name, value)
+    try:
+        together = np.broadcast_shapes(*(np.shape(x) for x in arrays.values()))
+    except ValueError as error:
+        shapes = ", ".join(f"{name} {np.shape(x)}" for name, x in arrays.items())
+        raise InputError(f"arguments must broadcast, got shapes {shapes}.") from error
+    if hottest is None:
+        if foundation.range is None or foundation.range.temperature is None:
+            raise InputError("hottest must be given [K]: the material does not say up to which temperature it holds.")
+        hottest = foundation.range.temperature[1]
+    hottest = plain("hottest", hottest)
+    if not is_traced(arrays["ambient"]) and not (np.asarray(arrays["ambient"]) < hottest).all():
+        raise InputError(f"ambient must be below hottest, {hottest:g} K, got {brief(arrays['ambient'], 'K')}.")
+    traced = is_traced(foundation, shape, *arrays.values())
+    xp: Any = jnp if traced else np
+    v, f, ta, h = (xp.broadcast_to(arrays[k], together) for k in ("velocity", "load", "ambient", "conductance"))
+
+    def run(kelvin: Any) -> Any:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of temperatures on the way; what the answer lacks is said below
+            return rolling(foundation, shape, velocity=v, load=f, temperature=kelvin, average=average, rtol=rtol)
+
+    low, high = _bracket(run, ta, h, hottest, _SCAN, xp)
+    for _ in range(2):
+        low, high = _bracket(run, low, h, high, _NEAR, xp, ta)
+    width = xp.where(high > low, high - low, 1.0)
+    ends = run(xp.stack([low, high]))
+    guess = low + (ends.power[0] - h * (low - ta)) / (h - (ends.power[1] - ends.power[0]) / width)
+    middle = xp.clip(xp.clip(guess, low, high), ta + width / 2, hottest - width / 2)
+    around = run(xp.stack([middle - width / 2, middle, middle + width / 2])).power
+    slope = jax.lax.stop_gradient((around[2] - around[0]) / width)
+    guess = middle + (around[1] - h * (middle - ta)) / (h - slope)
+    guess = jax.lax.stop_gradient(xp.clip(guess, low, high))
+    at = run(guess)
+    step = (at.power - h * (guess - ta)) / jax.lax.stop_gradient(h - slope)
+    steady = guess + step
+    error = jax.lax.stop_gradient(_LEFT * abs(step) + at.error / at.coefficient * h * (guess - ta) / (h - slope))
+    good = at.converged & (error <= _REACHED * rtol * (steady - ta)) & (h > slope)
+    steady, error = (xp.where(good, xp.asarray(x), xp.nan) for x in (steady, error))
+    if not traced and not good.all():
+        text = (
+            f"{int((~good).sum())} of {good.size} points have no steady temperature below {hottest:g} K; they are NaN."
+        )
+        warnings.warn(text, ConvergenceWarning, stacklevel=3)
+    power = h * (steady - ta)
+    fields: dict[str, Any] = {
+        "velocity": v,
+        "load": f,
+        "ambient": ta,
+        "conductance": h,
+        "steady": steady,
+        "error": error,
+    }
+    fields["settling"] = None
+    now: dict[str, Any] = {"temperature": steady, "power": power, "time": None}
+    if capacity is not None:
+        heat = xp.broadcast_to(arrays["capacity"], together)
+        fields["settling"] = heat / jax.lax.stop_gradient(h - slope)
+        instants = as_float64("time", time)
+        if instants.ndim != 1:
+            raise InputError(f"time must be a list of instants, got shape {instants.shape}.")
+        ascending("time", instants)
+        not_negative("time", instants)
+        kelvin, flow, off = _history(run, ta, steady, h, heat, instants, xp)
+        fields = {k: x if x is None else xp.broadcast_to(x[..., None], kelvin.shape) for k, x in fields.items()}
+        fields["error"] = fields["error"] + off
+        good = xp.broadcast_to(good[..., None], kelvin.shape)
+        now = {"temperature": kelvin, "power": flow, "time": xp.broadcast_to(instants, kelvin.shape)}
+    inputs = [pair for pair in at.inputs if pair[0] not in ("temperature", "extrapolated")]
+    inputs[-1:-1] = [("ambient", brief(arrays["ambient"], "K")), ("conductance", brief(arrays["conductance"], "W/K"))]
+    if capacity is not None:
+        inputs.insert(-1, ("heat capacity", brief(arrays["capacity"], "J/K")))
+    return Warming(
+        **now, **fields, converged=good, coefficient=now["power"] / (fields["velocity"] * fields["load"]),
+        model=at.model, plan=at.plan, inputs=tuple(inputs),
+    )  # fmt: skip
+
+
+def _bracket(run: Any, low: Any, h: Any, high: Any, count: int, xp: Any, ambient: Any = None) -> tuple[Any, Any]:
+    """The two neighbours, of `count` temperatures from low to high, between which the body stops warming up."""
+    ambient = low if ambient is None else ambient
+    part = np.linspace(0.0, 1.0, count).reshape(-1, *[1] * np.ndim(low))
+    kelvin = jax.lax.stop_gradient(low + part * (high - low))
+    power = jax.lax.stop_gradient(run(kelvin).power)
+    colder = ~(power - h * (kelvin - ambient) > 0)  # NaN ends the search, and the point is found not to be met
+    colder = xp.concatenate([xp.zeros_like(colder[:1]), colder[1:-1], xp.ones_like(colder[:1])])
+    index = xp.argmax(colder, axis=0)[None]
+    kelvin = xp.asarray(kelvin)
+    return tuple(xp.take_along_axis(kelvin, index - i, axis=0)[0] for i in (1, 0))  # type: ignore[return-value]
+
+
+def _history(run: Any, ambient: Any, steady: Any, h: Any, heat: Any, time: Any, xp: Any) -> tuple[Any, Any, Any]:
+    """Temperature and power at the instants, and the error of the temperature, by every second node.
+
+    Between two nodes the net heat flow N = P - H (T - T_a) is taken as linear in T, so that the time from one to the
+    other is C (T' - T)/(N - N') ln(N/N'), and T within is an exponential in time.
+    """
+    part = np.linspace(0.0, 1.0, _WAY).reshape(-1, *[1] * np.ndim(ambient))
+    top = xp.where(xp.isfinite(steady), steady, ambient + 1.0)
+    kelvin = ambient + part * (top - ambient)
+    net = xp.asarray(run(kelvin).power) - h * (kelvin - ambient)
+    net = xp.concatenate([net[:-1], xp.zeros_like(net[:1])])  # at the steady state by definition
+
+    def follow(kelvin: Any, net: Any) -> Any:
+        slope = (net[1:] - net[:-1]) / (kelvin[1:] - kelvin[:-1])
+        small = abs(slope) * (kelvin[1:] - kelvin[:-1]) < 1e-9 * net[:-1]
+        safe = xp.where(small, 1.0, slope)
+        ratio = net[1:] / net[:-1]
+        log = xp.log(xp.where(ratio > 0, ratio, 1.0))
+        spent = heat * xp.where(small, (kelvin[1:] - kelvin[:-1]) / net[:-1], log / safe)[:-1]  # the last never ends
+        starts = xp.concatenate([xp.zeros_like(spent[:1]), xp.cumsum(spent, axis=0)])
+        since = time - starts[..., None]  # nodes, points, instants
+        index = xp.maximum(xp.sum(since >= 0, axis=0) - 1, 0)[None]
+
+        def pick(field: Any) -> Any:
+            return xp.take_along_axis(xp.broadcast_to(field[..., None], since.shape), index, axis=0)[0]
+
+        gone, begin = xp.take_along_axis(since, index, axis=0)[0], pick(kelvin[:-1])
+        flow, rate = pick(net[:-1]), pick(safe) / heat[..., None]
+        rise = xp.where(pick(small), flow * gone / heat[..., None], flow / pick(safe) * xp.expm1(rate * gone))
+        return begin + rise
+
+    fine, coarse = follow(kelvin, net), follow(kelvin[::2], net[::2])
+    known = xp.isfinite(steady)[..., None]
+    fine = fine + (fine - coarse) / 3
+    power = xp.asarray(jnp.moveaxis(run(jnp.moveaxis(fine, -1, 0)).power, 0, -1))
+    off = jax.lax.stop_gradient(abs(fine - coarse))
+    return tuple(xp.where(known, x, xp.nan) for x in (fine, power, off))  # type: ignore[return-value]

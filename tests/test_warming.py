@@ -1,0 +1,90 @@
+"""`em.warming` against Lambert's function, scipy's integrator, the balance of power, and its refusals."""
+
+import jax
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import lambertw
+
+import elastomdr as em
+
+BETA, COLD, LOAD, HEAT = 0.04, 293.15, 800.0, 200.0  # 1/K, K, N, J/K
+WHEEL = em.Cylinder(0.1, 0.05)
+SHIFT = em.ShiftTable([COLD, COLD + 100], [0.0, -100 * BETA / np.log(10)])
+RUBBER = em.Foundation(1e9, [1e9], [1e-9], shift=SHIFT)  # one short time: P = P_0 exp(-beta dT)
+SCENE = {"velocity": np.array([0.5, 1.0, 2.0]), "load": LOAD, "ambient": COLD, "hottest": COLD + 99}
+
+
+@pytest.fixture(scope="module")
+def power():
+    return em.rolling(RUBBER, WHEEL, velocity=SCENE["velocity"], load=LOAD, temperature=COLD).power
+
+
+def test_steady_state(power):
+    """beta dT exp(beta dT) = beta P_0/H."""
+    conductance = power[1] / 50
+    warm = em.warming(RUBBER, WHEEL, conductance=conductance, **SCENE)
+    rise = warm.steady - COLD
+    expected = lambertw(BETA * power / conductance).real / BETA
+    np.testing.assert_allclose(rise, expected, rtol=3e-6)
+    assert (np.abs(rise - expected) < warm.error + 1e-6 * expected).all()
+    np.testing.assert_allclose(warm.power, power * np.exp(-BETA * rise), rtol=1e-5)
+    np.testing.assert_allclose(warm.coefficient * LOAD * SCENE["velocity"], warm.power, rtol=1e-12)
+    assert warm.settling is None
+
+
+def test_history(power):
+    conductance = power[1] / 50
+    time = HEAT / conductance * np.array([0.0, 0.02, 0.1, 0.3, 1.0, 10.0])
+    warm = em.warming(RUBBER, WHEEL, conductance=conductance, capacity=HEAT, time=time, **SCENE)
+    for i, first in enumerate(power):
+        way = solve_ivp(
+            lambda _, rise, p=first: (p * np.exp(-BETA * rise) - conductance * rise) / HEAT,
+            (0, time[-1]), [0.0], t_eval=time, rtol=1e-10, atol=1e-10,
+        )  # fmt: skip
+        np.testing.assert_allclose(warm.temperature[i] - COLD, way.y[0], atol=2e-5 * way.y[0].max())
+    slope = -BETA * power * np.exp(-BETA * (warm.steady[:, 0] - COLD))
+    np.testing.assert_allclose(warm.settling[:, 0], HEAT / (conductance - slope), rtol=1e-2)
+    assert (np.diff(warm.temperature, axis=-1) > 0).all()
+    assert warm.temperature.shape == warm.time.shape == (3, 6)
+    assert "above the surroundings" in warm.summary()
+    warm.plot()
+
+
+def test_gradient(power):
+    """d dT/dH = -dT/(H (1 + beta dT))."""
+    conductance = float(power[1] / 50)
+
+    def rise(h):
+        return em.warming(RUBBER, WHEEL, conductance=h, rtol=1e-8, **SCENE | {"velocity": 1.0}).steady - COLD
+
+    with jax.enable_x64(True):
+        expected = lambertw(BETA * 50).real / BETA
+        found = jax.grad(rise)(conductance)
+    np.testing.assert_allclose(found, -expected / conductance / (1 + BETA * expected), rtol=1e-4)
+
+
+def test_no_steady_state(power):
+    """Too little cooling: NaN and one warning, not the end of the range."""
+    with pytest.warns(em.ConvergenceWarning, match="no steady temperature below"):
+        warm = em.warming(RUBBER, WHEEL, conductance=power[1] * np.array([1e-9, 0.02, 1.0]), **SCENE)
+    assert np.isnan(warm.steady[0])
+    assert warm.converged.tolist() == [False, True, True]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"material": em.Foundation(1e9, [1e9], [1e-9])}, "shift law"),
+        ({"hottest": None}, "hottest must be given"),
+        ({"hottest": 280.0}, "ambient must be below hottest"),
+        ({"conductance": 0.0}, "conductance must be positive"),
+        ({"time": [0.0, 1.0]}, "time and capacity belong together"),
+        ({"capacity": 1.0, "time": [1.0, 0.5]}, "ascending"),
+        ({"conductance": [1.0, 2.0]}, "must broadcast"),
+    ],
+)
+def test_refusals(change, words):
+    scene = {"material": RUBBER, "conductance": 1.0, **SCENE} | change
+    with pytest.raises(em.InputError, match=words):
+        em.warming(scene.pop("material"), WHEEL, **scene)
