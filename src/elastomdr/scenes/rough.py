@@ -41,9 +41,9 @@ def rough_friction(
     traced = is_traced(foundation, surface, velocity, load, depth, pressure, temperature)
     if traced and heat is not None:
         raise InputError("heat must be left out under jax.grad, jit and vmap: flash temperature is not differentiable.")
-    _check(foundation, average, rtol, samples, periods, seeds)
+    check_numerics(foundation, average, rtol, samples, periods, seeds)
     _check_heat(heat, surface, pressure, temperature)
-    control, value, length, rule = _control(surface, load, depth, pressure, equivalent_length)
+    control, value, length, rule = control_of(surface, load, depth, pressure, equivalent_length)
     velocity, value = as_float64("velocity", velocity), value
     positive("velocity", velocity)
     kelvin = None if temperature is None else as_float64("temperature", temperature)
@@ -126,7 +126,7 @@ def rough_friction(
     extrapolated = None if outside is None else outside > _OUTSIDE
     inputs = [
         ("material", foundation.name or "given directly"),
-        ("surface", surface.label if traced else _words(surface, lines[0])),
+        ("surface", surface.label if traced else surface_words(surface, lines[0])),
     ]
     inputs += [("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []
     inputs += [
@@ -169,7 +169,7 @@ def rough_friction(
     )  # fmt: skip
 
 
-def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, periods: Any, seeds: Any) -> None:
+def check_numerics(foundation: Foundation, average: Any, rtol: Any, samples: Any, periods: Any, seeds: Any) -> None:
     if foundation.per_area:
         raise InputError("material must be a half-space under a rough surface, got a layer.")
     if not is_traced(foundation.equilibrium) and not float(foundation.equilibrium) > 0:
@@ -202,7 +202,7 @@ def _check_heat(heat: Any, surface: Any, pressure: Any, temperature: Any) -> Non
         raise InputError("heat needs a temperature [K], that of the rubber without the flash, and so a shift law.")
 
 
-def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_length: Any) -> tuple:
+def control_of(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_length: Any) -> tuple:
     """What is given, as line load or depth; the length that turns pressure into load; the rule in words."""
     given = {k: v for k, v in (("load", load), ("depth", depth), ("pressure", pressure)) if v is not None}
     if len(given) != 1:
@@ -233,7 +233,7 @@ def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_leng
     return "load", value * length, length, f"; pressure p as line load p L with L = {length:.4g} m as given"
 
 
-def _words(surface: Any, line: RoughLine) -> str:
+def surface_words(surface: Any, line: RoughLine) -> str:
     if isinstance(surface, RoughLine):
         return (
             f"rough line, period {float(surface.period):.4g} m, {surface.count} points, rms height "
