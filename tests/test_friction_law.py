@@ -102,7 +102,7 @@ def test_traction_with_friction_of_the_sliding_velocity():
     np.testing.assert_allclose(found.friction, mu, rtol=1e-9)
     np.testing.assert_allclose(found.coefficient, np.sign(CREEP) * mu * (1 - (1 - zeta) ** 3), rtol=1e-9, atol=1e-16)
     peak = found.peak()
-    assert np.abs(found.coefficient).max() == np.abs(peak.coefficient) == np.abs(found.coefficient[peak.index])
+    assert np.abs(found.coefficient).max() == np.abs(peak.coefficient) == np.abs(found.coefficient[peak.place])
     assert "friction law" in found.summary()
     assert found.plot().get_xlabel() == "Creep [%]"
 

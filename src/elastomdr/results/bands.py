@@ -69,15 +69,16 @@ class FrictionBands(AbstractResult):
                 found[(slice(None), *at)] = np.exp(np.interp([0.5 - 0.5 * share, 0.5 + 0.5 * share], below, edges))
         return found[0], found[1]
 
-    def plot(self, ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
+    def plot(self, ax: Any = None, title: str | None = None, label: str | None = None, colour: Any = None) -> Any:
         """Draws the part of friction per decade of frequency, one line per point; returns matplotlib Axes.
 
         With `ax=None` on a new figure, which is the `.figure` of the answer. On axes that hold a line already, the
-        lines are added to it and to the legend, under `label` or the name of the material.
+        lines are added to it and to the legend, under `label` or the name of the material; `colour` is that of a
+        result of one point.
         """
         from .bands_figure import draw_bands
 
-        return draw_bands(self, ax, title, label)
+        return draw_bands(self, ax, title, label, colour)
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """Inputs, model, and where eight tenths of each point's friction arise."""

@@ -13,7 +13,9 @@ _MOST = 12  # lines that one figure shows
 _SEEN = 0.01  # part of the highest band from which one is worth room on the axis
 
 
-def draw_bands(result: "FrictionBands", ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
+def draw_bands(
+    result: "FrictionBands", ax: Any = None, title: str | None = None, label: str | None = None, colour: Any = None
+) -> Any:
     """Part of mu per decade of frequency as steps, so that the area under a line is its friction coefficient."""
     frequency, mu = np.asarray(result.frequency), np.asarray(result.mu)
     points = list(np.ndindex(mu.shape[:-1]))
@@ -26,10 +28,10 @@ def draw_bands(result: "FrictionBands", ax: Any = None, title: str | None = None
     name = label or (dict(result.inputs).get("material") if beside_others else None)
     half = np.sqrt(result.width)
     seen = frequency[mu > _SEEN * np.nanmax(mu, initial=0.0)]
-    for at, colour in zip(points, _colours(len(points)), strict=True):
+    for at, usual in zip(points, _colours(len(points)), strict=True):
         edges = np.append(frequency[at] / half, frequency[at][-1] * half)
         words = ", ".join(part for part in (name, result.named(at)) if part).replace("degC", "°C")
-        own = None if len(points) == 1 and not new else colour  # the next one of the axes' own
+        own = colour if len(points) == 1 else usual  # None: the next one of the axes' own
         ax.stairs(mu[at] / np.log10(result.width), edges, color=own, linewidth=1.8, label=words or None)
     ax.set_xscale("log")
     ax.set(xlabel="Frequency of excitation [rad/s]", ylabel="Friction coefficient per decade [-]")

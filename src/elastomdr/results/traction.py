@@ -18,7 +18,7 @@ class TractionPeak(NamedTuple):
     creep: Float[np.ndarray, "..."]  # xi at which it was computed, no interpolation
     coefficient: Float[np.ndarray, "..."]  # F_x/F_N
     inside: Bool[np.ndarray, "..."]  # False at an end of the curve, beyond which it may grow
-    index: tuple[np.ndarray, ...]  # of the point, into the fields
+    place: tuple[np.ndarray, ...]  # of the point, an index into the fields
 
 
 class Traction(AbstractResult):

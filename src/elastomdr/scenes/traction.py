@@ -186,7 +186,7 @@ def _carter(
     foundation: Any, shape: Cylinder, velocity: Any, creep: Any, friction: Any, load: Any, depth: Any, temperature: Any
 ) -> Traction:
     law = foundation.law()
-    mu_law = friction if isinstance(friction, FrictionLaw) else None
+    mu_law: FrictionLaw | None = friction if isinstance(friction, FrictionLaw) else None
     if load is None or depth is not None:
         raise InputError(
             "load must be given for a cylinder on a half-space, whose depth is not defined (plane strain)."
@@ -203,7 +203,7 @@ def _carter(
     if mu_law is not None:
         half = carter(law.equilibrium, shape.radius, load / shape.length, 1.0, 0.0)[2]
         friction = _at_contact(mu_law, shape, creep, velocity, temperature, load, Contact(half, half), True)
-    if not is_traced(friction) and np.isinf(friction).any():
+    if not is_traced(friction) and np.isinf(np.asarray(friction)).any():
         raise InputError(
             "friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges."
         )
