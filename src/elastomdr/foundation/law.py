@@ -94,7 +94,7 @@ def half_space(material: Prony, other: Prony | None = None, *, tangential: bool 
     known = material.range
     if other is not None:
         law = series(law, operator(_material("other", other)))
-        if not _same_shift(material.shift, other.shift):
+        if not same_shift(material.shift, other.shift):
             raise InputError(
                 "other must have the same shift law as material, got "
                 f"{other.shift} and {material.shift}; bring both to their temperature first, with material.at(T)."
@@ -104,15 +104,20 @@ def half_space(material: Prony, other: Prony | None = None, *, tangential: bool 
 
 
 @in_float64
-def layer(material: Prony, thickness: Any, *, bonded: bool = True) -> Foundation:
+def layer(material: Prony, thickness: Any, *, bonded: bool = True, tangential: bool = False) -> Foundation:
     """The foundation of a thin layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
 
-    Holds where the contact is much wider than the layer is thick. Raises `InputError` for a bonded incompressible
-    layer, which does not act as a row of springs. Source: Johnson 1985, section 5.8.
+    Holds where the contact is much wider than the layer is thick. `tangential` gives that of simple shear, G(t) over
+    the thickness, as of the tread in the brush model of a tyre. Raises `InputError` for a bonded incompressible
+    layer, which does not act as a row of springs, and for one that is sheared without being bonded.
+    Source: Johnson 1985, section 5.8.
     """
     thickness = scalar("thickness", thickness)
     positive("thickness", thickness)
-    law = scaled(layer_operator(_material("material", material), bonded), 1 / thickness)
+    if tangential and not bonded:
+        raise InputError("bonded must be True with tangential: a layer that slips on its base is not sheared.")
+    own = _material("material", material)
+    law = scaled(own.law() if tangential else layer_operator(own, bonded), 1 / thickness)
     return _foundation(law, material.shift, True, material.name, material.range)
 
 
@@ -146,7 +151,8 @@ def _material(name: str, material: Any) -> Prony:
     return material
 
 
-def _same_shift(first: AbstractShift | None, second: AbstractShift | None) -> bool:
+def same_shift(first: AbstractShift | None, second: AbstractShift | None) -> bool:
+    """Whether two shift laws are one; under a transformation of JAX as far as can be seen."""
     if first is None or second is None:
         return first is second
     if is_traced(first, second):

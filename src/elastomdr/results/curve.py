@@ -8,7 +8,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array, significant
+from ..errors import InputError
 from .axes import curves, in_words, peak
+from .friction_law import FrictionLaw, gridded
 from .table import AbstractResult, Column
 
 _SHOWN = 6  # curves that a summary lists one by one
@@ -139,6 +141,18 @@ class FrictionCurve(AbstractCurve):
     quantity: ClassVar[str] = "Friction"
     symbol: ClassVar[str] = "mu"
     coefficient_field: ClassVar[str] = "mu"
+
+    def law(self, cold: bool = False) -> FrictionLaw:
+        """mu(v, T, p) on the grid of this curve, to be interpolated, written, and given to `em.traction`.
+
+        Temperature and nominal pressure are axes where they were given. `cold` takes the friction without flash
+        heating. Raises `InputError` where the points do not fill a grid.
+        """
+        fields = {column.key: value.ravel() for column, value in self.fields().items()}
+        if cold and "cold" not in fields:
+            raise InputError("cold must be False: this curve was computed without heat, and is the cold one.")
+        points = {name: fields[name] for name in ("velocity", "temperature", "pressure") if name in fields}
+        return gridded({**points, "mu": fields["cold" if cold else "mu"]})
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """As of every curve; with flash heating also the largest rise in temperature and what it does to mu."""

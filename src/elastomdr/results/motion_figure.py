@@ -96,11 +96,20 @@ def draw_traction(result: "Traction", ax: Any = None, title: str | None = None) 
     for i, colour in zip(shown, _colours(len(shown)), strict=True):
         order = np.argsort(x[i])
         ax.plot(100 * x[i][order], y[i][order], color=colour, linewidth=1.8, label=_label(known, i))
-    friction = known["friction"]
+    friction = known["friction"].reshape(lines, -1)
     if np.isfinite(friction).all() and np.ptp(friction) == 0:
         full = float(friction.flat[0])
         for level in {full, -full} if x.min() < 0 else {full}:
             ax.axhline(level, color="#888888", linewidth=0.9, linestyle="--", zorder=1)
+    elif np.ptp(friction, axis=1).any():  # it depends on the sliding velocity: what a contact that slips all over has
+        peak = result.peak()
+        top = [np.ravel(part) for part in peak[:3]]
+        for i, colour in zip(shown, _colours(len(shown)), strict=True):
+            order = np.argsort(x[i])
+            full = np.where(x[i] == 0, np.nan, np.sign(x[i]) * friction[i])[order]
+            ax.plot(100 * x[i][order], full, "--", color=colour, linewidth=0.9, zorder=1)
+            if top[2][i]:
+                ax.plot(100 * top[0][i], top[1][i], "o", color=colour, markersize=5.5, zorder=4)
     ax.set(xlabel="Creep [%]", ylabel="Traction coefficient $F_x/F_N$ [-]")
     _finish(ax)
     if len(shown) > 1:
@@ -114,16 +123,27 @@ def draw_traction(result: "Traction", ax: Any = None, title: str | None = None) 
 
 
 def _label(known: dict[str, np.ndarray], row: int) -> str:
-    """What sets a line apart from the others: its temperature or mass if they are constant along it, or its number."""
-    for key, unit in (("temperature", "K"), ("mass", "kg"), ("velocity", "m/s"), ("friction", "friction coefficient")):
+    """What sets a line apart from the others: all of temperature, mass, velocity, load and friction that are constant
+    along it and not the same everywhere, or its number."""
+    units = {
+        "temperature": "K",
+        "mass": "kg",
+        "velocity": "m/s",
+        "normal_force": "N",
+        "friction": "friction coefficient",
+    }
+    words = []
+    for key, unit in units.items():
         if key not in known or known[key].ndim == 0:
             continue
         values = known[key].reshape(-1, known[key].shape[-1])
-        if np.ptp(values) > 0 and np.ptp(values[row]) == 0:
-            if key == "temperature":
-                return in_words(key, float(values[row, 0])).replace("degC", "°C")
-            return f"{significant(float(values[row, 0]))} {unit}"
-    return f"no. {row}"
+        rounding = 1e-9 * np.abs(values).max()  # a load that was asked for comes back within it
+        if np.ptp(values) > rounding and np.ptp(values[row]) <= rounding:
+            value = float(values[row, 0])
+            words.append(
+                in_words(key, value).replace("degC", "°C") if key == "temperature" else f"{significant(value)} {unit}"
+            )
+    return ", ".join(words) or f"no. {row}"
 
 
 def _finish(ax: Any) -> None:

@@ -1,7 +1,7 @@
 """Traction against creep: what `em.traction` returns."""
 
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
 import numpy as np
@@ -10,6 +10,15 @@ from jaxtyping import Bool, Float
 from .._runtime import Array, significant
 from .curve import Contact
 from .table import AbstractResult, Column
+
+
+class TractionPeak(NamedTuple):
+    """The largest traction of each curve, over the last axis; NaN where no point of it is known."""
+
+    creep: Float[np.ndarray, "..."]  # xi at which it was computed, no interpolation
+    coefficient: Float[np.ndarray, "..."]  # F_x/F_N
+    inside: Bool[np.ndarray, "..."]  # False at an end of the curve, beyond which it may grow
+    place: tuple[np.ndarray, ...]  # of the point, an index into the fields
 
 
 class Traction(AbstractResult):
@@ -54,6 +63,21 @@ class Traction(AbstractResult):
             Column("error", "estimated error of the traction coefficient", "-"),
             Column("converged", "converged", ""),
         )
+
+    def peak(self) -> TractionPeak:
+        """The point of largest absolute traction on each curve, whose points lie along the last axis.
+
+        With a friction coefficient that falls with the sliding velocity it lies inside; with one that rises, or a
+        constant one, at the end, where all of the contact slips.
+        """
+        pulled = np.atleast_1d(np.abs(np.asarray(self.coefficient)))
+        creep = np.atleast_1d(np.asarray(self.creep))
+        place = np.where(np.isfinite(pulled), pulled, -1.0).argmax(axis=-1)
+        index = (*np.indices(place.shape), place)
+        order = np.argsort(np.abs(creep), axis=-1).argsort(axis=-1)[index]
+        inside = (order > 0) & (order < pulled.shape[-1] - 1)
+        coefficient = np.atleast_1d(np.asarray(self.coefficient))[index]
+        return TractionPeak(creep[index], np.where(pulled[index] >= 0, coefficient, np.nan), inside, index)
 
     def plot(self, ax: Any = None, title: str | None = None) -> Any:
         """Draws the traction coefficient against creep, one line per further index.

@@ -114,7 +114,7 @@ def rough_friction(
     extrapolated = None if outside is None else outside > _OUTSIDE
     inputs = [
         ("material", foundation.name or "given directly"),
-        ("surface", surface.label if traced else _words(surface, lines[0])),
+        ("surface", surface.label if traced else surface_words(surface, lines[0])),
     ]
     inputs += [("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []
     inputs += [
@@ -171,7 +171,7 @@ def _plan(scene: RoughScene, surface: Any, average: Any, rtol: Any, skip: Any, h
     name = scene.foundation.name or "a foundation given directly"
     lanes = None if scene.traced else lanes_of(ask, average)
     return plan_lines(
-        scene=f"{surface.label if scene.traced else _words(surface, line)} on {name}",
+        scene=f"{surface.label if scene.traced else surface_words(surface, line)} on {name}",
         model=_model(scene, average, heat),
         line=None if scene.traced else (np.asarray(line.height), float(line.spacing)),
         lines=len(scene.lines), samples=line.count, points=ask.velocity.size, law=law, lanes=lanes,
@@ -185,7 +185,8 @@ def _model(scene: RoughScene, average: Any, heat: Heat | None) -> str:
     return (BARE if average is None else AVERAGED) + scene.rule + ("" if heat is None else _FLASH)
 
 
-def _words(surface: Any, line: RoughLine) -> str:
+def surface_words(surface: Any, line: RoughLine) -> str:
+    """A surface and one of its lines, for results."""
     if isinstance(surface, RoughLine):
         return (
             f"rough line, period {float(surface.period):.4g} m, {surface.count} points, rms height "

@@ -3,14 +3,16 @@
 import warnings
 from typing import Any
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
 from .._runtime import as_float64, in_float64, is_traced, require
 from ..errors import ConvergenceWarning, InputError
-from ..foundation.law import as_foundation
+from ..foundation.law import Foundation, as_foundation, same_shift
 from ..mapping.lines import SingleLine
 from ..mapping.shapes import AbstractShape, Cylinder
+from ..results.friction_law import FrictionLaw
 from ..results.traction import Traction
 from ..solve.brush import Rolling, carter, tractions
 from .shear import _laws
@@ -40,21 +42,27 @@ def traction(
     """Tractive force of a body that rolls with a creep, and its rolling loss.
 
     `creep` is the velocity of slip of the rigid body over the rolling velocity, its sign that of the traction;
-    `friction` is Coulomb's coefficient, zero and infinity included. `velocity`, `creep`, `friction`, `load` (or
+    `friction` is Coulomb's coefficient, zero and infinity included, or an `em.FrictionLaw`: then it is that at the
+    sliding velocity of the body, |creep| v, at `temperature`, and at the mean pressure of the contact (for a cylinder
+    F_N over length and width of the contact, else over the circle as wide as the contact is long). That leaves out how
+    the shear of the elements changes along the contact, with which those that slip are slower than the body near the
+    leading edge and faster near the trailing one. `velocity`, `creep`, `friction`, `load` (or
     `depth`) and `temperature` broadcast. Traction is that of the MDR line (a half-space's elements also know of each
     other sideways: its initial slope is lower, by 10 % for an elastic sphere with nu = 0.25, Kalker 1967); the rolling
     loss is that of `em.rolling` with the same `average`. A cylinder on an elastic half-space is Carter's problem,
-    solved in closed form. The tangential law G* follows from a material; with a `Foundation` give it as `tangential`.
+    solved in closed form. The tangential law G* follows from a material; with a `Foundation` give it as `tangential`,
+    whose shift law serves where `material` is elastic and has none, as under a tyre: its structure carries the load,
+    its tread is sheared.
 
     Raises `InputError` for bodies that do not roll and for what `em.rolling` refuses. A point that failed is NaN with
     `converged=False`. Source: Popov & Hess 2015, ch. 5; Carter 1926.
     """
     if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
         raise InputError(f"shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a {shape.label}.")
-    creep, friction, velocity = (
-        as_float64(name, x) for name, x in (("creep", creep), ("friction", friction), ("velocity", velocity))
-    )
+    law = friction if isinstance(friction, FrictionLaw) else None
+    creep, velocity = as_float64("creep", creep), as_float64("velocity", velocity)
     require("creep", creep, "finite", np.isfinite)
+    friction = 0.0 if law is not None else as_float64("friction", friction)
     require("friction", friction, "zero or positive, infinity included", lambda x: x >= 0)
     foundation = as_foundation(material)
     shapes = [np.shape(x) for x in (velocity, creep, friction)]
@@ -65,8 +73,10 @@ def traction(
     xp = jnp if is_traced(velocity, creep, friction) else np
     velocity = xp.broadcast_to(velocity, together)
     if isinstance(shape, Cylinder) and foundation.per_area is False:
-        return _carter(foundation, shape, velocity, creep, friction, load, depth)
+        return _carter(foundation, shape, velocity, creep, friction if law is None else law, load, depth, temperature)
     normal, sheared = _laws(material, tangential)
+    if temperature is not None:
+        normal = _shifted(normal, sheared)
     if normal.per_area and not isinstance(shape, Cylinder):
         raise InputError(
             "material must be a half-space under a body of revolution, or a layer under a Cylinder, got a layer under "
@@ -79,6 +89,10 @@ def traction(
     assert isinstance(scene.lines, SingleLine)
     found = solve(scene)
     rules = scene.plan.rules
+    if law is not None:
+        friction = _at_contact(
+            law, shape, creep, found.velocity, scene.temperature, found.normal_force, found.contact, found.converged
+        )
     xp = jnp if is_traced(found.mu, creep, friction, sheared) else np
 
     def flat(field: Any) -> Any:
@@ -105,7 +119,7 @@ def traction(
         )
     force = xp.where(good, xp.sign(creep) * pulled.force, xp.nan)
     inputs = list(scene.inputs)
-    inputs[-1:-1] = _said(creep, friction)
+    inputs[-1:-1] = _said(creep, friction, law)
     return Traction(
         velocity=found.velocity,
         creep=xp.broadcast_to(creep, scene.shape),
@@ -127,14 +141,52 @@ def traction(
     )
 
 
-def _said(creep: Any, friction: Any) -> list[tuple[str, str]]:
-    return [("creep", brief(creep, "").strip()), ("friction coefficient", brief(friction, "").strip())]
+def _said(creep: Any, friction: Any, law: FrictionLaw | None) -> list[tuple[str, str]]:
+    said = brief(friction, "").strip()
+    if law is not None:
+        said = f"{said}, of a friction law at the body's sliding velocity ({', '.join(law.axes())})"
+    return [("creep", brief(creep, "").strip()), ("friction coefficient", said)]
+
+
+def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
+    """`normal` with the shift law of `sheared`, where it is elastic and has none of its own: a_T changes nothing in it.
+
+    Raises `InputError` for two shift laws that differ, since one a_T scales the velocity of both.
+    """
+    law = normal.law()
+    elastic = not law.moduli.size and not is_traced(law.viscosity) and float(law.viscosity) == 0
+    if elastic and sheared.shift is not None:
+        return eqx.tree_at(lambda f: f.shift, normal, sheared.shift, is_leaf=lambda x: x is None)
+    if sheared.shift is not None and not same_shift(normal.shift, sheared.shift):
+        raise InputError(
+            f"tangential must have the same shift law as material, got {sheared.shift} and {normal.shift}; bring both "
+            "to their temperature first, with material.at(T)."
+        )
+    return normal
+
+
+def _at_contact(
+    law: FrictionLaw, shape: Any, creep: Any, velocity: Any, kelvin: Any, force: Any, contact: Contact, good: Any
+) -> Any:
+    """The law's mu at each contact; without creep at its lowest velocity, which decides nothing there."""
+    axes, given = law.axes(), {}
+    if "temperature" in axes:
+        if kelvin is None:
+            raise InputError("temperature must be given: the friction law depends on it.")
+        given["temperature"] = kelvin
+    if law.pressure is not None:
+        length = contact.leading + contact.trailing
+        area = length * shape.length if isinstance(shape, Cylinder) else jnp.pi * (0.5 * length) ** 2
+        given["pressure"] = jnp.where(good, force / area, law.pressure[0])
+    slip = jnp.prod(jnp.stack(jnp.broadcast_arrays(jnp.abs(creep), velocity)), axis=0)
+    return law(jnp.where(slip > 0, slip, law.velocity[0]), **given)
 
 
 def _carter(
-    foundation: Any, shape: Cylinder, velocity: Any, creep: Any, friction: Any, load: Any, depth: Any
+    foundation: Any, shape: Cylinder, velocity: Any, creep: Any, friction: Any, load: Any, depth: Any, temperature: Any
 ) -> Traction:
     law = foundation.law()
+    mu_law: FrictionLaw | None = friction if isinstance(friction, FrictionLaw) else None
     if load is None or depth is not None:
         raise InputError(
             "load must be given for a cylinder on a half-space, whose depth is not defined (plane strain)."
@@ -146,7 +198,12 @@ def _carter(
         )
     load = as_float64("load", load)
     require("load", load, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
-    if not is_traced(friction) and np.isinf(friction).any():
+    if temperature is not None and (mu_law is None or mu_law.temperature is None):
+        raise InputError("temperature must be left out for an elastic half-plane, on which it has no effect.")
+    if mu_law is not None:
+        half = carter(law.equilibrium, shape.radius, load / shape.length, 1.0, 0.0)[2]
+        friction = _at_contact(mu_law, shape, creep, velocity, temperature, load, Contact(half, half), True)
+    if not is_traced(friction) and np.isinf(np.asarray(friction)).any():
         raise InputError(
             "friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges."
         )
@@ -156,7 +213,7 @@ def _carter(
     zero = jnp.zeros_like(ratio)
     force = jnp.sign(creep) * ratio * load
     inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
-    inputs += [("load", brief(load, "N")), ("velocity", brief(velocity, "m/s")), *_said(creep, friction)]
+    inputs += [("load", brief(load, "N")), ("velocity", brief(velocity, "m/s")), *_said(creep, friction, mu_law)]
     return Traction(
         velocity=velocity, creep=creep, friction=friction, coefficient=force / load, force=force, stick=stick,
         slip_power=abs(force * creep) * velocity, rolling=zero, normal_force=load, depth=zero + jnp.nan,

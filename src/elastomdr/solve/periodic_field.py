@@ -6,13 +6,23 @@ against the motion. The formulas of a step are those of `solve.period`.
 
 from typing import Literal, NamedTuple
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from .._runtime import Array
 from ..material.relaxation import Relaxation
 from .lump import lanes
-from .period import coefficients
+from .period import Coefficients, coefficients
 from .periodic import Line, rises, solve_states
+
+
+class Motion(NamedTuple):
+    """One period of an element, from the highest point of the line on."""
+
+    surface: Float[Array, "n lanes"]  # u [m]
+    force: Float[Array, "n lanes"]  # q [N/m]
 
 
 class Field(NamedTuple):
@@ -23,28 +33,34 @@ class Field(NamedTuple):
     force: Float[np.ndarray, " n"]  # q, force per length of line [N/m]; 0 out of contact
 
 
+@jax.jit
+def motion(
+    rise: Float[Array, " n"], depth: Float[Array, " lanes"], branches: Float[Array, "branches lanes"], by: Coefficients
+) -> Motion:
+    """u and q at each sample of a period that begins with the branch forces f_k at the highest point, where u = d."""
+
+    def one(state, w):
+        f, u = state
+        kept = by.keep * f
+        loose = u - (by.relaxed * u + kept.sum(axis=0)) * by.give
+        new = jnp.maximum(loose, w + depth)
+        return (kept + by.gain * (new - u), new), (new, (new - loose) / by.give)
+
+    found = jax.lax.scan(one, (branches, depth), jnp.roll(rise, -1))[1]
+    return Motion(*(jnp.roll(field, 1, axis=0) for field in found))
+
+
 def field(
     height: Float[np.ndarray, " n"], spacing: float, law: Relaxation, velocity: float, value: float,
     control: Literal["load", "depth"], rtol: float,
 ) -> Field:  # fmt: skip
     """Solves one velocity and lays its period out along the line; NaN where it did not converge."""
-    speed = np.array([velocity])
+    speed, n = np.array([velocity]), height.size
     line, state = solve_states(height, spacing, law, speed, np.array([value]), control, rtol)
-    n = height.size
     if not line.converged[0]:
         return Field(line, np.full(n, np.nan), np.full(n, np.nan))
-    by = coefficients(lanes(law, 1), spacing / speed)
-    keep, gain, give = by.keep[:, 0], by.gain[:, 0], float(by.give[0])
-    rise, depth = rises(height), float(line.depth[0])
-    f, u = state.branches[:, 0], depth
-    surface, force = np.empty(n), np.empty(n)
-    for i in range(1, n + 1):
-        kept = keep * f
-        loose = u - (float(by.relaxed) * u + kept.sum()) * give
-        new = max(loose, rise[i % n] + depth)
-        f, u, j = kept + gain * (new - u), new, i % n
-        surface[j], force[j] = new, (new - loose) / give
+    found = motion(rises(height), line.depth, state.branches, coefficients(lanes(law, 1), spacing / speed))
     back = np.roll(np.arange(n)[::-1], -int(np.argmax(height[::-1])))  # where along +x each sample of the period lies
     laid = Field(line, np.empty(n), np.empty(n))
-    laid.surface[back], laid.force[back] = surface, force
+    laid.surface[back], laid.force[back] = (np.asarray(x)[:, 0] for x in found)
     return laid

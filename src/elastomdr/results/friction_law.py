@@ -1,0 +1,199 @@
+"""A friction law mu(v, T, p) on a grid: what a computed curve hands to a tyre model, and `em.traction` to its elements.
+
+Between the points mu is linear in ln v, in T and in ln p (multilinear interpolation), which is what a lookup table of
+any other program does with the same grid. Outside the grid there is no answer. Its table is long and tidy: one row per
+point, with the columns velocity [m/s], temperature [K], pressure [Pa] and friction coefficient [-].
+"""
+
+import csv
+import itertools
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from .. import __version__
+from .._runtime import Array, as_float64, ascending, in_float64, is_traced, positive, require
+from ..errors import InputError
+from ..files import read_text
+from .table import write_files
+
+_SAME = 1e-9  # relative distance from the end of an axis that still counts as its end
+_TITLES = {
+    "velocity": ("velocity [m/s]",),
+    "temperature": ("temperature [K]",),
+    "pressure": ("pressure [Pa]", "nominal pressure [Pa]"),
+    "mu": ("friction coefficient [-]",),
+}
+_UNITS = {"velocity": "m/s", "temperature": "K", "pressure": "Pa"}
+
+
+class FrictionLaw(eqx.Module):
+    """Friction coefficient against sliding velocity and, where they are given, temperature and nominal pressure.
+
+    `mu` has the shape (temperature, pressure, velocity), without the axes that are not given. From a computed curve:
+    `curve.law()`; from a file: `em.load_friction(path)`. Calling it interpolates, with derivatives (`jax.grad`) with
+    respect to mu and to where it is asked. Raises `InputError`.
+    """
+
+    velocity: Float[Array, " velocities"]  # sliding velocity, ascending [m/s]
+    mu: Float[Array, "..."]
+    temperature: Float[Array, " temperatures"] | None  # ascending [K]
+    pressure: Float[Array, " pressures"] | None  # nominal, ascending [Pa]
+
+    def __init__(self, velocity: Any, mu: Any, temperature: Any = None, pressure: Any = None):
+        given = {"temperature": temperature, "pressure": pressure, "velocity": velocity}
+        axes = {name: as_float64(name, value) for name, value in given.items() if value is not None}
+        for name, values in axes.items():
+            if values.ndim != 1 or not values.size:
+                raise InputError(f"{name} must be a list of one value or more, got an array of shape {values.shape}.")
+            positive(name, values)
+            ascending(name, values)
+        self.velocity, self.temperature = axes["velocity"], axes.get("temperature")
+        self.pressure, self.mu = axes.get("pressure"), as_float64("mu", mu)
+        shape = tuple(values.size for values in axes.values())
+        if self.mu.shape != shape:
+            raise InputError(f"mu must have the shape ({', '.join(axes)}) = {shape}, got {self.mu.shape}.")
+        if not is_traced(self.mu):
+            known = self.mu[~np.isnan(self.mu)]
+            require("mu", known, "zero or positive and finite, or NaN", lambda x: (x >= 0) & np.isfinite(x))
+
+    @in_float64
+    def __call__(self, velocity: Any, temperature: Any = None, pressure: Any = None) -> Float[Array, "..."]:
+        """mu at sliding velocities [m/s], temperatures [K] and pressures [Pa] that broadcast against each other.
+
+        NaN beside a point of the grid that is NaN. Raises `InputError` outside of the grid, where values that JAX
+        traces give NaN, and for an axis that is missing; one that the law does not have must be left out.
+        """
+        asked = {"temperature": temperature, "pressure": pressure, "velocity": velocity}
+        axes = self.axes()
+        for name, value in asked.items():
+            if (value is None) == (name in axes):
+                text = (
+                    "given: this friction law depends"
+                    if name in axes
+                    else "left out: this friction law does not depend"
+                )
+                raise InputError(f"{name} must be {text} on it.")
+        values = {name: as_float64(name, asked[name]) for name in axes}
+        shapes = [np.shape(value) for value in values.values()]
+        try:
+            shape = np.broadcast_shapes(*shapes)
+        except ValueError as error:
+            raise InputError(f"{', '.join(values)} must broadcast, got shapes {shapes}.") from error
+        corners, inside = [], jnp.ones(shape, bool)
+        for name, axis in axes.items():
+            low, high = axis[0] * (1 - _SAME), axis[-1] * (1 + _SAME)
+            if not is_traced(axis):
+                ends = f"{float(axis[0]):.6g} to {float(axis[-1]):.6g} {_UNITS[name]}"
+                accepted = f"within the friction law, {ends}"
+                require(name, values[name], accepted, lambda x, a=low, b=high: (x >= a) & (x <= b))
+            value = jnp.broadcast_to(values[name], shape)
+            inside &= (value >= low) & (value <= high)
+            corners.append(_between(axis, value, jnp.asarray if name == "temperature" else jnp.log))
+        grid, total = jnp.asarray(self.mu), 0.0
+        for corner in itertools.product(*corners):
+            weight = 1.0
+            for _, part in corner:
+                weight = weight * part
+            # A corner of no weight must not spoil the rest, nor its derivative, where it is NaN.
+            value = grid[tuple(index for index, _ in corner)]
+            total = total + jnp.where(weight == 0, 0.0, weight * jnp.where(weight == 0, 0.0, value))
+        return jnp.where(inside, total, jnp.nan)
+
+    def axes(self) -> dict[str, Float[Array, " n"]]:
+        """The axes of `mu`, in order."""
+        every = {"temperature": self.temperature, "pressure": self.pressure, "velocity": self.velocity}
+        return {name: values for name, values in every.items() if values is not None}
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes the table: a header of lines that start with "# ", then one row per point, the velocity fastest.
+
+        A point that is not known is an empty cell. Raises `InputError` where the file cannot be written.
+        """
+        if is_traced(self):
+            raise InputError("FrictionLaw has no numbers while JAX traces it. Write tables outside jit, grad and vmap.")
+        axes = self.axes()
+        points = np.meshgrid(*axes.values(), indexing="ij")
+        rows = zip(*(p.ravel().tolist() for p in points), self.mu.ravel().tolist(), strict=True)
+        order = " x ".join(f"{values.size} {name}" for name, values in axes.items())
+        lines = [
+            f"# elastomdr {__version__}: friction law",
+            f"# grid: {order}, the last one fastest; units: SI, in brackets in the column titles",
+            "# between the points: linear in ln(velocity), temperature and ln(pressure); not to be used outside",
+            ",".join([*(_TITLES[name][0] for name in axes), _TITLES["mu"][0]]),
+        ]
+        lines += [",".join("" if np.isnan(x) else repr(x) for x in row) for row in rows]
+        write_files({Path(path): ("\n".join(lines) + "\n").encode()})
+
+    def __repr__(self) -> str:
+        if is_traced(self):
+            return f"FrictionLaw({', '.join(self.axes())}; traced)"
+        parts = [f"{k} {v[0]:.4g} to {v[-1]:.4g} {_UNITS[k]} ({v.size})" for k, v in self.axes().items()]
+        return f"FrictionLaw({', '.join(parts)}; mu {np.nanmin(self.mu):.4g} to {np.nanmax(self.mu):.4g})"
+
+
+def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
+    """A friction law from a CSV file, as `FrictionLaw.to_csv` or `FrictionCurve.to_csv` writes it.
+
+    Columns "velocity [m/s]", "friction coefficient [-]" and, if there are any, "temperature [K]" and "pressure [Pa]"
+    or "nominal pressure [Pa]", in any order; others are passed over, and so are lines that start with #. Every
+    combination of the values must be there once. Raises `InputError`.
+    """
+    name = Path(path).name
+    try:
+        lines = [line for line in read_text(path).split("\n") if line.strip() and not line.lstrip().startswith("#")]
+    except (OSError, ValueError) as error:
+        raise InputError(f"path must be a text file that can be read, got {name!r}: {error}.") from error
+    rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
+    places = {}
+    for key, titles in _TITLES.items():
+        found = [i for i, title in enumerate(rows[0] if rows else []) if title in titles]
+        if len(found) > 1 or (not found and key in ("velocity", "mu")):
+            got = ", ".join(rows[0]) if rows else "nothing"
+            raise InputError(f"path: {name!r} must have one column {titles[0]!r}, got {got}.")
+        if found:
+            places[key] = found[0]
+    try:
+        points = {key: np.array([float(row[i] or "nan") for row in rows[1:]]) for key, i in places.items()}
+    except (ValueError, IndexError) as error:
+        raise InputError(f"path: {name!r} has a cell that is missing or no number.") from error
+    try:
+        return gridded(points)
+    except InputError as error:
+        raise InputError(f"path: {name!r}: {error}") from error
+
+
+def gridded(points: Mapping[str, np.ndarray]) -> FrictionLaw:
+    """The law of points that fill a grid: "velocity", "mu" and, where known, "temperature" and "pressure", flat."""
+    names = [name for name in ("temperature", "pressure", "velocity") if name in points]
+    if not points["mu"].size or not all(np.isfinite(points[name]).all() for name in names):
+        raise InputError(f"{', '.join(names)} must be known at every point, and of at least one.")
+    axes, places = zip(*(np.unique(points[name], return_inverse=True) for name in names), strict=True)
+    shape = tuple(axis.size for axis in axes)
+    count = np.zeros(shape, int)
+    np.add.at(count, tuple(places), 1)
+    if (count != 1).any():
+        raise InputError(
+            f"{', '.join(names)} must fill a grid, every combination once: {' x '.join(map(str, shape))} values, "
+            f"{points['mu'].size} points, {int((count == 0).sum())} missing and {int((count > 1).sum())} repeated."
+        )
+    mu = np.empty(shape)
+    mu[tuple(places)] = points["mu"]
+    return FrictionLaw(mu=mu, **dict(zip(names, axes, strict=True)))
+
+
+def _between(axis: Any, value: Any, scale: Callable[..., Any]) -> tuple[tuple[Any, Any], ...]:
+    """Index and weight of the points on either side of a value; of the one point of a short axis."""
+    if axis.shape[0] == 1:
+        return ((jnp.zeros(jnp.shape(value), int), jnp.ones(jnp.shape(value))),)
+    axis, value = jnp.asarray(axis), jnp.asarray(value)
+    high = jnp.clip(jnp.searchsorted(axis, value, side="right"), 1, axis.shape[0] - 1)
+    start, end, at = scale(axis[high - 1]), scale(axis[high]), scale(jnp.clip(value, axis[0], axis[-1]))
+    part = (at - start) / (end - start)
+    return (high - 1, 1 - part), (high, part)

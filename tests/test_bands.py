@@ -1,0 +1,81 @@
+"""`em.friction_bands` against closed forms of full contact, and against `em.friction` where contact is partial."""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
+WAVES = np.array([1000.0, 5000.0, 30000.0])  # k [rad/m]
+HEIGHTS = np.array([2e-5, 8e-6, 2e-6])  # A [m]
+X = np.arange(4096) * 2 * np.pi / WAVES[0] / 4096
+LINE = em.RoughLine(X, HEIGHTS @ np.cos(WAVES[:, None] * X))
+VELOCITY = np.array([0.01, 0.3, 10.0])
+SOLID = em.StandardSolid(1e6, 9e6, 1e-4, shift=em.WLF(8.86, 101.6, 293.15))
+ROAD = em.SelfAffine(0.8, rms_slope=0.5, q_low=1.2e3, q_high=2e4)
+
+
+def waves_of(found):
+    """What lies in the bands next to each of the three waves, and the rest."""
+    near = np.array([np.abs(np.log(found.wave_number[0] / k)) < np.log(1.8) for k in WAVES])
+    return found.mu @ near.T, found.mu[:, ~near.any(axis=0)]
+
+
+def test_full_contact_is_a_sum_over_the_waves():
+    """mu = sum (1/2) A^2 k E''(k v)/F, each wave in its own band."""
+    found = em.friction_bands(RUBBER, LINE, velocity=VELOCITY, load=1000.0, average=None, rtol=1e-6)
+    expected = 0.5 * HEIGHTS**2 * WAVES * RUBBER.loss(np.multiply.outer(VELOCITY, WAVES)) / 1000.0
+    bands, rest = waves_of(found)
+    np.testing.assert_allclose(bands, expected, rtol=2e-4)
+    assert np.abs(rest).max() < 1e-6 * expected.min()
+    np.testing.assert_allclose(found.frequency, VELOCITY[:, None] * found.wave_number, rtol=1e-12)
+    low, high = found.central(0.5)
+    assert np.all((low < high) & (low > WAVES[0] * VELOCITY / 2) & (high < 2 * WAVES[-1] * VELOCITY))
+
+
+def test_averaged_over_directions():
+    """sum (1/2) A^2 k <cos(phi) E''(k v cos(phi))>/F: those of each wave lie at and below its own frequency."""
+    found = em.friction_bands(RUBBER, LINE, velocity=VELOCITY, load=1000.0)
+    phi = (np.arange(4000) + 0.5) / 4000 * np.pi / 2
+    loss = RUBBER.loss(np.multiply.outer(np.multiply.outer(VELOCITY, WAVES), np.cos(phi))) @ np.cos(phi) / phi.size
+    np.testing.assert_allclose(found.total, (0.5 * HEIGHTS**2 * WAVES * loss).sum(axis=1) / 1000.0, rtol=1e-3)
+    assert np.all(found.mu[:, found.wave_number[0] > 1.8 * WAVES[-1]] < 1e-9)
+
+
+def test_partial_contact_sums_to_friction():
+    scene = {"pressure": 5e4, "temperature": np.array([283.15, 303.15])[:, None], "average": None, "rtol": 1e-4}
+    velocity = np.array([0.1, 1.0, 10.0])
+    found = em.friction_bands(SOLID, ROAD, velocity=velocity, **scene)
+    friction = em.friction(SOLID, ROAD, velocity=velocity, **scene)
+    assert friction.rough.share.min() < 0.2
+    np.testing.assert_allclose(found.total, friction.mu, rtol=1e-3)
+    assert found.mu.min() >= 0
+    finer = em.friction_bands(SOLID, ROAD, velocity=velocity, per_decade=8, **scene)
+    np.testing.assert_allclose(finer.mu.reshape(*found.total.shape, -1, 2).sum(axis=-1), found.mu, rtol=1e-9)
+    assert found.plot().get_ylabel() == "Friction coefficient per decade [-]"
+    assert "eight tenths" in found.summary()
+    assert "frequency [rad/s]" in found.csv()
+
+
+def test_failed_points_are_nan():
+    with pytest.warns(em.ConvergenceWarning, match="1 of 1 points did not converge"):
+        found = em.friction_bands(SOLID, ROAD, velocity=1.0, pressure=5e4, average=None, sampling=1e-9)
+    assert np.isnan(found.mu).all()
+    assert np.isnan(found.central()[0])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"surface": em.Sphere(1e-3)}, "surface must be an em.RoughLine"),
+        ({"per_decade": 0}, "per_decade must be a whole number"),
+        ({"pressure": None}, "pressure, load .* must be given"),
+        ({"temperature": 290.0}, "has no shift law"),
+        ({"velocity": -1.0}, "velocity must be positive"),
+        ({"velocity": [1.0, 2.0], "pressure": [1.0, 2.0, 3.0]}, "must broadcast"),
+        ({"average": "mean"}, "average must be"),
+    ],
+)
+def test_bad_input(changes, message):
+    with pytest.raises(em.InputError, match=message):
+        em.friction_bands(RUBBER, **{"surface": ROAD, "velocity": 1.0, "pressure": 1e5, **changes})
