@@ -83,7 +83,7 @@ def main() -> None:
         [[float(three.separation) for three in three_dimensions(elastic, p, np.array(1.0))] for p in pressure], 1
     )
     whole = gaps - pressure * LONGEST / SOFT
-    lengths = {"book": LONGEST, "full contact": 2 * float(SURFACE.moment(2) / SURFACE.moment(3))}
+    lengths = {"book": LONGEST, "full contact": SURFACE.full_contact_length}
     # The patch is one longest wave wide by either rule; what a shorter line lacks in compression is added.
     lines = {
         name: approach(pressure, length) - pressure * (LONGEST - length) / SOFT for name, length in lengths.items()

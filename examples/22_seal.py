@@ -31,7 +31,7 @@ SHAFT = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 100e-6, q_high=2 * n
 VELOCITY = np.geomspace(1e-4, 0.1, 10)  # m/s
 KELVIN = np.array([293.15, 303.15, 323.15])
 STIFFNESS, MASS, DAMPING = 2e5, 5.0, 20.0  # of the drive: N/m, kg, N s/m
-ASKED = {"average": None, "samples": 1024, "rtol": 1e-3}
+ASKED = {"average": None, "samples": 1024, "rtol": 1e-3, "equivalent_length": "full contact"}
 LINE = SHAFT.line(seed=1, periods=4, samples=512)
 DWELLS = np.array([1.0, 100.0])  # s
 PERIOD = float(LINE.period)
@@ -49,8 +49,13 @@ def main(out: Path) -> None:
         force = curve.mu * normal
         slope = np.gradient(force, VELOCITY, axis=-1)
         print(f"{name}: {line:.0f} N/m on {1e3 * width:.2f} mm, {1e-6 * pressure:.2f} MPa, {normal:.0f} N on the rod")
-        print(f"    friction {force.min():.2f} to {force.max():.2f} N; least dF/dv {slope.min():.1f} N s/m, drive")
-        print(f"    {DAMPING:g} N s/m: {'steady' if slope.min() > -DAMPING else 'it will swing'} throughout the range")
+        swings = np.broadcast_to(VELOCITY, slope.shape)[slope < -DAMPING]
+        said = (
+            f"swings from {swings.min():.2g} to {swings.max():.2g} m/s" if swings.size else "is steady at every speed"
+        )
+        print(
+            f"    friction {force.min():.2f} to {force.max():.2f} N; dF/dv from {slope.min():.0f} N s/m: the drive {said}"
+        )
         for row, steep, kelvin, colour in zip(force, slope, KELVIN, colours, strict=True):
             left.loglog(VELOCITY, row, dash, color=colour, label=f"{name}, {kelvin - 273.15:g} °C")
             ratio = (DAMPING + steep) / (2 * np.sqrt(STIFFNESS * MASS))
@@ -80,7 +85,7 @@ def squeezed(young: float, squeeze: float = SQUEEZE) -> tuple[float, float]:
 
 
 def start(ax: plt.Axes, rubber: em.Prony, pressure: float) -> list[em.Slide]:
-    load, speed, way = pressure * 100e-6, 1e-2, 150e-6  # the longest wave is the equivalent length
+    load, speed, way = pressure * SHAFT.full_contact_length, 1e-2, 150e-6
     steady = float(em.friction(rubber, LINE, velocity=speed, load=load, average=None).mu)
     found = []
     for dwell, colour in zip(DWELLS, ("#8bb4d9", "#0b2540"), strict=True):
@@ -115,13 +120,16 @@ def check(rubber: em.Prony, curve: em.FrictionCurve, started: list[em.Slide], sl
     print(f"check     full contact: mu = {float(full.mu):.6e}, sum over waves {expected:.6e}")
     assert np.isclose(full.mu, expected, rtol=1e-3), "the sum over waves in full contact"
 
-    def rate(_: float, y: np.ndarray) -> list[float]:
-        return [y[1], -(STIFFNESS * y[0] + (DAMPING + slope[5]) * y[1]) / MASS]
+    for steep in (slope[0], slope[5]):
 
-    run = solve_ivp(rate, (0, 1.0), [1e-6, 0.0], rtol=1e-10, atol=1e-16)
-    energy = np.sqrt(STIFFNESS * run.y[0] ** 2 + MASS * run.y[1] ** 2)
-    growth = np.log(energy[-1] / energy[0])
-    assert np.sign(growth) == -np.sign(DAMPING + slope[5]), "the sign of the damping decides"
+        def rate(_: float, y: np.ndarray, damping: float = DAMPING + steep) -> list[float]:
+            return [y[1], -(STIFFNESS * y[0] + damping * y[1]) / MASS]
+
+        run = solve_ivp(rate, (0, 1.0), [1e-6, 0.0], rtol=1e-10, atol=1e-16)
+        energy = np.sqrt(STIFFNESS * run.y[0] ** 2 + MASS * run.y[1] ** 2)
+        growth = np.log(energy[-1] / energy[0])
+        print(f"check     dF/dv {steep:6.1f} N s/m: a disturbance {'grows' if growth > 0 else 'dies'}")
+        assert np.sign(growth) == -np.sign(DAMPING + steep), "the sign of the damping decides"
 
 
 if __name__ == "__main__":

@@ -56,6 +56,12 @@ class AbstractSpectrum(eqx.Module):
         """Root of the mean of |grad h|^2; that of a straight cut is smaller by the root of 2."""
         return _plain((2 * np.pi * self.moment(3)) ** 0.5)
 
+    @property
+    def full_contact_length(self) -> Any:
+        """2 m_2/m_3, m_k = int q^k C dq [m]: with it p L is the line load whose friction in full contact is that of the
+        surface, for a loss modulus that does not depend on frequency (each wave has 2/q)."""
+        return _plain(2 * self.moment(2) / self.moment(3))
+
     def at(self, q: Any) -> Float[np.ndarray, "..."]:
         """C(q) [m^4], zero outside the cutoffs."""
         q = np.asarray(q, dtype=np.float64)

@@ -131,7 +131,7 @@ def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_leng
     if isinstance(equivalent_length, str):
         if equivalent_length != FULL:
             raise InputError(f"equivalent_length must be a length [m] or {FULL!r}, got {equivalent_length!r}.")
-        length = 2 * spectrum.moment(2) / spectrum.moment(3)
+        length = spectrum.full_contact_length
         return "load", value * length, length, (
             f"; pressure p as line load p L with L = 2 <q^2 C>/<q^3 C>{_metres(length)}, that of full contact"
         )  # fmt: skip
