@@ -53,9 +53,7 @@ def main(out: Path) -> None:
         said = (
             f"swings from {swings.min():.2g} to {swings.max():.2g} m/s" if swings.size else "is steady at every speed"
         )
-        print(
-            f"    friction {force.min():.2f} to {force.max():.2f} N; dF/dv from {slope.min():.0f} N s/m: the drive {said}"
-        )
+        print(f"    friction {force.min():.2f} to {force.max():.2f} N; the drive {said}")
         for row, steep, kelvin, colour in zip(force, slope, KELVIN, colours, strict=True):
             left.loglog(VELOCITY, row, dash, color=colour, label=f"{name}, {kelvin - 273.15:g} °C")
             ratio = (DAMPING + steep) / (2 * np.sqrt(STIFFNESS * MASS))
