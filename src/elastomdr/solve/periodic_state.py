@@ -25,8 +25,8 @@ from .stretches import Stretches, stretches
 RESIDUAL = 1e-9  # of the state and of the load, relative to the load
 _SMALL = 1.0  # mu below which the residual is smaller in proportion: friction is a small part of the forces
 SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
-_PADDED = (8, 16, 32, 64)  # numbers of lanes that are compiled
-_SUMS = (1, 2, 4, 8)  # numbers of slow branches that are compiled
+_PADDED = (8, 64)  # numbers of lanes that are compiled: each takes a second, and saves little
+_SUMS = (2, 8)  # numbers of slow branches that are compiled
 _SWEEPS = (60, 30)  # at most, with all samples and with fewer
 _STALLED = 3  # sweeps without halving the residual, after which the Jacobian is computed anew
 _SINGULAR = 1e-8  # least singular value of a Jacobian that is inverted
