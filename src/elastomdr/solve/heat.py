@@ -41,6 +41,7 @@ from .._runtime import as_float64, in_float64, not_negative, plain, positive
 from ..foundation.law import Foundation
 from ..mapping.direction import isotropic_loss
 from ..mapping.spectrum import AbstractSpectrum
+from ..material.relaxation import Relaxation
 
 _PER_DECADE = 40  # wave numbers and distances, trapezoidal rule in their logarithm
 _ANGLES = 32  # midpoint rule in t, cos(phi) = sech t; converges exponentially
@@ -147,17 +148,25 @@ def scales(
     width = np.log(q[1] / q[0])
     omega = reduced[:, None] * q
     cosine = 1 / np.cosh(12.0 * (np.arange(_ANGLES) + 0.5) / _ANGLES)
-    stiff = np.zeros_like(omega)
+    stiff, law = np.zeros_like(omega), foundation.law()
     for c in cosine:  # a quarter of the circle, dphi = sech t dt
-        stiff += 4 * 12.0 / _ANGLES * c * np.abs(foundation.complex_modulus(omega * c) / pressure) ** 2
+        stiff += 4 * 12.0 / _ANGLES * c * _square_modulus(law, omega * c) / pressure**2
     slope = q**4 * surface.at(q)  # q^3 C dq, per dlog q
     rate = slope * stiff / 8
     spread = np.concatenate([np.zeros((reduced.size, 1)), np.cumsum(0.5 * width * (rate[:, 1:] + rate[:, :-1]), 1)], 1)
     with np.errstate(divide="ignore"):
         area = erf(0.5 / np.sqrt(spread))
-    share = slope * area * isotropic_loss(foundation.law(), omega)
+    share = slope * area * isotropic_loss(law, omega)
     share[:, [0, -1]] *= 0.5
     return Scales(q, area, share / share.sum(axis=1, keepdims=True))
+
+
+def _square_modulus(law: Relaxation, omega: np.ndarray) -> np.ndarray:
+    """|E*|^2, without the price of a call of JAX for each of many small arrays."""
+    x = omega[..., None] * np.asarray(law.times)
+    storage = float(law.equilibrium) + (x / (x + 1 / x)) @ np.asarray(law.moduli)
+    loss = omega * float(law.viscosity) + (1 / (x + 1 / x)) @ np.asarray(law.moduli)
+    return storage**2 + loss**2
 
 
 def rise(heat: Heat, at: Scales, velocity: Float[np.ndarray, " m"]) -> Float[np.ndarray, "m n"]:
