@@ -107,6 +107,35 @@ def test_full_contact_on_a_sum_of_cosines():
     assert part.friction_force < 0.9 * exact[2] * sides.prod()
 
 
+def test_separation_and_area_of_westergaards_wave():
+    """Mean gap over amplitude 1 - f + f ln f, contact 2/pi asin(sqrt(f)) of a period, f = p L/(pi E* amplitude)."""
+    elastic = em.Foundation(4e6, [], [])
+    wave = 2e-5 * np.cos(2 * np.pi * np.arange(128) / 128)[:, None] * np.ones((1, 8))
+    part = np.array([0.05, 0.3, 0.8])
+    load = part * np.pi * 4e6 * 2e-5 / 0.01 * 0.01**2
+    got = half_space_sliding(elastic, wave, cell=0.01, velocity=1.0, load=load)
+    np.testing.assert_allclose(got.separation / 2e-5, 1 - part + part * np.log(part), atol=2e-4)
+    np.testing.assert_allclose(got.area, 2 / np.pi * np.arcsin(np.sqrt(part)), atol=1 / 128)
+    assert np.abs(got.mu).max() == 0
+
+
+def test_rough_map():
+    surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=8e3)
+    height, side = em.reference.rough_map(surface, 1, periods=4, points=128)
+    assert height.shape == (128, 128)
+    np.testing.assert_allclose(side, 4 * 2 * np.pi / 1e3)
+    waves = np.fft.fftfreq(128, 1 / 128) * 2 * np.pi / side
+    power = np.abs(np.fft.fft2(height) / 128**2) ** 2
+    slope = np.sqrt(np.sum(power * (waves[:, None] ** 2 + waves**2)))
+    np.testing.assert_allclose(slope, 0.2, rtol=1e-9)
+    np.testing.assert_allclose(np.std(height), surface.rms_height, rtol=0.1)
+    q = np.hypot(waves[:, None], waves)
+    assert power[(q < 999) | (q > 8001)].max() < 1e-12 * power.max()
+    assert not np.allclose(height, em.reference.rough_map(surface, 2, periods=4, points=128)[0])
+    with pytest.raises(em.InputError, match="points must be a multiple of 4, at least 128"):
+        em.reference.rough_map(surface, periods=4, points=64)
+
+
 def test_one_body_in_a_large_cell():
     """Three-dimensional spectral solution of a paraboloid by another code: E_1/E_inf = 3, 1 m/s."""
     law = em.Foundation(4e6, [12e6], [1e-3])

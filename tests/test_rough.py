@@ -113,6 +113,69 @@ def test_partial_contact_against_a_march(skip, rtol):
     assert abs(heat - work) < got.error
 
 
+def test_contact_along_the_line():
+    line, one = rough(1024), em.Foundation(1e6, [2e7], [3e-4])
+    got = em.line_contact(one, line, velocity=1.0, depth=2e-5, samples=4096)
+    _, heat, load = march(line.finer(4), one, 1.0, 2e-5, 30)
+    np.testing.assert_allclose(got.force.mean(), load, rtol=1e-7)
+    np.testing.assert_allclose(got.height.max(), 2e-5, rtol=1e-12)
+    assert (got.force[got.touching] > 0).all()
+    assert (got.surface >= got.height).all()
+    np.testing.assert_array_equal(got.surface[got.touching], got.height[got.touching])
+    # The force on what moves to +x, by the slopes it meets: the rubber pushes back on the leading flanks.
+    slope = (np.roll(got.height, -1) - np.roll(got.height, 1)) / (2 * (got.x[1] - got.x[0]))
+    np.testing.assert_allclose(-(got.force * slope).mean() / load, heat, rtol=0.02)
+    assert "not the real contact area" in got.summary()
+    assert got.csv().count("True") > got.touching.sum()
+    axes = got.plot()
+    assert len(axes.lines) == 4
+    with pytest.raises(em.InputError, match="must be single numbers"):
+        em.line_contact(one, line, velocity=[1.0, 2.0], depth=2e-5)
+
+
+def test_pressure_by_the_rule_of_full_contact():
+    """Waves of one length in full contact: the friction stress of a half-space, <h^2> q^2 <cos E''(q v cos)>/2."""
+    narrow = em.SelfAffine(0.0, rms_height=1e-6, q_low=1e3, q_high=1.01e3)
+    one = em.Foundation(1e6, [1e6], [1e-3])
+    scene = {"velocity": 1.0, "pressure": 1e5, "equivalent_length": "full contact", "rtol": 1e-5, "samples": 1024}
+    found = em.friction(one, narrow, **scene)
+    assert found.rough.share == 1
+    # E'' = E_1 w tau/(1 + (w tau)^2), at w tau = 1.005 for waves along the motion
+    phi = (np.arange(4000) + 0.5) * np.pi / 2 / 4000
+    w = 1.005 * np.cos(phi)
+    stress = 1e-12 * 1.005e3**2 / 2 * np.mean(np.cos(phi) * 1e6 * w / (1 + w**2))
+    np.testing.assert_allclose(found.mu, stress / 1e5, rtol=0.01)
+    plan = em.plan(one, narrow, **scene)
+    assert str(plan) == str(found.plan)
+    assert "full contact" in found.model
+
+
+def test_elastic_line_loses_nothing():
+    """Full contact: mean u is load over E*, depth that and the highest wave on top."""
+    got = em.friction(em.Foundation(1e6, [], []), cosines(1024), velocity=0.3, load=[3.0, 600.0], average=None)
+    np.testing.assert_array_equal(got.mu, 0.0)
+    np.testing.assert_allclose(got.depth[1], 6e-4 + HEIGHTS.sum(), rtol=1e-9)
+    assert got.converged.all()
+
+
+def test_plan_of_a_rough_line():
+    many = em.Foundation(1e6, 1e6 * np.ones(9), np.geomspace(1e-12, 1e6, 9))
+    plan = em.plan(many, rough(1024), velocity=np.geomspace(1e-4, 1, 5), load=10.0, average=None)
+    assert (plan.points, plan.branches, plan.solutions, plan.lines) == (5, 9, 5, 1)
+    text = str(plan)
+    assert 1 <= plan.carried[0] <= plan.carried[1] < 9
+    assert plan.forgotten[1] >= 2
+    assert plan.slow[1] >= 2
+    assert plan.cost < 0.1 * plan.rtol
+    assert "forgotten within a sample" in text
+    assert "lumped into one" in text
+    whole = em.plan(many, rough(1024), velocity=1.0, load=10.0, skip=False)
+    assert whole.carried == (9, 9)
+    assert "switched off" in str(whole)
+    with pytest.raises(em.InputError, match="quantity must be 'friction'"):
+        em.plan(many, rough(1024), velocity=1.0, load=10.0, quantity="rolling")
+
+
 def test_order_in_the_sample_spacing():
     line = cosines(1024, np.array([2e-5, 4e-6, 0.0]))
     mu = [float(em.friction(RUBBER, line, velocity=0.1, load=3.0, average=None, samples=n).mu) for n in
@@ -218,6 +281,54 @@ def test_measured_profile(tmp_path):
         em.surface_from_file(file)
 
 
+HEIGHT = np.cumsum(np.cumsum(np.random.default_rng(0).standard_normal((64, 32)), axis=0), axis=1)
+READER = """
+import json
+import numpy as np
+class Found:
+    dim, unit, nb_grid_pts, physical_sizes = 2, "um", (64, 32), (128.0, 64.0)
+    def __init__(self, path):
+        self.values = json.loads(open(path).read())
+    topography = lambda self: self
+    heights = lambda self: np.ma.masked_invalid(np.array(self.values, float))
+open_topography = Found
+"""
+
+
+def as_table(folder, height):
+    i, j = np.indices(height.shape)
+    rows = np.stack([2.0 * i, 2.0 * j, height], axis=-1).reshape(-1, 3).tolist()
+    (folder / "map.csv").write_text("x [um],y [um],h [um]\n" + "\n".join(",".join(map(repr, row)) for row in rows))
+    return em.surface_from_file(folder / "map.csv")
+
+
+def test_file_of_an_instrument_by_a_reader_in_its_place(tmp_path, monkeypatch):
+    """The package that reads such files is an extra; here a module of its name stands in for it."""
+    expected = as_table(tmp_path, HEIGHT)
+    file = tmp_path / "map.x3p"
+    file.write_text(str(HEIGHT.tolist()))
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(em.InputError, match=r"elastomdr\[instruments\]"):
+        em.surface_from_file(file)
+    monkeypatch.undo()
+    (tmp_path / "SurfaceTopography.py").write_text(READER)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.syspath_prepend(tmp_path)
+    got = em.surface_from_file(file)
+    np.testing.assert_allclose(got.c, expected.c, rtol=1e-9)
+    file.write_text("[[1, 2")
+    with pytest.raises(em.InputError, match=r"got 'map.x3p': JSONDecodeError"):
+        em.surface_from_file(file)
+
+
+def test_file_of_an_instrument(tmp_path):
+    """Needs SurfaceTopography; the test above does without."""
+    topography = pytest.importorskip("SurfaceTopography")
+    made = topography.Topography(HEIGHT, (128.0, 64.0), unit="um")
+    made.to_x3p(tmp_path / "map.x3p")
+    np.testing.assert_allclose(em.surface_from_file(tmp_path / "map.x3p").c, as_table(tmp_path, HEIGHT).c, rtol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -263,6 +374,9 @@ average = "line"
 """
 
 
+FULL = '[surface]\nequivalent_length = "full contact"'
+
+
 def test_scene(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
     scene = tmp_path / "road.toml"
@@ -274,8 +388,14 @@ def test_scene(tmp_path, capsys, monkeypatch):
     table = (tmp_path / "road-friction.csv").read_text()
     assert "not the real contact area" in table
     assert (tmp_path / "road-friction.png").stat().st_size > 10_000
+    assert (tmp_path / "road-friction-contact.png").stat().st_size > 10_000
+    assert main(["plan", str(scene)]) == 0
+    assert "carried, each velocity its own window" in capsys.readouterr().out
     assert not list(tmp_path.glob(".*parts"))
     assert main(["rolling", str(scene)]) == 2
+    scene.write_text(SCENE.format(contact='pressure = "0.05 MPa"').replace("[surface]", FULL))
+    assert main(["plan", str(scene)]) == 0
+    assert "that of full contact" in capsys.readouterr().out
     scene.write_text(SCENE.format(contact=""))
     assert main(["friction", str(scene)]) == 2
     assert "pressure" in capsys.readouterr().err

@@ -21,6 +21,16 @@ def by_pressure(x, average=None):
     ).mu
 
 
+def by_spectrum(x):
+    """Of a surface by its Hurst exponent, rms slope and three cutoffs, the load by the rule of full contact."""
+    surface = em.SelfAffine(x[0], rms_slope=x[1], q_low=x[2], q_rolloff=x[3], q_high=x[4])
+    rubber = em.Foundation(1e6, [2e7, 3e6], [1e-4, 1e-2])
+    return em.friction(
+        rubber, surface, velocity=0.3, pressure=3e5, average=None, samples=256, sampling=1.0,
+        equivalent_length="full contact",
+    ).mu  # fmt: skip
+
+
 def by_depth(x):
     """Of a line whose heights and depth are given: the first heights, and the depth."""
     line = em.RoughLine(LINE.x, LINE.height * (1 + x[0]) + x[1] * jnp.cos(2 * jnp.pi * np.arange(64) / 64))
@@ -33,9 +43,10 @@ def by_depth(x):
     [
         (by_pressure, GIVEN, 1e-6 * GIVEN),
         (lambda x: by_pressure(x, "direction"), GIVEN, 1e-6 * GIVEN),
+        (by_spectrum, np.array([0.8, 0.2, 1e3, 2e3, 8e3]), 1e-6 * np.array([0.8, 0.2, 1e3, 2e3, 8e3])),
         (by_depth, np.array([0.0, 1e-6, 2e-5]), np.array([1e-5, 1e-10, 1e-10])),
     ],
-    ids=["pressure", "direction", "depth"],
+    ids=["pressure", "direction", "spectrum", "depth"],
 )
 def test_both_modes_against_differences(friction, at, step):
     with jax.enable_x64(True):
@@ -49,6 +60,15 @@ def test_both_modes_against_differences(friction, at, step):
             np.testing.assert_allclose(slope[i], difference, rtol=1e-5)
         along = jax.jvp(friction, (jnp.asarray(at),), (jnp.asarray(step),))[1]
         np.testing.assert_allclose(along, slope @ step, rtol=1e-8)
+
+
+def test_traced_cutoffs_need_samples():
+    def friction(q):
+        surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=q)
+        return em.friction(em.Foundation(1e6, [2e7], [1e-4]), surface, velocity=0.3, pressure=3e4).mu
+
+    with jax.enable_x64(True), pytest.raises(em.InputError, match="samples must be given"):
+        jax.grad(friction)(8e3)
 
 
 def test_many_at_once():

@@ -39,6 +39,8 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         folder / f"{stem}.csv": curve.csv(notes).encode(),
         folder / f"{stem}.png": curve.png(scene.title, **points),
     }
+    if scene.rough and curve.converged.any():
+        files[folder / f"{stem}-contact.png"] = _contact(scene, curve)
     _write(folder, files)
     parts.remove()  # not before: what was computed outlives a full disk
     if scene.title:
@@ -47,6 +49,24 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
     print("wrote " + " and ".join(str(path) for path in files))
     say(said)
     return DONE if curve.converged.all() else NOT_CONVERGED
+
+
+def _contact(scene: Scene, curve: Any) -> bytes:
+    """The figure of where the line touches, at the largest friction."""
+    import numpy as np
+
+    from .. import line_contact
+
+    top = np.unravel_index(np.nanargmax(curve.mu), curve.mu.shape)
+    kept = {k: scene.arguments[k] for k in ("samples", "periods", "equivalent_length") if k in scene.arguments}
+    if curve.rough.pressure is None:
+        kept |= {"load": curve.normal_force[top]}
+    else:
+        kept |= {"pressure": curve.rough.pressure[top]}
+    if curve.temperature is not None:
+        warmer = 0.0 if curve.rough.rise is None else curve.rough.rise[top]
+        kept |= {"temperature": curve.temperature[top] + warmer}
+    return line_contact(scene.material, scene.shape, velocity=curve.velocity[top], **kept).png()
 
 
 def say(warned: Iterable[warnings.WarningMessage]) -> None:

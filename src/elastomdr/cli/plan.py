@@ -3,7 +3,6 @@
 import argparse
 import warnings
 
-from ..errors import InputError
 from .cache import enable_cache
 from .curve import say
 from .main import DONE
@@ -13,8 +12,6 @@ from .scene import in_file, read_scene
 def run(arguments: argparse.Namespace) -> int:
     """Prints the plan of a scene; returns the exit status."""
     scene = read_scene(arguments.scene)
-    if scene.rough:
-        raise InputError(f"{scene.path.name}: a plan is made for an [indenter]; a [surface] has none.")
     enable_cache()
     from .. import plan
 

@@ -23,7 +23,7 @@ def read_surface(content: Any, folder: Path) -> tuple[Any, dict[str, Any]]:
     keys = Keys(content, "surface", ("shape", *_KEYS[shape], *_LINES))
     more: dict[str, Any] = {name: keys.get(name, _whole) for name in ("seeds", "periods", "samples") if name in keys}
     if "equivalent_length" in keys:
-        more["equivalent_length"] = keys.get("equivalent_length", one(LENGTH))
+        more["equivalent_length"] = keys.get("equivalent_length", _equivalent)
     from .. import SelfAffine, Spectrum, surface_from_file
 
     try:
@@ -74,6 +74,10 @@ def _cutoffs(keys: Keys) -> dict[str, float]:
         elif needed:
             raise InputError(f'[surface] {wave} is missing: the {wave} wavelength, such as "5 mm" (or {name}).')
     return found
+
+
+def _equivalent(name: str, value: Any) -> Any:
+    return value if value == "full contact" else one(LENGTH)(name, value)
 
 
 def _whole(name: str, value: Any) -> int:

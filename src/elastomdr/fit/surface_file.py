@@ -1,7 +1,11 @@
-"""Reading a measured surface: a CSV file of a profile or of a map, every column with its unit."""
+"""Reading a measured surface: a CSV file of a profile or of a map, columns with units; or an instrument's file."""
 
+import importlib.util
+import io
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +13,13 @@ import numpy as np
 
 from .._runtime import plain, positive
 from ..errors import InputError
-from ..files import read_text
+from ..files import read_bytes, read_text
 from ..mapping.measured import MeasuredSurface, from_map, from_profile
 
 _METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}
 _LARGEST = 1e100  # [m]
+_TEXT = (".csv", ".tsv", ".txt", ".dat", "")  # names of tables; other files are an instrument's
+_PATIENCE = 120  # seconds for an instrument's file
 _TITLE = re.compile(r"\s*(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]\s*")
 
 
@@ -26,8 +32,16 @@ def surface_from_file(
     columns. Cells that are empty or no number are holes. Lines that start with # are passed over; comma, semicolon or
     tab separates. `shortest` [m] is the shortest wavelength to keep (default: two steps), `detrend` takes a straight
     line or plane off. What had to be mended is in `report`. The surface is taken to be isotropic. Raises `InputError`.
+
+    A file that is not called .csv, .tsv, .txt or .dat is taken for an instrument's (x3p, sur, plu, opd, al3d, vk4, mnt,
+    ibw, gwy, ...), which `pip install elastomdr[instruments]` (SurfaceTopography) reads, with the unit in it.
     """
     name = Path(path).name
+    if shortest is not None:
+        shortest = plain("shortest", shortest)
+        positive("shortest", shortest)
+    if Path(path).suffix.lower() not in _TEXT:
+        return _from_instrument(Path(path), unit, shortest, detrend)
     try:
         lines = [line for line in read_text(path).split("\n") if line.strip() and not line.lstrip().startswith("#")]
     except (OSError, ValueError) as error:
@@ -49,15 +63,44 @@ def surface_from_file(
         raise InputError(
             f"path: {name!r} must hold lengths below {_LARGEST:g} m, got one of {np.nanmax(np.abs(data)):g} m."
         )
-    if shortest is not None:
-        shortest = plain("shortest", shortest)
-        positive("shortest", shortest)
     try:
         if data.shape[1] == 2:
             return from_profile(data[:, 0], data[:, 1], shortest, detrend)
         return from_map(*_grid(data), shortest, detrend)
     except InputError as error:
         raise InputError(f"path: {name!r}: {error}") from error
+
+
+def _from_instrument(path: Path, unit: str | None, shortest: float | None, detrend: bool) -> MeasuredSurface:
+    if importlib.util.find_spec("SurfaceTopography") is None:
+        raise InputError(
+            f"path must be a table of heights (.csv, .tsv, .txt, .dat), got {path.name!r}; files of instruments are "
+            "read with SurfaceTopography, which is not installed: pip install elastomdr[instruments]."
+        )
+    try:
+        read_bytes(path)
+        reader = Path(__file__).with_name("instrument.py")
+        done = subprocess.run([sys.executable, reader, path], capture_output=True, timeout=_PATIENCE, check=False)
+    except (OSError, ValueError) as error:
+        raise InputError(f"path must be a file that can be read, got {path.name!r}: {error}.") from error
+    except subprocess.TimeoutExpired as error:
+        raise InputError(f"path: {path.name!r} was not read within {_PATIENCE} s.") from error
+    if done.returncode != 0:
+        why = " ".join(done.stdout.decode(errors="replace").split())[:300] or "the reader gave up"
+        raise InputError(f"path must be a file that SurfaceTopography reads, got {path.name!r}: {why}")
+    with np.load(io.BytesIO(done.stdout)) as found:
+        x, y, height, given = found["x"], found["y"], found["height"], str(found["unit"]) or unit
+    if given is None:
+        raise InputError(f"path: {path.name!r} says nothing of its unit; give unit=.")
+    if given not in _METRES:
+        raise InputError(f"path: {path.name!r} has the unit {given!r}; accepted are {', '.join(_METRES)}.")
+    scale = _METRES[given]
+    try:
+        if y.size == 0:
+            return from_profile(x * scale, height * scale, shortest, detrend)
+        return from_map(x * scale, y * scale, height * scale, shortest, detrend)
+    except InputError as error:
+        raise InputError(f"path: {path.name!r}: {error}") from error
 
 
 def _grid(data: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

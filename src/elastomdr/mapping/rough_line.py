@@ -102,7 +102,7 @@ class RoughLine(eqx.Module):
     @in_float64
     def finer(self, factor: int) -> "RoughLine":
         """The same spline through `factor` times as many points."""
-        return _of_heights(self._finer(factor), self.spacing / factor)
+        return line_of_heights(self._finer(factor), self.spacing / factor)
 
     def _finer(self, factor: int) -> Float[Array, " m"]:
         coefficients = spline_coefficients(jnp.asarray(self.height))
@@ -110,7 +110,8 @@ class RoughLine(eqx.Module):
         return jnp.stack(parts, axis=1).reshape(-1)
 
 
-def _of_heights(height: Array, spacing: Array) -> RoughLine:
+def line_of_heights(height: Array, spacing: Array) -> RoughLine:
+    """A line from what needs no check: either may be traced."""
     blank = RoughLine(np.arange(4.0), np.zeros(4))
     return eqx.tree_at(lambda line: (line.height, line.spacing), blank, (height, spacing))
 

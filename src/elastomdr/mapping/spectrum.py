@@ -13,10 +13,11 @@ ch. 10).
 from typing import Any, ClassVar
 
 import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import ascending, plain, positive
+from .._runtime import ascending, in_float64, is_traced, positive, require, scalar
 from ..errors import InputError, closest
 
 CONVENTIONS = {
@@ -36,24 +37,24 @@ class AbstractSpectrum(eqx.Module):
     label: ClassVar[str]
 
     @property
-    def q_low(self) -> float:
+    def q_low(self) -> Any:
         """Lower cutoff [rad/m]."""
-        return float(self.q[0])
+        return _plain(self.q[0])
 
     @property
-    def q_high(self) -> float:
+    def q_high(self) -> Any:
         """Upper cutoff [rad/m]."""
-        return float(self.q[-1])
+        return _plain(self.q[-1])
 
     @property
-    def rms_height(self) -> float:
+    def rms_height(self) -> Any:
         """Root of the mean square height [m]."""
-        return float(np.sqrt(2 * np.pi * self.moment(1)))
+        return _plain((2 * np.pi * self.moment(1)) ** 0.5)
 
     @property
-    def rms_slope(self) -> float:
+    def rms_slope(self) -> Any:
         """Root of the mean of |grad h|^2; that of a straight cut is smaller by the root of 2."""
-        return float(np.sqrt(2 * np.pi * self.moment(3)))
+        return _plain((2 * np.pi * self.moment(3)) ** 0.5)
 
     def at(self, q: Any) -> Float[np.ndarray, "..."]:
         """C(q) [m^4], zero outside the cutoffs."""
@@ -70,14 +71,15 @@ class AbstractSpectrum(eqx.Module):
         return self._until(power, high) - self._until(power, low)
 
     def _until(self, power: float, q: Any) -> Any:
-        q = np.clip(np.asarray(q, dtype=np.float64), self.q_low, self.q_high)
-        start = np.log(self.q[:-1])
-        slope = np.diff(np.log(self.c)) / np.diff(np.log(self.q)) + power + 1
-        width = np.clip(np.log(q)[..., None] - start, 0.0, np.diff(np.log(self.q)))
-        flat = np.abs(slope * width) < 1e-9
-        safe = np.where(slope == 0, 1.0, slope)
-        part = np.where(flat, width * (1 + 0.5 * slope * width), np.expm1(slope * width) / safe)
-        return np.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
+        numpy: Any = jnp if is_traced(self.q, self.c, q) else np
+        q = numpy.clip(numpy.asarray(q, dtype=np.float64), self.q_low, self.q_high)
+        start = numpy.log(self.q[:-1])
+        slope = numpy.diff(numpy.log(self.c)) / numpy.diff(numpy.log(self.q)) + power + 1
+        width = numpy.clip(numpy.log(q)[..., None] - start, 0.0, numpy.diff(numpy.log(self.q)))
+        flat = numpy.abs(slope * width) < 1e-9
+        safe = numpy.where(numpy.abs(slope) < 1e-12, 1.0, slope)
+        part = numpy.where(flat, width * (1 + 0.5 * slope * width), numpy.expm1(slope * width) / safe)
+        return numpy.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
 
     def plot(self, axes: Any = None, seed: int = 0) -> Any:
         """The line made from `seed`, and the spectrum, side by side; returns the two matplotlib Axes."""
@@ -98,40 +100,46 @@ class SelfAffine(AbstractSpectrum):
     """A self-affine surface, C ~ q^(-2-2H) from q_rolloff to q_high and constant from q_low to q_rolloff.
 
     Given by the Hurst exponent H (0 to 1), either the rms slope (of the surface, |grad h|) or the rms height [m], and
-    the cutoffs [rad/m]; without `q_rolloff` it is self-affine from q_low on. Raises `InputError`.
+    the cutoffs [rad/m]; without `q_rolloff` it is self-affine from q_low on. Differentiable with respect to all of
+    them. Raises `InputError`.
     """
 
     q: Float[np.ndarray, " n"]
     c: Float[np.ndarray, " n"]
-    hurst: float = eqx.field(static=True)
+    hurst: Any
     label: ClassVar[str] = "self-affine surface"
 
+    @in_float64
     def __init__(
         self, hurst: Any, rms_slope: Any = None, q_low: Any = None, q_high: Any = None, q_rolloff: Any = None,
         *, rms_height: Any = None,
     ):  # fmt: skip
-        self.hurst = plain("hurst", hurst)
-        if not 0 <= self.hurst <= 1:
-            raise InputError(f"hurst must be from 0 to 1, got {self.hurst:g}.")
+        self.hurst = _plain(scalar("hurst", hurst))
+        require("hurst", self.hurst, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
         if (rms_slope is None) == (rms_height is None):
             given = "neither" if rms_slope is None else "both"
             raise InputError(f"rms_slope or rms_height must be given, and only one of them, got {given}.")
         if q_low is None or q_high is None:
             raise InputError("q_low and q_high must be given [rad/m]: friction depends on both cutoffs.")
-        low, high = plain("q_low", q_low), plain("q_high", q_high)
-        knee = low if q_rolloff is None else plain("q_rolloff", q_rolloff)
+        low, high = scalar("q_low", q_low), scalar("q_high", q_high)
+        knee = low if q_rolloff is None else scalar("q_rolloff", q_rolloff)
         positive("q_low", low)
         positive("q_high", high)
-        if not low <= knee < high:
-            raise InputError(f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} and {high:g} rad/m.")
-        self.q = np.array([low, high] if knee == low else [low, knee, high])
-        self.c = np.where(self.q <= knee, 1.0, (self.q / knee) ** (-2 - 2 * self.hurst))
         name, wanted = ("rms_slope", rms_slope) if rms_height is None else ("rms_height", rms_height)
-        value = plain(name, wanted)
+        value = scalar(name, wanted)
         positive(name, value)
+        traced = is_traced(self.hurst, low, knee, high, value)
+        if not is_traced(low, knee, high) and not low <= knee < high:
+            raise InputError(f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} and {high:g} rad/m.")
+        numpy: Any = jnp if traced else np
+        whole = q_rolloff is None or (not is_traced(low, knee) and knee == low)
+        self.q = numpy.stack([low, high] if whole else [low, knee, high])
+        self.c = numpy.where(self.q <= knee, 1.0, (self.q / knee) ** (-2 - 2 * self.hurst))
         self.c = self.c * (value / getattr(self, name)) ** 2
 
     def __repr__(self) -> str:
+        if is_traced(self):
+            return "SelfAffine(traced)"
         return f"SelfAffine(hurst={self.hurst:g}, {self.words()})"
 
 
@@ -173,6 +181,10 @@ class Spectrum(AbstractSpectrum):
 
     def __repr__(self) -> str:
         return f"Spectrum({self.q.size} points, convention={self.convention!r}, {self.words()})"
+
+
+def _plain(value: Any) -> Any:
+    return value if is_traced(value) else float(value)
 
 
 def _from_cut(q: np.ndarray, cut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

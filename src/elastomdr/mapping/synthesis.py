@@ -1,4 +1,4 @@
-"""The rough line of the MDR from a spectrum: C_1D(q) = pi q C(q), random phases from a seed.
+"""The rough line of the MDR from a spectrum, C_1D(q) = pi q C(q), and a map of the surface; random phases from a seed.
 
 On a period L the waves are q_j = 2 pi j/L, and the wave j carries what the band of width 2 pi/L about it holds,
 
@@ -6,14 +6,22 @@ On a period L the waves are q_j = 2 pi j/L, and the wave j carries what the band
 
 so that the rms height is that of the surface whatever the period. Amplitudes are those of the spectrum, phases even
 between 0 and 2 pi: every seed has the same rms values. Source: Popov & Hess 2015, ch. 10.
+
+On a map of side L each wave (i, j) carries C(q) (2 pi/L)^2, q = 2 pi |(i, j)|/L, and the heights are then scaled to
+the rms slope of the surface, from which the sum over the waves of a square differs a little.
 """
 
 import math
+from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
-from .rough_line import RoughLine
-from .spectrum import AbstractSpectrum
+from .._runtime import is_traced
+from ..errors import InputError
+from .rough_line import RoughLine, line_of_heights
+from .spectrum import AbstractSpectrum, as_spectrum
 
 PER_WAVE = 8  # samples of the shortest wave
 PERIODS = 4  # longest waves in a period of the line
@@ -27,12 +35,46 @@ def line_count(spectrum: AbstractSpectrum, periods: int, per_wave: float) -> int
 
 def synthesise(spectrum: AbstractSpectrum, seed: int, periods: int = PERIODS, samples: int | None = None) -> RoughLine:
     """One line of the ensemble, `periods` longest wavelengths long; the same numbers for the same seed."""
+    if samples is None and is_traced(spectrum.q):
+        raise InputError(
+            "samples must be given where JAX traces the cutoffs of a surface: how many a line needs depends on them."
+        )
     n = line_count(spectrum, periods, PER_WAVE) if samples is None else samples
     length = 2 * np.pi * periods / spectrum.q_low
+    numpy: Any = jnp if is_traced(spectrum) else np
     step = 2 * np.pi / length
     wave = step * np.arange(1, n // 2)
     share = 2 * np.pi * spectrum.moment(1, wave - 0.5 * step, wave + 0.5 * step)
-    phase = 2 * np.pi * np.random.default_rng(seed).random(wave.size)
-    waves = np.zeros(n // 2 + 1, dtype=complex)
-    waves[1 : n // 2] = 0.5 * n * np.sqrt(2 * share) * np.exp(1j * phase)
-    return RoughLine(length / n * np.arange(n), np.fft.irfft(waves, n))
+    phase = 2 * np.pi * np.random.default_rng(seed).random(n // 2 - 1)
+    some = share > 0  # beyond the cutoffs there is nothing, and the root has no derivative
+    amplitude = numpy.where(some, numpy.sqrt(2 * numpy.where(some, share, 1.0)), 0.0)
+    waves = numpy.pad(0.5 * n * amplitude * np.exp(1j * phase), (1, n // 2 - wave.shape[0]))
+    return line_of_heights(numpy.fft.irfft(waves, n), length / n)
+
+
+def rough_map(
+    spectrum: AbstractSpectrum, seed: int = 0, *, periods: int = 2, points: int = 256
+) -> tuple[Float[np.ndarray, "points points"], float]:
+    """Heights [m] of a square cell of the surface, `periods` longest wavelengths wide, and its side [m].
+
+    For `em.reference.half_space_sliding`. Raises `InputError` where `points` do not give the shortest wave four.
+    """
+    spectrum = as_spectrum("spectrum", spectrum)
+    side = 2 * np.pi * periods / spectrum.q_low
+    least = 4 * periods * spectrum.q_high / spectrum.q_low
+    if points % 4 or points < least * (1 - 1e-9):
+        raise InputError(
+            f"points must be a multiple of 4, at least {math.ceil(least)} for four on the shortest wave, got {points}."
+        )
+    along = np.fft.fftfreq(points, 1 / points)
+    q = 2 * np.pi / side * np.hypot(along[:, None], along[None, : points // 2 + 1])
+    power = spectrum.at(np.where(q > 0, q, np.inf)) * (2 * np.pi / side) ** 2
+    white = np.fft.rfft2(np.random.default_rng(seed).standard_normal((points, points)))
+    waves = np.sqrt(power) * white / np.maximum(np.abs(white), 1e-300)
+    height = np.fft.irfft2(waves, s=(points, points))
+    along = np.where(2 * np.abs(along) == points, 0.0, along)
+    slopes = [
+        np.fft.irfft2(2j * np.pi / side * k * waves, s=height.shape)
+        for k in (along[:, None], along[None, : points // 2 + 1])
+    ]
+    return height * (spectrum.rms_slope / np.sqrt(sum(np.mean(slope**2) for slope in slopes))), side

@@ -6,7 +6,8 @@ kx v, and a pressure p of that wave displaces the surface by
     u = 2 p / (|k| E*(-kx v)),    so that    tau = <p dh/dx> = sum_k |p_k|^2 2 kx E''(kx v) / (|k| |E*(kx v)|^2)
 
 is the mean friction stress: only the loss, so that the smallest keeps its digits. The mean displacement of a periodic
-half-space is not defined and left out. Contact by `reference.contact.settle`, without doubling the grid. Every
+half-space is not defined and left out: what the contact decides is the separation, the mean distance of the two
+surfaces. Contact by `reference.contact.settle`, without doubling the grid. Every
 indenter of the array meets the wakes of those before it.
 """
 
@@ -37,6 +38,7 @@ class _Found(NamedTuple):
 
     stress: Float[Array, ""]  # friction force over the area of the cell [Pa]
     area: Float[Array, ""]  # part of the points in contact
+    separation: Float[Array, ""]  # mean gap [m]
     settled: Bool[Array, ""]
 
 
@@ -69,6 +71,7 @@ def slide_periodic(
         normal_force=force,
         friction_force=drag,
         area=field([fine.area for fine, _ in found]),
+        separation=field([fine.separation for fine, _ in found]),
         error=field([area * abs(fine.stress - coarse.stress) for fine, coarse in found]) / force,
         converged=good.reshape(asked.shape),
         temperature=asked.temperature,
@@ -94,10 +97,15 @@ def _solve(law: Relaxation, velocity: Array, pressure: Array, heights: Array, si
     on = Grid(2 / (k * modulus), k * modulus / 2)
     start = height <= jnp.quantile(height, 0.5)
     solution = settle(on, height, start, "load", pressure * heights.size, periodic=True)
-    waves = jnp.abs(jnp.fft.rfft2(solution.pressure) / heights.size) ** 2
+    pressed = jnp.fft.rfft2(solution.pressure)
+    # The mean of u is that of no pressure: on the contact u and height differ by the level of the far surface.
+    u = jnp.fft.irfft2(jnp.where((kx == 0) & (ky == 0), 0.0, pressed * 2 / (k * modulus)), s=heights.shape)
+    touching = solution.pressure > 0
+    level = jnp.sum(jnp.where(touching, u + height, 0.0)) / jnp.maximum(jnp.sum(touching), 1)
+    waves = jnp.abs(pressed / heights.size) ** 2
     twice = jnp.where((ky == 0) | (ky == jnp.max(ky)), 1.0, 2.0)  # waves that the transform of a real map leaves out
     stress = jnp.sum(jnp.where(nyquist, 0.0, twice * waves * 2 * kx * loss / (k * jnp.abs(modulus) ** 2)))
-    return _Found(stress, jnp.mean(solution.pressure > 0), solution.settled)
+    return _Found(stress, jnp.mean(touching), jnp.mean(height) - level, solution.settled)
 
 
 def _sides(cell: Any) -> np.ndarray:

@@ -22,6 +22,7 @@ class HalfSpaceCurve(AbstractCurve):
     normal_force: Float[Array, "..."]  # of one cell [N]
     friction_force: Float[Array, "..."]  # of one cell [N]
     area: Float[Array, "..."]  # real contact area over that of the cell
+    separation: Float[Array, "..."]  # mean distance of the surfaces [m]
     error: Float[Array, "..."]  # estimated error of mu
     converged: Bool[Array, "..."]
     temperature: Float[Array, "..."] | None  # T [K]
@@ -42,6 +43,7 @@ class HalfSpaceCurve(AbstractCurve):
             Column("normal_force", "normal force", "N"),
             Column("friction_force", "friction force", "N"),
             Column("area", "contact area over cell area", "-"),
+            Column("separation", "mean distance of the surfaces", "m"),
             Column("error", "estimated error of the coefficient", "-"),
             Column("converged", "converged", ""),
         )

@@ -1,14 +1,19 @@
-"""Figure of a rough surface: a line of the ensemble, and the power spectrum it was made from."""
+"""Figures of a rough surface: a line of the ensemble with its power spectrum, and where a line touches the rubber."""
 
-from typing import Any
+import io
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
 from ..mapping.synthesis import synthesise
+from .figure import _DPI, _write_title
 
-_BLUE, _FAINT = "#1f5a94", "#666666"
+if TYPE_CHECKING:
+    from .line_contact import LineContact
+
+_BLUE, _RED, _GREY = "#1f5a94", "#c23b22", "#8a8a8a"
 
 
 def draw_surface(surface: AbstractSpectrum | RoughLine, axes: Any = None, seed: int = 0) -> Any:
@@ -43,3 +48,44 @@ def draw_surface(surface: AbstractSpectrum | RoughLine, axes: Any = None, seed: 
         ax.set_axisbelow(True)
         ax.spines[["top", "right"]].set_visible(False)
     return axes
+
+
+def draw_contact(result: "LineContact", ax: Any = None, title: str | None = None) -> Any:
+    """Draws the line and the rubber's surface, with the stretches in contact in colour; returns the Axes."""
+    if ax is None:
+        from matplotlib.figure import Figure
+
+        ax = Figure(figsize=(8.6, 4.4), layout="constrained").add_subplot()
+    x, line, rubber = (np.asarray(a) for a in (1e3 * result.x, 1e6 * result.height, 1e6 * result.surface))
+    touching = np.asarray(result.touching)
+    ax.plot(x, line, color=_GREY, linewidth=0.9, label="rough line")
+    ax.plot(x, rubber, color=_BLUE, linewidth=1.1, label="rubber")
+    if touching.any():
+        label = f"in contact, {result.share:.1%} of the line (not the real contact area)"
+        ax.plot(x, np.where(touching, rubber, np.nan), color=_RED, linewidth=2.4, label=label)
+        alone = touching & ~np.roll(touching, 1) & ~np.roll(touching, -1)  # a single sample draws no stretch
+        ax.plot(x[alone], rubber[alone], ".", color=_RED, markersize=5)
+    ax.set(
+        xlabel="Position on the line, which moves to the right [mm]", ylabel="Depth below the undeformed rubber [µm]"
+    )
+    low, high = np.nanmin(line), np.nanmax(np.concatenate([line, rubber]))
+    # The deepest valleys of a surface are far below what the rubber sees.
+    least = max(low, min(float(np.nanmin(rubber)), 0.0) - 1.5 * (high - min(0.0, float(np.nanmin(rubber)))))
+    ax.set_ylim(high + 0.05 * (high - least), least)
+    ax.set_xlim(x[0], x[-1])
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False, fontsize=8.5)
+    ax.grid(color="#dddddd", linewidth=0.6)
+    ax.set_axisbelow(True)
+    ax.spines[["top", "right"]].set_visible(False)
+    inputs = dict(result.inputs)
+    at = ", ".join(inputs[name] for name in ("velocity", "pressure", "temperature") if name in inputs)
+    note = "" if result.converged.all() else "the point did not converge"
+    _write_title(ax, title or f"{result.heading()}, {at}", result.model, note)
+    return ax
+
+
+def contact_png(result: "LineContact", title: str | None = None) -> bytes:
+    """The figure of `draw_contact` as a PNG image, 200 dots per inch."""
+    buffer = io.BytesIO()
+    draw_contact(result, title=title).figure.savefig(buffer, format="png", dpi=_DPI)
+    return buffer.getvalue()

@@ -108,6 +108,18 @@ def _grids(ask: Ask) -> list[tuple[SharedGrid, np.ndarray]]:
     return [(shared_grid(ask.velocity[points], max(ask.rtol, AVERAGE)), points) for points in chosen]
 
 
+def lanes_of(ask: Ask, average: str | None) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities [m/s] that one line is solved at, with their line loads or depths.
+
+    Where the depth is given, directions are solved at a load that is not known beforehand: the points alone stand here.
+    """
+    if average is None or ask.control == "depth":
+        return ask.velocity, ask.value
+    grids = _grids(ask)
+    values = [np.full(grid.velocity.size, ask.value[chosen][0]) for grid, chosen in grids]
+    return np.concatenate([ask.velocity, *(g.velocity for g, _ in grids)]), np.concatenate([ask.value, *values])
+
+
 def solutions(ask: Ask, average: str | None) -> int:
     """Line solutions that one line takes."""
     if average is None:
@@ -117,7 +129,7 @@ def solutions(ask: Ask, average: str | None) -> int:
     return ask.velocity.size + sum(grid.velocity.size for grid, _ in _grids(ask))
 
 
-def ensemble(surface: Any, samples: int | None, periods: int, seeds: int) -> list[RoughLine]:
+def ensemble(surface: Any, samples: int | None, periods: int, seeds: int, first: int = 0) -> list[RoughLine]:
     """The lines of a surface, one for each seed; a line that is given, on enough samples. Raises `InputError`."""
     if isinstance(surface, RoughLine):
         if seeds != 1 or periods != PERIODS:
@@ -126,4 +138,4 @@ def ensemble(surface: Any, samples: int | None, periods: int, seeds: int) -> lis
         while surface.count * factor < (_SAMPLES if samples is None else samples):
             factor *= 2
         return [surface.finer(factor)]
-    return [synthesise(surface, seed, periods, samples) for seed in range(seeds)]
+    return [synthesise(surface, seed, periods, samples) for seed in range(first, first + seeds)]

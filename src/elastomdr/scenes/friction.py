@@ -3,11 +3,10 @@
 from typing import Any
 
 from .._runtime import in_float64
-from ..errors import InputError
 from ..mapping.synthesis import PERIODS
 from ..results.curve import FrictionCurve
 from ..solve.heat import Heat
-from .rough import is_rough, rough_friction
+from .rough import is_rough, only_rough, rough_friction
 from .steady import set_up, solve
 
 
@@ -48,10 +47,12 @@ def friction(
 
     A rough line (`RoughLine`) takes `load` per length [N/m] or `depth` of its highest point [m]. A surface
     (`SelfAffine`, `Spectrum`, measured) takes a nominal `pressure` [Pa], turned into the line load p L with L = 2
-    pi/q_low or `equivalent_length` [m], and is computed on `seeds` lines of random phases, each `periods` longest
+    pi/q_low, the rule of the textbook, for light contact; `equivalent_length="full contact"` takes 2 m_2/m_3 of the
+    spectrum's moments, better at higher loads, and a number [m] itself (`docs/rough.md` compares them with three
+    dimensions). It is computed on `seeds` lines of random phases, each `periods` longest
     waves long, of `samples` samples (default: eight per shortest wave). There `rtol` is that of the solution on these
     samples; `error` has the sampling too, and a point where it exceeds `sampling` times mu is NaN. `progress(done,
-    total)` is called after each batch; `store` keeps finished batches (`get(key)`, `put(key, arrays)`). No gradients.
+    total)` is called after each batch; `store` keeps finished batches (`get(key)`, `put(key, arrays)`).
 
     `heat=em.Heat(...)` heats the rubber of a surface under a `pressure` by its friction, from `temperature` on, until
     friction and flash temperature agree (`elastomdr.solve.heat`): `mu` is then the hot curve, `rough.cold` the one
@@ -69,10 +70,7 @@ def friction(
             periods=periods, seeds=seeds, sampling=sampling, heat=heat, progress=progress,
             store=store,
         )  # fmt: skip
-    if equivalent_length is not None:
-        raise InputError("equivalent_length belongs to a rough surface: it turns its pressure into a line load.")
-    if heat is not None:
-        raise InputError("heat belongs to a rough surface; an indenter's friction is at the temperature given.")
+    only_rough(equivalent_length, heat)
     scene = set_up(
         "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
         temperature=temperature, average=average, rtol=rtol, skip=skip,

@@ -1,4 +1,4 @@
-"""Steady friction of a rough line or surface: the arguments, the ensemble of lines, the direction average."""
+"""Steady friction of a rough line or surface: the ensemble of lines, the direction average, heating; and its plan."""
 
 import warnings
 from collections.abc import Callable
@@ -7,18 +7,20 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64, is_traced, plain, positive
+from .._runtime import Array, as_float64
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
-from ..foundation.law import Foundation, as_foundation
+from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
 from ..results.curve import FrictionCurve, Rough
 from ..solve.heat import Heat
 from ..solve.periodic import Line, solve_line
-from .ensemble import Ask, Mean, ensemble, mean_of_lines, solutions
+from ..solve.periodic_plan import RoughPlan, plan_lines
+from .ensemble import Ask, Mean, lanes_of, mean_of_lines, solutions
 from .flash import SETTLED, warmed
+from .rough_arguments import RoughScene, set_up
 from .rough_traced import traced_mean_of_lines
-from .steady import AVERAGED, BARE, brief, check_shift
+from .steady import AVERAGED, BARE, brief
 
 _OUTSIDE = 0.1  # share of the mean square slope beyond the material's range from which a point counts as extrapolated
 _COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
@@ -30,6 +32,14 @@ def is_rough(shape: Any) -> bool:
     return isinstance(shape, (RoughLine, AbstractSpectrum))
 
 
+def only_rough(equivalent_length: Any, heat: Any) -> None:
+    """Refuses for an indenter what belongs to a rough surface. Raises `InputError`."""
+    if equivalent_length is not None:
+        raise InputError("equivalent_length belongs to a rough surface: it turns its pressure into a line load.")
+    if heat is not None:
+        raise InputError("heat belongs to a rough surface; an indenter's friction is at the temperature given.")
+
+
 def rough_friction(
     material: Any, surface: RoughLine | AbstractSpectrum, *, velocity: Any, load: Any, depth: Any, pressure: Any,
     temperature: Any, average: str | None, rtol: Any, skip: bool, equivalent_length: Any, samples: int | None,
@@ -37,38 +47,14 @@ def rough_friction(
     progress: Callable[[int, int], None] | None, store: Any,
 ) -> FrictionCurve:  # fmt: skip
     """`em.friction` of a rough line or surface; see there."""
-    foundation = as_foundation(material)
-    traced = is_traced(foundation, surface, velocity, load, depth, pressure, temperature)
-    if traced and heat is not None:
-        raise InputError("heat must be left out under jax.grad, jit and vmap: flash temperature is not differentiable.")
-    _check(foundation, average, rtol, samples, periods, seeds)
-    _check_heat(heat, surface, pressure, temperature)
-    control, value, length, rule = _control(surface, load, depth, pressure, equivalent_length)
-    velocity, value = as_float64("velocity", velocity), value
-    positive("velocity", velocity)
-    kelvin = None if temperature is None else as_float64("temperature", temperature)
-    if kelvin is not None and foundation.shift is None:
-        raise InputError(
-            f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift law; "
-            "give the material one with shift=em.WLF(...), or leave the temperature out."
-        )
-    arrays = [velocity, value, *([] if kelvin is None else [kelvin])]
-    try:
-        shape = np.broadcast_shapes(*(a.shape for a in arrays))
-    except ValueError as error:
-        shapes = ", ".join(str(a.shape) for a in arrays)
-        raise InputError(f"velocity, {control} and temperature must broadcast, got shapes {shapes}.") from error
-    if 0 in shape:
-        raise InputError(f"velocity, {control} and temperature must not be empty, got shape {shape}.")
-    factor = 1.0
-    if kelvin is not None and foundation.shift is not None:
-        factor = foundation.shift.a(kelvin)
-        if not is_traced(factor, velocity):
-            check_shift(kelvin, velocity, factor)
-    numpy: Any = jnp if traced else np
-    reduced = numpy.broadcast_to(velocity * factor, shape)
-    given = numpy.broadcast_to(value, shape).ravel()
-    lines = ensemble(surface, samples, periods, seeds)
+    scene = set_up(
+        material, surface, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
+        average=average, rtol=rtol, equivalent_length=equivalent_length, samples=samples, periods=periods, seeds=seeds,
+        heat=heat,
+    )  # fmt: skip
+    foundation, lines, shape, length = scene.foundation, scene.lines, scene.shape, scene.length
+    kelvin, reduced, given, control, traced = scene.kelvin, scene.reduced, scene.given, scene.control, scene.traced
+    velocity, numpy = scene.velocity, jnp if scene.traced else np
     law = foundation.law()
     asked, finished = [0], [0]
 
@@ -92,6 +78,8 @@ def rough_friction(
         found = traced_mean_of_lines(lines, law, reduced.ravel(), given, control, float(rtol), average)
     else:
         found = points(reduced.ravel(), given)
+        if not np.any(law.moduli) and not float(law.viscosity):  # nothing is lost, and what is left is rounding
+            found = found._replace(mu=0 * found.mu, error=0 * found.error)
     warm, cold = None, found.mu
     if (
         heat is not None
@@ -130,7 +118,7 @@ def rough_friction(
     ]
     inputs += [("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []
     inputs += [
-        (f"line {control}", brief(value, "N/m" if control == "load" else "m")),
+        (f"line {control}", brief(scene.value, "N/m" if control == "load" else "m")),
         ("velocity", brief(velocity, "m/s")),
     ]
     inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
@@ -146,7 +134,6 @@ def rough_friction(
             inputs.append(("extrapolated", text))
             if not foundation.range.illustrative:
                 warnings.warn(f"{text}.", ExtrapolationWarning, stacklevel=4)
-    cost = f"{asked[0]} line solutions of {lines[0].count} samples by periodic quasi-Newton sweeps"
     return FrictionCurve(
         velocity=numpy.broadcast_to(velocity, shape).copy(),
         mu=field(mu),
@@ -157,80 +144,45 @@ def rough_friction(
         error=field(error),
         converged=good.reshape(shape),
         temperature=None if kelvin is None else numpy.broadcast_to(kelvin, shape).copy(),
-        model=(BARE if average is None else AVERAGED) + rule + ("" if warm is None else _FLASH),
-        plan=cost,
+        model=_model(scene, average, heat),
+        plan=_plan(scene, surface, average, rtol, skip, heat),
         inputs=tuple(inputs),
         extrapolated=extrapolated,
         rough=Rough(
-            None if pressure is None else numpy.broadcast_to(value / length, shape).copy(),
+            None if pressure is None else (given / length).reshape(shape),
             field(found.share), None if found.scatter is None else field(found.scatter), outside, seeds,
             *(() if warm is None else (field(warm.rise), field(cold), field(warm.heat))),
         ),
     )  # fmt: skip
 
 
-def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, periods: Any, seeds: Any) -> None:
-    if foundation.per_area:
-        raise InputError("material must be a half-space under a rough surface, got a layer.")
-    if not is_traced(foundation.equilibrium) and not float(foundation.equilibrium) > 0:
-        raise InputError(
-            "material must have an equilibrium modulus under a rough surface, got 0: a liquid carries no steady load "
-            "on a surface without end, since every element sinks until the mean force is gone."
-        )
-    if average not in ("direction", None):
-        raise InputError(f"average must be 'direction' or None (the bare line), got {average!r}.")
-    if isinstance(rtol, bool) or not isinstance(rtol, (int, float, np.floating)) or not 1e-10 <= rtol <= 1e-1:
-        raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
-    for name, value, least in (("periods", periods, 1), ("seeds", seeds, 1), ("samples", samples, 64)):
-        if value is None and name == "samples":
-            continue
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-            raise InputError(f"{name} must be a whole number, {least} or more, got {value!r}.")
+def rough_plan(
+    material: Any, surface: RoughLine | AbstractSpectrum, *, average: str | None, rtol: Any, skip: bool,
+    heat: Heat | None, **arguments: Any,
+) -> RoughPlan:  # fmt: skip
+    """`em.plan` of a rough line or surface; see there."""
+    scene = set_up(material, surface, average=average, rtol=rtol, heat=heat, **arguments)
+    return _plan(scene, surface, average, rtol, skip, heat)
 
 
-def _check_heat(heat: Any, surface: Any, pressure: Any, temperature: Any) -> None:
-    if heat is None:
-        return
-    if not isinstance(heat, Heat):
-        raise InputError(f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}.")
-    if isinstance(surface, RoughLine) or pressure is None:
-        raise InputError(
-            "heat needs a surface given by its spectrum, and a pressure: a line has no contact area that is that of "
-            "a surface, on which the flash temperature depends."
-        )
-    if temperature is None:
-        raise InputError("heat needs a temperature [K], that of the rubber without the flash, and so a shift law.")
+def _plan(scene: RoughScene, surface: Any, average: Any, rtol: Any, skip: Any, heat: Heat | None) -> RoughPlan:
+    ask = Ask(scene.reduced.ravel(), scene.given, scene.control, float(rtol), bool(skip))
+    line, law = scene.lines[0], scene.foundation.law()
+    name = scene.foundation.name or "a foundation given directly"
+    lanes = None if scene.traced else lanes_of(ask, average)
+    return plan_lines(
+        scene=f"{surface.label if scene.traced else _words(surface, line)} on {name}",
+        model=_model(scene, average, heat),
+        line=None if scene.traced else (np.asarray(line.height), float(line.spacing)),
+        lines=len(scene.lines), samples=line.count, points=ask.velocity.size, law=law, lanes=lanes,
+        control=scene.control, rtol=float(rtol), averaged=average is not None,
+        solutions=None if scene.traced else solutions(ask, average), skip=bool(skip), heated=heat is not None,
+        temperatures=0 if scene.kelvin is None else np.size(scene.kelvin),
+    )  # fmt: skip
 
 
-def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_length: Any) -> tuple:
-    """What is given, as line load or depth; the length that turns pressure into load; the rule in words."""
-    given = {k: v for k, v in (("load", load), ("depth", depth), ("pressure", pressure)) if v is not None}
-    if len(given) != 1:
-        got = " and ".join(f"{k}={v}" for k, v in given.items()) or "none of them"
-        raise InputError(
-            f"pressure, load (per length of line) or depth must be given, and only one of them, got {got}."
-        )
-    ((name, value),) = given.items()
-    value = as_float64(name, value)
-    positive(name, value)
-    if name != "pressure":
-        if equivalent_length is not None:
-            raise InputError(f"equivalent_length turns a pressure into a line load; it has no meaning with a {name}.")
-        return name, value, None, "; load per length of line, no pressure" if name == "load" else "; depth of the line"
-    if equivalent_length is None:
-        if isinstance(surface, RoughLine):
-            raise InputError(
-                "pressure needs equivalent_length [m] with a RoughLine, the width of surface that the line stands for: "
-                "the load per length is pressure times equivalent_length. Or give load, in N/m."
-            )
-        length = 2 * np.pi / surface.q_low
-        return "load", value * length, length, (
-            f"; pressure p as line load p L with L = 2 pi/q_low = {length:.4g} m (Popov & Hess 2015, ch. 10; the "
-            "equivalence holds to a factor of order one)"
-        )  # fmt: skip
-    length = plain("equivalent_length", equivalent_length)
-    positive("equivalent_length", length)
-    return "load", value * length, length, f"; pressure p as line load p L with L = {length:.4g} m as given"
+def _model(scene: RoughScene, average: Any, heat: Heat | None) -> str:
+    return (BARE if average is None else AVERAGED) + scene.rule + ("" if heat is None else _FLASH)
 
 
 def _words(surface: Any, line: RoughLine) -> str:

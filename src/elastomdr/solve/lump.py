@@ -12,7 +12,7 @@ from jaxtyping import Float
 from ..material.relaxation import Relaxation
 from .period import Lanes
 
-_FORGOTTEN = 20.0  # h/tau from which exp(-h/tau) leaves less than 1e-8 of a branch's force after a step
+FORGOTTEN = 20.0  # h/tau from which exp(-h/tau) leaves less than 1e-8 of a branch's force after a step
 _SAFETY = 10.0  # the estimate is that of a wave as long as the line
 _SHARE = 0.05  # of rtol, to be spent on lumping
 
@@ -30,7 +30,7 @@ def lumped(
     """What each lane carries, padded with empty branches to a common and even number; and mu's relative change."""
     whole = lanes(law, step.size)
     moduli, times = whole.moduli, whole.times
-    fast = step / times > _FORGOTTEN
+    fast = step / times > FORGOTTEN
     angle = period / (2 * np.pi * times)
     waves = np.geomspace(1.0, period / step, 33)[:, None] * (2 * np.pi * times / period)  # w tau
     loss = (moduli * waves / (1 + waves**2)).sum(axis=1).mean(axis=0) + whole.viscosity * 2 * np.pi / period

@@ -27,7 +27,7 @@ from .periodic_state import State, finish, iterate, jacobian, level_of
 _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
 _LANES = 64  # at most, in a batch
-_LIGHT = 0.3  # share of contact up to which free stretches are looked for
+LIGHT = 0.3  # share of contact up to which free stretches are looked for
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
 
@@ -116,13 +116,12 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
         carried, cost = lumped(law, step, n * step, rtol)
     else:
         carried, cost = lanes(law, velocity.size), np.zeros(velocity.size)
-    state, load, stiffness, share = _first_guess(rise, carried, n * step, value, control)
-    coarse = [s for s in ((64, 16, 4) if n >= _LONG else (16, 4)) if n % s == 0 and n // s >= min(_FEWEST, n // 4)]
-    strides = [*coarse, 1]
+    state, load, stiffness, share = first_guess(rise, carried, n * step, value, control)
+    strides = strides_of(n)
     sweeps, mus, full = np.zeros(velocity.size), [np.full(velocity.size, np.nan)], np.ones(velocity.size, bool)
     fine = found = good = None
     for stride in strides:
-        level = level_of(rise, spacing, stride, step, carried, load, stiffness, control, skip and share.max() < _LIGHT)
+        level = level_of(rise, spacing, stride, step, carried, load, stiffness, control, skip and share.max() < LIGHT)
         if stride == strides[0]:
             state = state._replace(inverse=jacobian(level, state, np.ones(velocity.size, bool)))
         found, turns, good = iterate(level, state)
@@ -142,6 +141,12 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     return Line._make((*(np.where(good, x, np.nan) for x in answer), sweeps, good)), found
 
 
+def strides_of(n: int) -> list[int]:
+    """Every how manieth of the samples is taken, level by level."""
+    coarse = [s for s in ((64, 16, 4) if n >= _LONG else (16, 4)) if n % s == 0 and n // s >= min(_FEWEST, n // 4)]
+    return [*coarse, 1]
+
+
 def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """mu and its error from the sampling, from the mu of steps that are a quarter of the one before each.
 
@@ -159,7 +164,7 @@ def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndar
     return fine, error + 1e-9 * np.abs(fine)
 
 
-def _first_guess(rise, law: Lanes, period, value, control) -> tuple[State, np.ndarray, np.ndarray, np.ndarray]:
+def first_guess(rise, law: Lanes, period, value, control) -> tuple[State, np.ndarray, np.ndarray, np.ndarray]:
     """State, load, stiffness and share for branches that are either elastic or relaxed; in closed form."""
     n, relaxed = rise.size, float(law.relaxed)
     x = law.times / period * 2 * np.pi * _CYCLES
