@@ -9,7 +9,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("[0-9][0-9]_*.py"))
+FOLDER = Path(__file__).parents[1] / "examples"
+PROBLEMS = sorted((FOLDER / "problems").glob("[0-9][0-9]_*.py"))
+EXAMPLES = sorted(FOLDER.glob("[0-9][0-9]_*.py")) + PROBLEMS
 
 
 @pytest.fixture(autouse=True)
@@ -34,12 +36,21 @@ def test_runs_and_draws(path, tmp_path, monkeypatch):
 
 
 def test_there_are_enough():
-    assert len(EXAMPLES) >= 5
+    assert len(EXAMPLES) >= 15
+    assert len(PROBLEMS) == 10
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_says_what_it_teaches(path):
     text = path.read_text(encoding="utf-8")
-    for part in ("Teaches:", "Inputs:", "Check:", f"python examples/{path.name} [--out DIR]"):
+    for part in ("Teaches:", "Inputs:", "Check:", f"python examples/{path.relative_to(FOLDER).as_posix()} [--out DIR]"):
         assert part in text.split('"""')[1]
     assert "assert " in text
+
+
+@pytest.mark.parametrize("path", PROBLEMS, ids=lambda path: path.stem)
+def test_problem_is_in_the_docs(path):
+    docs = FOLDER.parent / "docs"
+    figure = f"figures/problems/{path.stem}.png"
+    assert figure in (docs / "problems.md").read_text(encoding="utf-8")
+    assert (docs / figure).is_file()

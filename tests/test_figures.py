@@ -110,6 +110,10 @@ def test_measured_points_take_the_colour_of_their_temperature():
     curves = [line for line in ax.get_lines() if len(line.get_xdata()) > 1]
     assert labels["measured, 20 °C"].get_color() is not labels["measured, 0 °C"].get_color()
     np.testing.assert_array_equal(labels["measured, 20 °C"].get_color(), curves[1].get_color())
+    grid = {"velocity": [1e-3, 1e-2], "temperature": [[273.15], [294.0]], "mu": [[0.1, 0.2], [0.3, 0.4]]}
+    lines = drawn(friction_curve(temperature=KELVIN[:, None]), measured=grid).get_lines()
+    points = {str(line.get_label()): list(line.get_ydata()) for line in lines}
+    assert (points["measured, 0 °C"], points["measured, 20 °C"]) == ([0.1, 0.2], [0.3, 0.4])
     for bad in ({"velocity": [1.0]}, {"velocity": [1.0], "mu": [1.0, 2.0]}, {"velocity": [-1.0], "mu": [1.0]}, 3.0):
         with pytest.raises(em.InputError, match="measured"):
             friction_curve().plot(measured=bad)

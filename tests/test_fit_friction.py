@@ -131,6 +131,8 @@ def test_calibration_finds_what_was_changed():
         ({"material": em.StandardSolid(1e6, 1e6, 1.0), "parameters": ("c1",)}, "need a material with a WLF law"),
         ({"material": "rubber"}, "material must be a Prony"),
         ({"error": -1.0}, "error must be positive"),
+        ({"parameters": ("q_high",)}, "need a surface with a spectrum"),
+        ({"parameters": ("length",), "equivalent_length": "full contact"}, "needs a number"),
     ],
 )
 def test_refusals_of_calibration(changes, said):
@@ -144,3 +146,55 @@ def test_refusals_of_calibration(changes, said):
     } | changes
     with pytest.raises(InputError, match=said):
         em.fit.calibrate(arguments.pop("material"), arguments.pop("shape"), **arguments)
+
+
+ROAD = em.SelfAffine(0.8, rms_height=2e-5, q_low=1e3, q_high=8e3)
+HEAVY = {
+    "velocity": SPEED[:3], "temperature": KELVIN[::3, None], "pressure": 1e6, "equivalent_length": 1e-2,
+    "average": None, "periods": 1, "samples": 256, "rtol": 1e-6,
+}  # fmt: skip
+
+
+def test_calibration_of_a_roughness_cutoff():
+    """In full contact mu = gain sum (1/2) A^2 k E''(k v)/(p L): all but the cutoff are one factor."""
+    truth = em.friction(RUBBER, ROAD.ended(1.2e4), **HEAVY)
+    noisy = truth.mu * (1 + 1e-3 * np.random.default_rng(0).normal(size=truth.mu.shape))
+    ask = {"measured": noisy, "error": 1e-3 * noisy, **HEAVY}
+    alone = em.fit.calibrate(RUBBER, ROAD, parameters=("q_high",), **ask)
+    wanted = np.log10(1.2e4 / 8e3)
+    assert alone.converged
+    assert abs(alone.parameters["q_high"] - wanted) < 4 * alone.std["q_high"]
+    assert alone.std["q_high"] < 0.01
+    assert alone.shape.q_high == pytest.approx(1.2e4, rel=0.03)
+    again = em.friction(alone.material, alone.shape, **HEAVY)
+    np.testing.assert_allclose(again.mu, alone.computed, rtol=1e-6)
+
+    width = {"heights": 0.1, "length": 0.3, "gain": 0.2}
+    start = {"q_high": wanted, "heights": 0.0, "length": 0.0, "gain": 0.0}
+    free = em.fit.calibrate(RUBBER, ROAD, parameters=start, widths=width, **ask)
+    # Known of log mu are 2 heights - length + gain and the cutoff: what is orthogonal to it in prior widths stays open.
+    factor = np.array([0.0, 2 * 0.1, -0.3, 0.2])
+    direction, left = free.weakest
+    assert left == pytest.approx(1.0, abs=1e-3)
+    assert abs(np.array(list(direction.values())) @ factor) < 0.02 * np.linalg.norm(factor)
+    assert abs(direction["q_high"]) < 0.05
+    assert "least known" in repr(free)
+    assert list(free.prior) == list(free.parameters)
+
+
+def test_a_spectrum_ended_elsewhere():
+    """Below its new end C stays; beyond a table it goes on as its last power law."""
+    q = np.array([5e2, 2e3, 7e3, 8e3, 1.1e4])
+    shorter, longer = ROAD.ended(7e3), ROAD.ended(1.2e4)
+    np.testing.assert_allclose(shorter.at(q[:3]), ROAD.at(q[:3]))
+    assert shorter.at(8e3) == 0
+    np.testing.assert_allclose(longer.at(q), ROAD.c[0] * (q / 1e3) ** -3.6 * (q >= 1e3), rtol=1e-12)
+    assert longer.ended(8e3).rms_slope == pytest.approx(ROAD.rms_slope, rel=1e-12)
+    kinked = em.Spectrum([1e3, 2e3, 8e3], [1.0, 1.0, 1e-3], convention="2d")
+    assert kinked.ended(4e3).moment(3) == pytest.approx(kinked.moment(3, 1e3, 4e3), rel=1e-12)
+    assert kinked.ended(2e3).q.size == 2
+    assert ROAD.raised(2.0).rms_height == pytest.approx(2 * ROAD.rms_height, rel=1e-12)
+    with pytest.raises(InputError, match="q_high must be above q_low"):
+        ROAD.ended(1e3)
+    with pytest.raises(InputError, match="factor must be positive"):
+        ROAD.raised(0.0)

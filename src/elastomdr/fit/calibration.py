@@ -1,46 +1,44 @@
-"""Chosen parameters of a material adjusted to measured friction or rolling resistance, by gradient through the
-contact.
+"""Chosen parameters of a material, or of a rough surface, adjusted to measured friction or rolling resistance.
+
+Least squares with Gaussian priors; Jacobians through the contact solution (under an indenter) or by central
+differences (on a rough surface, whose friction is found by a search over batches and levels of sampling).
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.optimize import least_squares
 
 from .._runtime import as_float64, positive, require
-from ..errors import InputError, closest
+from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError, closest
+from ..mapping.spectrum import AbstractSpectrum
+from ..mapping.synthesis import PER_WAVE, PERIODS, line_count
 from ..material.prony import Prony
-from ..material.shift import WLF
+from ..scenes.rough import is_rough
 from .findings import TWO_SIGMA, AbstractFindings
+from .parameters import MEANINGS, Change, applied, check
 
-MEANINGS = {
-    "modulus": "log10 of a factor on all moduli",
-    "equilibrium": "log10 of a factor on the equilibrium modulus",
-    "slope": "exponent s of a factor (tau/tau_middle)^s on the moduli of the spectrum",
-    "cutoff": "log10 of a time tau_c [s]; moduli of branches are divided by 1 + (tau_c/tau)^2",
-    "time": "log10 of a factor on all relaxation times",
-    "c1": "log10 of a factor on the WLF constant c1",
-    "c2": "log10 of a factor on the WLF constant c2",
-    "offset": "a constant added to the computed coefficient, such as adhesion",
-    "gain": "log10 of a factor on the computed coefficient",
-}
 _WIDTH = 1.0  # standard deviation of the prior of a parameter, about its start, where none is given
 _UNLEARNED = 0.7  # posterior over prior standard deviation above which the data say little
+_STEP = 0.05  # of a parameter, in differences: 12 % where it is log10 of a factor, across the ripples of few lines
+_EXACTLY, _ROUGHLY = 1e-8, 1e-4  # change of parameters and of the sum of squares at which the search ends
+_LEAST = 0.2  # part of a parameter in the least known direction from which it is named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(AbstractFindings):
-    """A calibrated material, the parameters that make it, and how well they are known."""
+    """A calibrated material and shape, the parameters that make them, and how well they are known."""
 
     material: Prony
+    shape: Any  # the indenter or surface, with the parameters that act on it
     parameters: dict[str, float]
     std: dict[str, float]  # standard deviation of each parameter, prior included
+    prior: dict[str, float]  # standard deviation of each parameter without the data
     covariance: Float[np.ndarray, "p p"]  # in the order of `parameters`
     measured: Float[np.ndarray, "..."]
     computed: Float[np.ndarray, "..."]  # by the calibrated material; NaN where the contact did not converge
@@ -51,10 +49,26 @@ class Calibration(AbstractFindings):
     warnings: tuple[str, ...]
     converged: bool
 
+    @property
+    def weakest(self) -> tuple[dict[str, float], float]:
+        """The direction in which the data say least, and its standard deviation with the data over that without.
+
+        Parameters are in units of their priors; the direction has length 1. Along it the parameters may be exchanged
+        for each other with the least effect on what is computed: only another kind of measurement can decide it.
+        """
+        width = np.array(list(self.prior.values()))
+        spread, directions = np.linalg.eigh(self.covariance / np.outer(width, width))
+        most = directions[:, -1] * np.sign(directions[np.abs(directions[:, -1]).argmax(), -1])
+        return dict(zip(self.prior, most.tolist(), strict=True)), float(np.sqrt(spread[-1]))
+
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the calibration, as pairs of a name and a text."""
         for name, value in self.parameters.items():
             yield name, f"{value:.4g} +- {TWO_SIGMA * self.std[name]:.2g}   {MEANINGS.get(name, 'your own')}"
+        if len(self.parameters) > 1:
+            direction, left = self.weakest
+            named = [f"{part:+.2f} {name}" for name, part in direction.items() if abs(part) > _LEAST]
+            yield "least known", f"{' '.join(named)} (in prior widths), to {left:.0%} of what was assumed"
         rms = float(np.sqrt(np.mean(self.residuals[self.used] ** 2)))
         yield "residuals", f"{rms:.3g} rms, error of a measurement {self.error:.3g}, {self.evaluations} evaluations"
         for text in self.warnings:
@@ -71,25 +85,28 @@ def calibrate(
     quantity: str = "friction",
     error: Any = None,
     widths: Mapping[str, float] | None = None,
-    change: Callable[[Prony, Any, dict[str, Any]], tuple[Prony, Any]] | None = None,
+    change: Change | None = None,
     **scene: Any,
 ) -> Calibration:
     """The parameters with which computed friction (or `quantity="rolling"` resistance) comes closest to `measured`.
 
-    `parameters` are names from `elastomdr.fit.calibration.MEANINGS`, or a dict of names and starting values (0 where
-    none is given; the cutoff starts at the shortest relaxation time). Other names are yours if
-    `change(material, shape, values)` returns the material and the shape that they make. `scene` holds the other
-    arguments of `em.friction`: load, temperature, average, rtol. `error` is the standard deviation of a measurement,
-    one number or one per point; estimated from the residuals where it is not given. Each parameter has a Gaussian prior
-    about its start, of standard deviation 1 or as in `widths`: one that ends as uncertain as it began was not in the
-    data, and a warning says so. Jacobians are exact (`jax.jacfwd` through the contact solution). Raises `InputError`
-    for unknown names, measurements that do not match, or a start where the contact has no answer.
+    `parameters` are names from `elastomdr.fit.parameters.MEANINGS`, or a dict of names and starting values (0 where
+    none is given; the cutoff starts at the shortest relaxation time). Other names are yours if `change(material, shape,
+    values)` returns the material and the shape that they make. `scene` holds the other arguments of `em.friction`:
+    load, pressure, temperature, average, rtol. `error` is the standard deviation of a measurement, one number or one
+    per point; estimated from the residuals where it is not given. Each parameter has a Gaussian prior about its start,
+    of standard deviation 1 or as in `widths`: one that ends as uncertain as it began was not in the data, and a warning
+    says so; `weakest` names what the data decide least. Jacobians are exact (`jax.jacfwd` through the contact
+    solution), on rough surfaces central differences. There `samples`, which must be the same for all cutoffs, is by
+    default enough for a cutoff one standard deviation of the prior above its start (ten times, at most). Raises
+    `InputError` for unknown names, measurements that do not match, or a start where the contact has no answer.
     """
     if not isinstance(material, Prony):
         raise InputError(f"material must be a Prony, got {type(material).__name__}.")
     if quantity not in ("friction", "rolling"):
         raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
     start = _start(material, parameters, change is not None)
+    check(start, material, shape, scene)
     names = list(start)
     spread = np.array([float((widths or {}).get(name, _WIDTH)) for name in names])
     positive("widths", spread)
@@ -100,9 +117,14 @@ def calibrate(
     given = None if error is None else np.broadcast_to(as_float64("error", error), data.shape)
     if given is not None:
         positive("error", given)
-    compute = _computer(material, shape, quantity, names, change, dict(scene, velocity=velocity))
+    scene = dict(scene, velocity=velocity)
+    if isinstance(shape, AbstractSpectrum):
+        finer = 10.0 ** min(spread[names.index("q_high")], 1.0) if "q_high" in names else 1.0
+        scene = {"samples": line_count(shape, scene.get("periods", PERIODS), PER_WAVE * finer)} | scene
+    compute = _computer(material, shape, quantity, names, change, scene)
+    rough = is_rough(shape)
     with jax.enable_x64(True):
-        value, jacobian = _compiled(compute)
+        value, jacobian = _by_differences(compute) if rough else _compiled(compute)
         begin = np.array([start[name] for name in names])
         first = np.asarray(value(begin))
         if first.shape != data.shape:
@@ -115,7 +137,7 @@ def calibrate(
         sigma = given if given is not None else np.full(data.shape, 0.05 * max(float(np.abs(data).max()), 1e-12))
         answer, calls = None, 0
         for _ in range(1 if given is not None else 3):
-            answer = _search(value, jacobian, begin, spread, data, used, sigma)
+            answer = _search(value, jacobian, begin, spread, data, used, sigma, _ROUGHLY if rough else _EXACTLY)
             calls += int(answer.nfev)
             used = used & np.isfinite(np.asarray(value(answer.x)))
             if given is None:
@@ -126,13 +148,15 @@ def calibrate(
         matrix = np.asarray(jacobian(answer.x))[used] / sigma[used][:, None]
         covariance = np.linalg.inv(matrix.T @ matrix + np.diag(spread**-2.0))
         values = dict(zip(names, answer.x.tolist(), strict=True))
-        changed, _ = _changed(material, shape, values, change)
+        changed, shape, _ = applied(material, shape, scene, values, change)
     std = np.sqrt(np.diag(covariance))
     concrete = jax.tree.map(lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, changed)
     return Calibration(
         material=concrete,
+        shape=shape,
         parameters=values,
         std=dict(zip(names, std.tolist(), strict=True)),
+        prior=dict(zip(names, spread.tolist(), strict=True)),
         covariance=covariance,
         measured=data,
         computed=computed,
@@ -157,31 +181,7 @@ def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
         if name == "cutoff" and not isinstance(parameters, Mapping):
             value = float(np.log10(material.times[0])) if material.times.size else 0.0
         start[name] = float(as_float64(f"parameters[{name!r}]", value))
-    if {"c1", "c2"} & start.keys() and not isinstance(material.shift, WLF):
-        raise InputError(f"parameters c1 and c2 need a material with a WLF law, got {material.shift!r}.")
     return start
-
-
-def _changed(material: Prony, shape: Any, values: dict[str, Any], change: Any) -> tuple[Prony, Any]:
-    """The material (and shape) with parameters applied; differentiable."""
-    if change is not None:
-        material, shape = change(material, shape, values)
-    times, moduli = jnp.asarray(material.times), jnp.asarray(material.moduli)
-    equilibrium = jnp.asarray(material.equilibrium)
-    if "slope" in values and times.size:
-        middle = jnp.exp(jnp.mean(jnp.log(times)))
-        moduli = moduli * (times / middle) ** values["slope"]
-    if "cutoff" in values:
-        moduli = moduli / (1 + (10.0 ** values["cutoff"] / times) ** 2)
-    equilibrium = equilibrium * 10.0 ** (values.get("equilibrium", 0.0) + values.get("modulus", 0.0))
-    moduli, times = moduli * 10.0 ** values.get("modulus", 0.0), times * 10.0 ** values.get("time", 0.0)
-    material = eqx.tree_at(lambda m: (m.equilibrium, m.moduli, m.times), material, (equilibrium, moduli, times))
-    if {"c1", "c2"} & values.keys():
-        law: Any = material.shift
-        factors = (10.0 ** values.get("c1", 0.0), 10.0 ** values.get("c2", 0.0))
-        law = eqx.tree_at(lambda s: (s.c1, s.c2), law, (law.c1 * factors[0], law.c2 * factors[1]))
-        material = eqx.tree_at(lambda m: m.shift, material, law)
-    return material, shape
 
 
 def _computer(material: Prony, shape: Any, quantity: str, names: list[str], change: Any, scene: dict[str, Any]) -> Any:
@@ -192,7 +192,8 @@ def _computer(material: Prony, shape: Any, quantity: str, names: list[str], chan
 
     def compute(p: Any) -> Any:
         values = dict(zip(names, p, strict=True))
-        curve: Any = call(*_changed(material, shape, values, change), **scene)
+        body, form, rest = applied(material, shape, scene, values, change)
+        curve: Any = call(body, form, **rest)
         result = curve.mu if quantity == "friction" else curve.coefficient
         return result * 10.0 ** values.get("gain", 0.0) + values.get("offset", 0.0)
 
@@ -215,7 +216,29 @@ def _compiled(compute: Any) -> tuple[Any, Any]:
     return lambda p: at(p)[0], lambda p: at(p)[1]
 
 
-def _search(value: Any, jacobian: Any, begin: Any, spread: Any, data: Any, used: Any, sigma: Any) -> Any:
+def _by_differences(compute: Any) -> tuple[Any, Any]:
+    """A function's value and its Jacobian by central differences; what does not converge is NaN, and counted later."""
+    last: dict[bytes, np.ndarray] = {}
+
+    def value(p: np.ndarray) -> np.ndarray:
+        key = p.tobytes()
+        if key not in last:
+            if len(last) > 2 * p.size:
+                last.clear()
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", ConvergenceWarning)
+                warnings.simplefilter("ignore", ExtrapolationWarning)
+                last[key] = np.asarray(compute(p))
+        return last[key]
+
+    def jacobian(p: np.ndarray) -> np.ndarray:
+        steps = _STEP * np.eye(p.size)
+        return np.stack([(value(p + h) - value(p - h)) / (2 * _STEP) for h in steps], axis=-1)
+
+    return value, jacobian
+
+
+def _search(value: Any, jacobian: Any, begin: Any, spread: Any, data: Any, used: Any, sigma: Any, close: float) -> Any:
     """Least squares with the prior as further residuals; a point that fails on the way repels the search."""
 
     def residuals(p: np.ndarray) -> np.ndarray:
@@ -226,7 +249,7 @@ def _search(value: Any, jacobian: Any, begin: Any, spread: Any, data: Any, used:
         matrix = -np.asarray(jacobian(p))[used] / sigma[used][:, None]
         return np.concatenate([np.where(np.isfinite(matrix), matrix, 0.0), -np.diag(1 / spread)])
 
-    return least_squares(residuals, begin, jac=derivative, xtol=1e-8, ftol=1e-8, max_nfev=60)  # pyright: ignore[reportArgumentType]
+    return least_squares(residuals, begin, jac=derivative, xtol=close, ftol=close, max_nfev=60)  # pyright: ignore[reportArgumentType]
 
 
 def _judge(names: list[str], std: Any, spread: Any, covariance: Any, used: Any, success: bool) -> Iterator[str]:

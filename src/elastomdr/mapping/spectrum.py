@@ -97,6 +97,23 @@ class AbstractSpectrum(eqx.Module):
 
         return synthesise(self, seed, periods, samples)
 
+    def ended(self, q_high: Any) -> "Spectrum":
+        """The same spectrum up to `q_high` [rad/m]; beyond its last point it goes on as its last power law."""
+        q_high = _plain(scalar("q_high", q_high))
+        require("q_high", q_high, f"above q_low, {self.q_low:g} rad/m", lambda q: q > self.q_low)
+        log_q, log_c = np.log(self.q), np.log(self.c)
+        piece = min(int(np.searchsorted(self.q, q_high)), len(log_q) - 1)
+        slope = (log_c[piece] - log_c[piece - 1]) / (log_q[piece] - log_q[piece - 1])
+        last = np.exp(log_c[piece - 1] + slope * (np.log(q_high) - log_q[piece - 1]))
+        kept = np.asarray(self.q) < q_high * (1 - 1e-12)
+        return Spectrum(np.append(self.q[kept], q_high), np.append(self.c[kept], last), convention="2d")
+
+    def raised(self, factor: Any) -> "Spectrum":
+        """The same surface with all heights times `factor`."""
+        factor = _plain(scalar("factor", factor))
+        positive("factor", factor)
+        return Spectrum(self.q, self.c * factor**2, convention="2d")
+
     def plot(self, axes: Any = None, seed: int = 0) -> Any:
         """The line made from `seed`, and the spectrum, side by side; returns the two matplotlib Axes."""
         from ..results.surface_figure import draw_surface

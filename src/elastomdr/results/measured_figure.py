@@ -13,7 +13,10 @@ _SAME = 2.0  # temperature from a curve up to which a point takes its colour [K]
 
 
 def as_measured(measured: Any) -> dict[str, np.ndarray]:
-    """Measured points as arrays: "velocity" [m/s], "mu" and, if known, "temperature" [K]. Raises `InputError`."""
+    """Measured points as lists: "velocity" [m/s], "mu" and, if known, "temperature" [K], which broadcast.
+
+    Raises `InputError`.
+    """
     if not isinstance(measured, Mapping) or not {"velocity", "mu"} <= set(measured) <= {
         "velocity",
         "mu",
@@ -26,10 +29,16 @@ def as_measured(measured: Any) -> dict[str, np.ndarray]:
     points = {name: np.atleast_1d(as_float64(f"measured {name}", values)) for name, values in measured.items()}
     positive("measured velocity", points["velocity"])
     require("measured mu", points["mu"], "finite", np.isfinite)
-    if len({values.shape for values in points.values()}) > 1 or points["mu"].ndim != 1:
+    try:
+        together = np.broadcast_arrays(*points.values())
+        lists = [values.size for values in points.values() if values.ndim == 1]
+        same = len(lists) < len(points) or len(set(lists)) == 1  # lists alone are columns of one table
+    except ValueError:
+        together, same = [], False
+    if not same:
         shapes = ", ".join(f"{name} {values.shape}" for name, values in points.items())
-        raise InputError(f"measured values must be lists of the same length, got {shapes}.")
-    return points
+        raise InputError(f"measured values must be lists of the same length, or arrays that broadcast, got {shapes}.")
+    return {name: values.ravel() for name, values in zip(points, together, strict=True)}
 
 
 def draw_measured(
