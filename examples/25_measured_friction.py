@@ -5,9 +5,9 @@ spectrum, first alone, then with all that is not known either: heights, the leng
 load, a factor.
 
 Inputs: `tread-passenger-synthetic` of the library, a made-up spectrum with the measured shift law of an SBR; a
-self-affine road, H = 0.8, rms height 50 um, q_low = 2000 rad/m, 0.5 MPa; bare line. The points are made here, with 3
-% noise, of a known truth: q_high = 50000 rad/m, on the same four random lines. Your own go into velocity, kelvin and
-mu.
+self-affine road, H = 0.8, rms height 50 um, q_low = 2000 rad/m, 0.5 MPa; bare line. The points are made here, of a
+known truth and a noise of 3 %: q_high = 50000 rad/m, on the same four random lines. Your own go into velocity, kelvin
+and mu.
 
 Check: true shift factors and true cutoff lie within three of their standard deviations; the other unknowns widen the
 interval of the cutoff at least threefold; and the direction of which the data say nothing is one in which more height
