@@ -7,6 +7,7 @@ differences (on a rough surface, whose friction is found by a search over batche
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import jax
@@ -25,8 +26,8 @@ from .parameters import MEANINGS, Change, applied, check
 
 _WIDTH = 1.0  # standard deviation of the prior of a parameter, about its start, where none is given
 _UNLEARNED = 0.7  # posterior over prior standard deviation above which the data say little
-_STEP = 0.05  # of a parameter, in differences: 12 % where it is log10 of a factor, across the ripples of few lines
-_EXACTLY, _ROUGHLY = 1e-8, 1e-4  # change of parameters and of the sum of squares at which the search ends
+_STEPS = 0.05, 0.0125  # of a parameter, in differences: across the ripples of few random lines, then within one
+_EXACTLY, _ROUGHLY = 1e-8, 1e-3  # change of parameters and of the sum of squares at which the search ends
 _LEAST = 0.2  # part of a parameter in the least known direction from which it is named
 
 
@@ -124,7 +125,7 @@ def calibrate(
     compute = _computer(material, shape, quantity, names, change, scene)
     rough = is_rough(shape)
     with jax.enable_x64(True):
-        value, jacobian = _by_differences(compute) if rough else _compiled(compute)
+        value, *jacobians = _by_differences(compute, names) if rough else _compiled(compute)
         begin = np.array([start[name] for name in names])
         first = np.asarray(value(begin))
         if first.shape != data.shape:
@@ -135,17 +136,19 @@ def calibrate(
                 f"parameters must start where the contact has an answer, got NaN at {int((~used).sum())} points."
             )
         sigma = given if given is not None else np.full(data.shape, 0.05 * max(float(np.abs(data).max()), 1e-12))
-        answer, calls = None, 0
+        answer, calls, point = None, 0, begin
         for _ in range(1 if given is not None else 3):
-            answer = _search(value, jacobian, begin, spread, data, used, sigma, _ROUGHLY if rough else _EXACTLY)
-            calls += int(answer.nfev)
-            used = used & np.isfinite(np.asarray(value(answer.x)))
+            for jacobian in jacobians:
+                close = _ROUGHLY if rough else _EXACTLY
+                answer = _search(value, jacobian, begin, point, spread, data, used, sigma, close)
+                point, calls = answer.x, calls + int(answer.nfev)
+            used = used & np.isfinite(np.asarray(value(point)))
             if given is None:
-                left = (data - np.asarray(value(answer.x)))[used]
+                left = (data - np.asarray(value(point)))[used]
                 sigma = np.full(data.shape, max(np.sqrt((left**2).sum() / max(left.size - len(names), 1)), 1e-9))
         assert answer is not None
         computed = np.asarray(value(answer.x))
-        matrix = np.asarray(jacobian(answer.x))[used] / sigma[used][:, None]
+        matrix = np.asarray(jacobians[0](point))[used] / sigma[used][:, None]
         covariance = np.linalg.inv(matrix.T @ matrix + np.diag(spread**-2.0))
         values = dict(zip(names, answer.x.tolist(), strict=True))
         changed, shape, _ = applied(material, shape, scene, values, change)
@@ -216,14 +219,14 @@ def _compiled(compute: Any) -> tuple[Any, Any]:
     return lambda p: at(p)[0], lambda p: at(p)[1]
 
 
-def _by_differences(compute: Any) -> tuple[Any, Any]:
-    """A function's value and its Jacobian by central differences; what does not converge is NaN, and counted later."""
+def _by_differences(compute: Any, names: list[str]) -> tuple[Any, ...]:
+    """A function's value, and its Jacobian by central differences, wide and narrow; NaN where it did not converge."""
     last: dict[bytes, np.ndarray] = {}
 
     def value(p: np.ndarray) -> np.ndarray:
         key = p.tobytes()
         if key not in last:
-            if len(last) > 2 * p.size:
+            if len(last) > 4 * p.size:
                 last.clear()
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", ConvergenceWarning)
@@ -231,15 +234,24 @@ def _by_differences(compute: Any) -> tuple[Any, Any]:
                 last[key] = np.asarray(compute(p))
         return last[key]
 
-    def jacobian(p: np.ndarray) -> np.ndarray:
-        steps = _STEP * np.eye(p.size)
-        return np.stack([(value(p + h) - value(p - h)) / (2 * _STEP) for h in steps], axis=-1)
+    def column(p: np.ndarray, i: int, step: float) -> np.ndarray:
+        if names[i] == "offset":
+            return np.ones_like(value(p))
+        if names[i] == "gain":
+            return np.log(10.0) * (value(p) - (p[names.index("offset")] if "offset" in names else 0.0))
+        h = step * np.eye(p.size)[i]
+        return (value(p + h) - value(p - h)) / (2 * step)
 
-    return value, jacobian
+    def jacobian(p: np.ndarray, step: float) -> np.ndarray:
+        return np.stack([column(p, i, step) for i in range(p.size)], axis=-1)
+
+    return value, *(partial(jacobian, step=step) for step in _STEPS)
 
 
-def _search(value: Any, jacobian: Any, begin: Any, spread: Any, data: Any, used: Any, sigma: Any, close: float) -> Any:
-    """Least squares with the prior as further residuals; a point that fails on the way repels the search."""
+def _search(
+    value: Any, jacobian: Any, begin: Any, point: Any, spread: Any, data: Any, used: Any, sigma: Any, close: float
+) -> Any:
+    """Least squares from `point`, with the prior as further residuals; a point that fails repels the search."""
 
     def residuals(p: np.ndarray) -> np.ndarray:
         left = (data - np.asarray(value(p)))[used] / sigma[used]
@@ -249,7 +261,7 @@ def _search(value: Any, jacobian: Any, begin: Any, spread: Any, data: Any, used:
         matrix = -np.asarray(jacobian(p))[used] / sigma[used][:, None]
         return np.concatenate([np.where(np.isfinite(matrix), matrix, 0.0), -np.diag(1 / spread)])
 
-    return least_squares(residuals, begin, jac=derivative, xtol=close, ftol=close, max_nfev=60)  # pyright: ignore[reportArgumentType]
+    return least_squares(residuals, point, jac=derivative, xtol=close, ftol=close, max_nfev=60)  # pyright: ignore[reportArgumentType]
 
 
 def _judge(names: list[str], std: Any, spread: Any, covariance: Any, used: Any, success: bool) -> Iterator[str]:
