@@ -62,6 +62,20 @@ def test_both_modes_against_differences(friction, at, step):
         np.testing.assert_allclose(along, slope @ step, rtol=1e-8)
 
 
+def test_more_lanes_than_are_solved_at_once():
+    velocity = np.geomspace(0.01, 10, 70)
+
+    def mu(load):
+        return em.friction(
+            em.Foundation(1e6, np.full(13, 1e6), np.geomspace(1e-9, 1e3, 13)), LINE, velocity=velocity, load=load,
+            average=None, samples=256, sampling=1.0,
+        ).mu  # fmt: skip
+
+    with jax.enable_x64(True):
+        slope = jax.jit(jax.jacfwd(mu))(3.0)
+        np.testing.assert_allclose(slope, (mu(3.0003) - mu(2.9997)) / 6e-4, rtol=2e-3, atol=1e-5)
+
+
 def test_traced_cutoffs_need_samples():
     def friction(q):
         surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=q)

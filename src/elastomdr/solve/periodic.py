@@ -26,7 +26,7 @@ from .periodic_state import State, finish, iterate, jacobian, level_of
 
 _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
-_LANES = 64  # at most, in a batch
+_LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
@@ -97,8 +97,18 @@ def solve_states(
     value: Float[np.ndarray, " lanes"], control: Literal["load", "depth"], rtol: float,
 ) -> tuple[Line, State]:  # fmt: skip
     """All lanes with every branch carried, and the state at the highest point, the slowest branch first."""
+    rise, lines, states = rises(height), [], []
     with jax.enable_x64(True):
-        return _batch(rises(height), float(spacing), law, velocity, value, control, rtol, False)
+        for start in range(0, velocity.size, _LANES):
+            part = slice(start, start + _LANES)
+            line, state = _batch(rise, float(spacing), law, velocity[part], value[part], control, rtol, False)
+            lines.append(line)
+            states.append(state)
+    return Line(*map(np.concatenate, zip(*lines, strict=True))), State(
+        np.concatenate([s.branches for s in states], axis=1),
+        np.concatenate([s.depth for s in states]),
+        np.concatenate([s.inverse for s in states]),
+    )
 
 
 def _key(rise: np.ndarray, law: Relaxation, velocity: np.ndarray, value: np.ndarray, how: tuple) -> str:
