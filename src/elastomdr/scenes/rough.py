@@ -24,6 +24,7 @@ from .steady import AVERAGED, BARE, brief
 
 _OUTSIDE = 0.1  # share of the mean square slope beyond the material's range from which a point counts as extrapolated
 _COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
+_ROUNDS = 4  # of a call's solutions that heating takes, about
 _FLASH = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 
 
@@ -57,11 +58,14 @@ def rough_friction(
     velocity, numpy = scene.velocity, jnp if scene.traced else np
     law = foundation.law()
     asked, finished = [0], [0]
+    first = 0 if traced else solutions(Ask(reduced.ravel(), given, control, float(rtol), bool(skip)), average)
 
     def tick(count: int) -> None:
         finished[0] += count
         if progress is not None:
-            progress(min(finished[0], asked[0]), asked[0])
+            least = 1 if heat is None else _ROUNDS * seeds * first  # how many rounds heating takes is not known before
+            total = max(asked[0], least)
+            progress(min(finished[0], total), total)
 
     def solved(line: RoughLine, velocity: np.ndarray, value: np.ndarray, control: Any, rtol: float) -> Line:
         return solve_line(
