@@ -6,8 +6,9 @@ import time
 from pathlib import Path
 
 SCRIPTS = (
-    "steady_sliding", "skipping", "cold_start", "half_space", "validity_map", "extremes", "indentation", "creep_tamaas",
-    "energy", "impacts", "transient", "rough_sliding", "rough_map", "rough_scenes", "fit_coverage", "stress", "fuzz",
+    "steady_sliding", "skipping", "cold_start", "half_space", "validity_map", "extremes", "indentation",
+    "creep_tamaas", "sliding_tamaas", "energy", "impacts", "transient", "rough_sliding", "rough_map", "rough_scenes",
+    "fit_coverage", "stress", "fuzz",
 )  # fmt: skip
 
 
