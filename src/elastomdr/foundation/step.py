@@ -129,10 +129,7 @@ def advance(
     fading: Fading | None = None,
     keep: Callable[..., Any] = lambda function, *args: function(*args),
 ) -> Elements:
-    """`contact_step` with its coefficients, and `fade` if it is known, at hand.
-
-    `keep(function, *args)` calls what a long line should compute once and keep; see `solve.slide.kept`.
-    """
+    """`contact_step` with its coefficients, and `fade` if it is known, at hand; `keep` as in `solve.slide.kept`."""
     u, f = state.u, state.f
     fading = fade(c, f) if fading is None else fading
     held = c.equilibrium * u + fading.seen  # force if u stays where it is
@@ -142,7 +139,7 @@ def advance(
     change = keep(jnp.where, contact, pushed, recovery)
     end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
     f_end = c.decay * f + c.gain * change
-    stored = keep(_stored, c, f_end)
+    stored = keep(lambda f: over_branches(c.energy * f**2), f_end)
     work, impulse, kept = _integrals(c, state, fading, change, pushed, free)
     # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
     # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
@@ -160,11 +157,6 @@ def advance(
         stored=stored,
         away=jnp.where(contact, 0.0, state.away) + c.h * (1 - kept),
     )
-
-
-def _stored(c: Coefficients, f: Array) -> Array:
-    """Energy in the branches."""
-    return over_branches(c.energy * f**2)
 
 
 def _integrals(
