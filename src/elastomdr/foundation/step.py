@@ -121,18 +121,25 @@ def fade(c: Coefficients, f: Float[Array, "k n"]) -> Fading:
     return Fading(*(over_branches(share * f) for share in (c.seen, c.mean, c.decay)))
 
 
-def advance(c: Coefficients, state: Elements, w_start: Array, w_end: Array, fading: Fading | None = None) -> Elements:
-    """`contact_step` with its coefficients, and `fade` if it is known, at hand."""
+def advance(
+    c: Coefficients,
+    state: Elements,
+    w_start: Array,
+    w_end: Array,
+    fading: Fading | None = None,
+    keep: Callable[..., Any] = lambda function, *args: function(*args),
+) -> Elements:
+    """`contact_step` with its coefficients, and `fade` if it is known, at hand; `keep` as in `solve.slide.kept`."""
     u, f = state.u, state.f
     fading = fade(c, f) if fading is None else fading
     held = c.equilibrium * u + fading.seen  # force if u stays where it is
     recovery, pushed = -held / c.stiffness, w_end - u
     contact = pushed > recovery
     free = ~contact & (state.q <= 0)
-    change = jnp.where(contact, pushed, recovery)
+    change = keep(jnp.where, contact, pushed, recovery)
     end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
     f_end = c.decay * f + c.gain * change
-    stored = over_branches(c.energy * f_end**2)
+    stored = keep(lambda f: over_branches(c.energy * f**2), f_end)
     work, impulse, kept = _integrals(c, state, fading, change, pushed, free)
     # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
     # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.

@@ -10,6 +10,7 @@ convex, piecewise linear and rising: Newton's method from above ends after a few
 
 import functools
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -85,29 +86,38 @@ def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) 
     fixed_level = fixed[0]
 
     def newton(level, lowest, slope, spring, force, active):
+        """The next depth, and the stiffness of what is `active`."""
         stiffness = spring + jnp.sum(jnp.where(active, slope, 0.0))
         # Without a spring one element at least carries the load. (The place of the least level takes long to find.)
         alone = slope if slope.ndim == 0 else jnp.max(jnp.where(level == lowest, slope, 0.0))
         nobody = stiffness <= 0
         load = force + jnp.where(nobody, alone * lowest, jnp.sum(jnp.where(active, slope * level, 0.0)))
-        return load / jnp.where(nobody, alone, stiffness)
+        return load / jnp.where(nobody, alone, stiffness), stiffness
 
     def again(state):
-        _, count, before, tries = state
-        return (count != before) & (tries < 200)
+        _, stiffness, before, tries = state
+        return (stiffness != before) & (tries < 200)
 
     def improve(state):
+        # From above the elements in contact only become fewer: as stiff as before is the same ones.
         depth, before, _, tries = state
-        depth = newton(*fixed, fixed_level < depth)
-        return depth, jnp.sum(fixed_level < depth), before, tries + 1
+        return *newton(*fixed, fixed_level < depth), before, tries + 1
 
     guess = jax.lax.stop_gradient(guess)
-    depth = jax.lax.while_loop(again, improve, (guess, jnp.sum(fixed_level < guess), -1, 0))[0]
-    return newton(*given, fixed_level < depth)
+    depth = jax.lax.while_loop(again, improve, (guess, -1.0, -2.0, 0))[0]
+    return newton(*given, fixed_level < depth)[0]
 
 
-def _no_fading(c: Coefficients, f: Array) -> Fading:
-    return Fading(*[jnp.zeros(f.shape[1])] * 3)
+def kept(holds: Array, function: Callable[..., Any], *args: Any) -> Any:
+    """`function(*args)` behind a condition that always holds, so that the compiler computes it once.
+
+    Otherwise it would put sums over the branches, and what each branch needs, into every place that uses them.
+    """
+
+    def nothing(*args: Any) -> Any:
+        return jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), jax.eval_shape(function, *args))
+
+    return jax.lax.cond(holds, function, nothing, *args)
 
 
 def press(c: Coefficients, line: Line, fading: Fading, rise: Array, depth: Array) -> tuple[Line, Array]:
@@ -116,7 +126,7 @@ def press(c: Coefficients, line: Line, fading: Fading, rise: Array, depth: Array
     w = depth + rise
     # The integrals of `advance` count from zero in each step and are summed at once: an element carries few numbers.
     before = Elements(line.u, line.f, line.q, line.velocity, zero, zero, zero, line.stored, zero)
-    after = advance(c, before, line.w, w, fading)
+    after = advance(c, before, line.w, w, fading, functools.partial(kept, c.h[0] >= 0))
     work = after.inelastic + 0.5 * c.equilibrium * (after.u**2 - line.u**2)
     return Line(after.u, after.f, after.q, after.velocity, after.stored, w), work
 
@@ -147,8 +157,7 @@ def march(
         rise, slope = surface.rise_and_slope(now.position)
         if viscous:
             _, slope = surface.rise_and_slope(now.position - lag(c) * (now.position - before))
-        # Behind a condition, since the compiler would sum over the branches again wherever it needs the sums.
-        fading = jax.lax.cond(now.h >= 0, fade, _no_fading, c, line.f)
+        fading = kept(now.h >= 0, fade, c, line.f)
         if control == "load":
             depth = settle(free(c, line, fading) - rise, weight * c.stiffness[0], 0.0, now.value, depth)
         else:

@@ -1,0 +1,101 @@
+"""Scenes at the end of their range: the right answer, or a clear flag.
+
+Shear, traction and normal impact with such laws, and friction zero and infinite, are in the `TestExtremes` of their own
+files.
+"""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+BALL, MASSIVE = em.Paraboloid(0.01), {"mass": 0.01, "velocity": 0.1}
+ELASTIC, SHEAR = em.Foundation(4e6, [], []), em.Foundation(8e6 / 3, [], [])
+X = np.arange(64) * 1e-5
+WAVY = em.RoughLine(X, 4e-6 * np.cos(2 * np.pi * X / 6.4e-4))
+TIME = np.linspace(0, 0.02, 9)
+SLOW, FAST = 1e-3, 1e-9 * (TIME[1] - TIME[0])  # relaxation times: one that matters, one far below each step [s]
+CREEP = em.Foundation(4e6, [12e6], [SLOW])
+
+
+def with_branch(modulus):
+    """Beside the slow branch one that relaxes in 1e-9 of the time between two instants, or, without modulus, none."""
+    return em.Foundation(4e6, [modulus, 12e6], [FAST, SLOW])
+
+
+CALLS = {
+    "indent, depth": lambda law: em.indent(law, BALL, time=TIME, depth=1e-5 + 1e-3 * TIME).force[1:],
+    "indent, load": lambda law: em.indent(law, BALL, time=TIME, load=1 + 0.5 * np.sin(300 * TIME), rtol=1e-2).depth[1:],
+    "slide": lambda law: em.slide(law, WAVY, time=TIME, position=0.05 * TIME, load=20.0, rtol=1e-2).mu[1:],
+    "drive": lambda law: em.drive(law, WAVY, time=TIME, position=0.05 * TIME, load=20.0, rtol=3e-2).mu[1:],
+}
+SLOW_TO_COMPILE = [name if name != "drive" else pytest.param(name, marks=pytest.mark.slow) for name in CALLS]
+
+
+@pytest.mark.parametrize("name", SLOW_TO_COMPILE)
+def test_a_branch_that_relaxes_in_1e_9_of_the_step_is_not_felt(name):
+    near = 3e-3 if name == "drive" else 2e-4  # a tenth, or less, of the `rtol` that was asked for
+    np.testing.assert_allclose(CALLS[name](with_branch(5e6)), CALLS[name](with_branch(0.0)), rtol=near)
+
+
+def test_no_load():
+    found = em.indent(with_branch(0.0), BALL, time=TIME, load=0.0)
+    assert found.converged.all()
+    assert not np.any([found.force, found.depth, found.contact_radius, found.work])
+    with pytest.raises(em.InputError, match="load"):  # no contact, no traction coefficient
+        em.traction(ELASTIC, BALL, velocity=1.0, creep=0.1, friction=0.5, load=0.0, tangential=SHEAR)
+
+
+@pytest.mark.parametrize("call", [em.slide, pytest.param(em.drive, marks=pytest.mark.slow)])
+def test_no_load_on_a_rough_line(call):
+    moved = call(with_branch(0.0), WAVY, time=TIME, position=0.05 * TIME, load=0.0, rtol=1e-2)
+    assert moved.converged.all()
+    np.testing.assert_allclose([moved.normal_force, moved.friction_force, moved.dissipated], 0, atol=1e-15)
+    assert np.isnan(moved.mu).all()  # there is none without a normal force
+
+
+def test_oblique_impact_without_friction_and_without_slip():
+    """Endless friction is the limit of a large one: elements lose only what they hold when they part from the body."""
+    found = em.impact(
+        ELASTIC, BALL, **MASSIVE, tangential_velocity=0.05, friction=np.array([0.0, 1e4, np.inf]), tangential=SHEAR
+    )
+    after, lost = found.oblique.after, found.oblique.slip_loss
+    assert found.converged.all()
+    assert lost[0] == 0
+    np.testing.assert_allclose(after[0], 0.05, rtol=1e-12)
+    np.testing.assert_allclose([after[2], lost[2]], [after[1], lost[1]], rtol=1e-4)
+    assert after[2] < 0.05
+
+
+def flat_contact(depth, step):
+    """Force per length [Pa m] of elements that a flat body touches all at once, under `depth` at each `step` [s].
+
+    The contact step of u and f alone, by many small steps of the trapezoidal rule: f' = E_1 u' - f/tau.
+    """
+    (modulus,), (time,), equilibrium = CREEP.moduli, CREEP.times, float(CREEP.equilibrium)
+    z = step / time
+    keep, gain = (1 - z / 2) / (1 + z / 2), modulus / (1 + z / 2)
+    u, f, force = depth[0], modulus * depth[0], [(equilibrium + modulus) * depth[0]]
+    for w in depth[1:]:
+        change = max(w - u, -(equilibrium * u + keep * f) / (equilibrium + gain))
+        u, f = u + change, keep * f + gain * change
+        force.append(max(equilibrium * u + f, 0.0))
+    return np.array(force)
+
+
+@pytest.mark.parametrize("call", ["indent", "slide"])
+def test_all_elements_are_touched_again_at_the_same_instant(call):
+    """A flat body lifted and put back on rubber that has not recovered: one element's history is that of all."""
+    corners = [0, 0.005, 0.0055, 0.006, 0.02], [1e-5, 1e-5, -1e-5, -1e-5, 1e-5]
+    depth = np.interp(TIME, *corners)
+    corners = TIME, depth  # what is given is linear between the instants
+    fine = np.linspace(0, TIME[-1], 80_001)
+    exact = flat_contact(np.interp(fine, *corners), fine[1])[::10_000]
+    if call == "indent":
+        found, width = em.indent(CREEP, em.FlatPunch(1e-3), time=TIME, depth=depth).force, 2e-3
+    else:
+        flat = em.RoughLine(X, 0 * X)
+        found, width = em.slide(CREEP, flat, time=TIME, position=0 * TIME, depth=depth, rtol=1e-3).normal_force, 1.0
+    assert (exact == 0).any()
+    assert exact[-1] > 0
+    np.testing.assert_allclose(found, width * exact, rtol=1e-3, atol=1e-3 * width * exact.max())
