@@ -42,7 +42,8 @@ def test_figure_of_several_curves():
     labels = [t.get_text() for t in ax.get_legend().get_texts()]
     assert [label.split(":")[0] for label in labels] == ["0 °C", "20 °C", "40 °C"]
     assert len(ax.collections) == 3
-    assert "6 of 99 points did not converge and are left out" in [t.get_text() for t in ax.texts]
+    note = "6 of 99 points did not converge and are left out; shaded: estimated numerical error"
+    assert note in [t.get_text() for t in ax.texts]
 
 
 def test_figure_on_given_axes_and_along_other_axes():

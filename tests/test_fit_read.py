@@ -47,7 +47,7 @@ def test_every_format_gives_the_same_numbers(writer, tmp_path):
         ("f,T [K],G' [Pa],G'' [Pa]", "frequency_unit='Hz' (--frequency-unit Hz)"),
         ("f [Hz],T [K],G',G''", "modulus_unit='MPa'"),
         ("f [Hz],T,G' [Pa],G'' [Pa]", "temperature_unit='degC'"),
-        ("f [Hz],T [K],storage modulus [Pa],loss modulus [Pa]", "kind='shear' (--kind shear)"),
+        ("f [Hz],T [K],storage modulus [Pa],loss modulus [Pa]", "kind='shear' or 'tensile'"),
         ("f [Hz],T [K],E' [Pa],G'' [Pa]", "of shear and of tension"),
         ("a,b,c,d", "Name the columns"),
     ],

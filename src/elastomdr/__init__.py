@@ -35,6 +35,7 @@ _HOMES = {
     "scenes.slide": ("slide",),
     "scenes.drive": ("drive",),
     "solve.dynamics": ("Mount",),
+    "fit.spectrum_file": ("spectrum_from_file",),
     "fit.surface_file": ("surface_from_file",),
     "results.bands": ("FrictionBands",),
     "results.curve": ("FrictionCurve", "RollingCurve"),

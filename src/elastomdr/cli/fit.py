@@ -84,6 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     _write(folder, files)
     print(found.summary())
     print(f"wrote {len(files)} files: {', '.join(path.name for path in files)} in {folder}")
+    print(f'in a scene file here: material = "{folder.as_posix()}/{found.material.name}.toml"')
     if found.master.converged and found.prony.converged:
         return DONE
     print("elastomdr: warning: the fit did not converge; look at its figures before using it.", file=sys.stderr)

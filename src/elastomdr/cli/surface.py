@@ -8,9 +8,10 @@ from .keys import Keys, choice, flag, number, numbers, one, positive_number, tex
 from .units import CONDUCTIVITY, HEAT_CAPACITY, LENGTH, WAVE_NUMBER
 
 _CUTOFFS = ("q_low", "q_high", "q_rolloff", "longest", "shortest", "rolloff")
+_TABLE = ("file", "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest")  # of a spectrum in a file
 _KEYS = {
     "self_affine": ("hurst", "rms_slope", "rms_height", *_CUTOFFS),
-    "spectrum": ("q", "c", "convention"),
+    "spectrum": ("q", "c", "convention", *_TABLE),
     "file": ("file", "shortest", "unit", "detrend"),
 }
 _LINES = ("equivalent_length", "seeds", "periods", "samples")
@@ -24,14 +25,13 @@ def read_surface(content: Any, folder: Path) -> tuple[Any, dict[str, Any]]:
     more: dict[str, Any] = {name: keys.get(name, _whole) for name in ("seeds", "periods", "samples") if name in keys}
     if "equivalent_length" in keys:
         more["equivalent_length"] = keys.get("equivalent_length", _equivalent)
-    from .. import SelfAffine, Spectrum, surface_from_file
+    from .. import SelfAffine, surface_from_file
 
     try:
         if shape == "self_affine":
             return SelfAffine(keys.get("hurst", number), **_size(keys), **_cutoffs(keys)), more
         if shape == "spectrum":
-            q, c = keys.get("q", numbers), keys.get("c", numbers)
-            return Spectrum(q, c, convention=keys.get("convention", text)), more
+            return _spectrum(keys, folder), more
         options: dict[str, Any] = {"shortest": keys.get("shortest", one(LENGTH))} if "shortest" in keys else {}
         options |= {"unit": keys.get("unit", text)} if "unit" in keys else {}
         options |= {"detrend": keys.get("detrend", flag)} if "detrend" in keys else {}
@@ -46,6 +46,30 @@ def read_heat(content: Any) -> dict[str, Any]:
     from .. import Heat
 
     return {"heat": Heat(keys.get("conductivity", one(CONDUCTIVITY)), keys.get("heat_capacity", one(HEAT_CAPACITY)))}
+
+
+def _spectrum(keys: Keys, folder: Path) -> Any:
+    """A table in the scene, as q and c, or in a file of its own."""
+    from .. import Spectrum, spectrum_from_file
+    from ..mapping.spectrum import CONVENTIONS
+
+    if "convention" not in keys:
+        listed = "; ".join(f'"{name}": {meaning}' for name, meaning in CONVENTIONS.items())
+        raise InputError(f"[surface] convention is missing, how C is normalised: {listed}.")
+    convention = keys.get("convention", text)
+    if "file" not in keys:
+        for key in _TABLE:
+            if key in keys:
+                raise InputError(f"{keys.name(key)} goes with a file, not with q and c in the scene.")
+        if "q" not in keys:
+            raise InputError('[surface] must have a file, such as "road.csv", or q and c.')
+        return Spectrum(keys.get("q", numbers), keys.get("c", numbers), convention=convention)
+    if "q" in keys or "c" in keys:
+        raise InputError("[surface] file and q, c exclude each other.")
+    options: dict[str, Any] = {key: keys.get(key, text) for key in ("wave_number", "q_unit", "c_unit") if key in keys}
+    options |= {key: keys.get(key, one(LENGTH)) for key in ("longest", "shortest") if key in keys}
+    options |= {"columns": keys.get("columns", lambda _, value: value)} if "columns" in keys else {}
+    return spectrum_from_file(folder / keys.get("file", text), convention=convention, **options)
 
 
 def _size(keys: Keys) -> dict[str, float]:

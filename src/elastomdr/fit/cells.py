@@ -48,10 +48,10 @@ def read_cells(path: Path) -> Sheet:
             f"{path.name or path}: cannot be read ({getattr(error, 'strerror', None) or error})."
         ) from error
     if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
-        return Sheet(_with_points(_spreadsheet(path), ""), "")
+        return Sheet(with_points(_spreadsheet(path), ""), "")
     text = decode(raw, path.name)
-    separator = _separator(text.splitlines())
-    return Sheet(_with_points(_split(text, separator), separator), text)
+    separator = separator_of(text.splitlines())
+    return Sheet(with_points(_split(text, separator), separator), text)
 
 
 def decode(raw: bytes, name: str) -> str:
@@ -98,7 +98,7 @@ def _split(text: str, separator: str) -> list[Row]:
     return rows
 
 
-def _with_points(rows: list[Row], separator: str) -> list[Row]:
+def with_points(rows: list[Row], separator: str) -> list[Row]:
     """The same rows with decimal points and nothing between thousands, whatever a sheet uses for either.
 
     What cannot be both decides: 0,5 and 1.234,5 have decimal commas. Where all commas of a sheet could stand before
@@ -134,7 +134,7 @@ def _is_decimal(cell: str, mark: str) -> bool:
     return other in before or len(after) != 3 or len(before) > 3 or before in ("", "0")
 
 
-def _separator(lines: list[str]) -> str:
+def separator_of(lines: list[str]) -> str:
     """The separator that cuts most lines into several cells that are mostly numbers."""
     sample = [line for line in lines if line.strip()][:400]
     best, most = ",", 0.0

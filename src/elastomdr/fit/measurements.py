@@ -89,9 +89,7 @@ def _chosen(columns: list[Column], options: Options) -> dict[str, Column]:
     letters = {column.letter for column in columns if measure(column.role) == "modulus"} - {""}
     if len(letters) > 1:
         if options.kind is None:
-            raise InputError(
-                "the file has moduli of shear and of tension: say which are meant, as kind='shear' (--kind shear)."
-            )
+            raise InputError("the file has moduli of shear and of tension: give kind='shear' or 'tensile' (--kind).")
         wanted = "G" if options.kind == "shear" else "E"
         columns = [column for column in columns if column.letter in ("", wanted)]
         if not is_complete(columns):
@@ -187,6 +185,7 @@ def _kind(chosen: dict[str, Column], options: Options) -> str:
     kind = found or options.kind
     if kind is None:
         raise InputError(
-            "whether the moduli are of shear or tension is not in the file; give it, as kind='shear' (--kind shear)."
+            "whether the moduli are of shear or tension is not in the file; give it, as kind='shear' or 'tensile' "
+            "(--kind shear or --kind tensile)."
         )
     return kind

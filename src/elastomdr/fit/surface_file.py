@@ -3,7 +3,6 @@
 import importlib.util
 import io
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,14 +12,13 @@ import numpy as np
 
 from .._runtime import plain, positive
 from ..errors import InputError
-from ..files import read_bytes, read_text
+from ..files import read_bytes
 from ..mapping.measured import MeasuredSurface, from_map, from_profile
+from .table import METRES, Table, read_table
 
-_METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}
 _LARGEST = 1e100  # [m]
 _TEXT = (".csv", ".tsv", ".txt", ".dat", "")  # names of tables; other files are an instrument's
 _PATIENCE = 120  # seconds for an instrument's file
-_TITLE = re.compile(r"\s*(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]\s*")
 
 
 def surface_from_file(
@@ -29,9 +27,10 @@ def surface_from_file(
     """A measured surface from a CSV file: a profile in two columns, x and height, or a map in three, x, y and height.
 
     The line of titles carries the units, such as "x [mm], height [um]"; without them `unit` names the one unit of all
-    columns. Cells that are empty or no number are holes. Lines that start with # are passed over; comma, semicolon or
-    tab separates. `shortest` [m] is the shortest wavelength to keep (default: two steps), `detrend` takes a straight
-    line or plane off. What had to be mended is in `report`. The surface is taken to be isotropic. Raises `InputError`.
+    columns. Cells that are empty or no number are holes. Lines that start with # are passed over, unless they hold the
+    titles; comma, semicolon, tab or blank separates. `shortest` [m] is the shortest wavelength to keep (default: two
+    steps), `detrend` takes a straight line or plane off. What had to be mended is in `report`. The surface is taken to
+    be isotropic. Raises `InputError`.
 
     A file that is not called .csv, .tsv, .txt or .dat is taken for an instrument's (x3p, sur, plu, opd, al3d, vk4, mnt,
     ibw, gwy, ...), which `pip install elastomdr[instruments]` (SurfaceTopography) reads, with the unit in it.
@@ -42,23 +41,8 @@ def surface_from_file(
         positive("shortest", shortest)
     if Path(path).suffix.lower() not in _TEXT:
         return _from_instrument(Path(path), unit, shortest, detrend)
-    try:
-        lines = [line for line in read_text(path).split("\n") if line.strip() and not line.lstrip().startswith("#")]
-    except (OSError, ValueError) as error:
-        raise InputError(f"path must be a text file that can be read, got {name!r}: {error}.") from error
-    if not lines:
-        raise InputError(f"path must be a table of heights, got {name!r} without a line.")
-    mark = next((m for m in ("\t", ";", ",") if m in lines[0]), None)
-    rows = [[cell.strip() for cell in (line.split(mark) if mark else line.split())] for line in lines]
-    titled = any(np.isnan(_number(cell)) for cell in rows[0])
-    scale = _units(rows[0] if titled else None, len(rows[0]), unit, name)
-    body = rows[1:] if titled else rows
-    wrong = next((i for i, row in enumerate(body) if len(row) != len(rows[0])), None)
-    if wrong is not None:
-        raise InputError(
-            f"path: {name!r} has {len(body[wrong])} cells in row {wrong + 1}, {len(rows[0])} in the first."
-        )
-    data = np.array([[_number(cell) for cell in row] for row in body]).reshape(-1, len(scale)) * scale
+    table = read_table(path, "heights", METRES.__contains__)
+    data = table.data * _units(table, unit, name)
     if not np.all(np.abs(data[np.isfinite(data)]) < _LARGEST):
         raise InputError(
             f"path: {name!r} must hold lengths below {_LARGEST:g} m, got one of {np.nanmax(np.abs(data)):g} m."
@@ -92,9 +76,9 @@ def _from_instrument(path: Path, unit: str | None, shortest: float | None, detre
         x, y, height, given = found["x"], found["y"], found["height"], str(found["unit"]) or unit
     if given is None:
         raise InputError(f"path: {path.name!r} says nothing of its unit; give unit=.")
-    if given not in _METRES:
-        raise InputError(f"path: {path.name!r} has the unit {given!r}; accepted are {', '.join(_METRES)}.")
-    scale = _METRES[given]
+    if given not in METRES:
+        raise InputError(f"path: {path.name!r} has the unit {given!r}; accepted are {', '.join(METRES)}.")
+    scale = METRES[given]
     try:
         if y.size == 0:
             return from_profile(x * scale, height * scale, shortest, detrend)
@@ -116,23 +100,16 @@ def _grid(data: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return x, y, height
 
 
-def _units(titles: list[str] | None, count: int, unit: str | None, name: str) -> np.ndarray:
+def _units(table: Table, unit: str | None, name: str) -> np.ndarray:
+    count = len(table.units)
     if count not in (2, 3):
         raise InputError(f"path must have two columns (x, height) or three (x, y, height), got {count} in {name!r}.")
-    found = [_TITLE.fullmatch(title) for title in titles or [""] * count]
-    units = [match[2] if match else unit for match in found]
+    units = [given or unit for given in table.units]
     for given in units:
         if given is None:
             raise InputError(
                 f'path: {name!r} has columns without a unit; write titles such as "x [mm], height [um]", or give unit=.'
             )
-        if given not in _METRES:
-            raise InputError(f"path: {name!r} has the unit {given!r}; accepted are {', '.join(_METRES)}.")
-    return np.array([_METRES[str(u)] for u in units])
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return np.nan
+        if given not in METRES:
+            raise InputError(f"path: {name!r} has the unit {given!r}; accepted are {', '.join(METRES)}.")
+    return np.array([METRES[str(u)] for u in units])

@@ -26,6 +26,7 @@ CONVENTIONS = {
     "1d": "of a straight cut, <h^2> = int C dq over all q, positive and negative",
     "1d one-sided": "of a straight cut, <h^2> = int C dq over q > 0",
     "1d/2pi": "of a straight cut, <h^2> = int C dq / (2 pi) over all q, positive and negative",
+    "1d one-sided/2pi": "of a straight cut, <h^2> = int C dq / (2 pi) over q > 0",
 }
 
 
@@ -181,7 +182,8 @@ class Spectrum(AbstractSpectrum):
 
     - "2d": C(q) [m^4] with <h^2> = int C d^2q;  "2d/4pi^2": with <h^2> = int C d^2q/(4 pi^2)
     - "1d": spectrum of a straight cut [m^3], <h^2> = int C dq over all q;  "1d one-sided": over q > 0;
-      "1d/2pi": int C dq/(2 pi) over all q. Turned into the two-dimensional one of an isotropic surface,
+      "1d/2pi": int C dq/(2 pi) over all q;  "1d one-sided/2pi": over q > 0. Turned
+      into the two-dimensional one of an isotropic surface,
       C = -(1/pi) int_q^inf C_cut'(k)/sqrt(k^2 - q^2) dk, by pieces, exact for a table joined by straight lines.
 
     `q` [rad/m] ascends, without repeats. Compare `rms_height` and `rms_slope` with what is known of the surface: a
@@ -194,10 +196,7 @@ class Spectrum(AbstractSpectrum):
     label: ClassVar[str] = "surface by its spectrum"
 
     def __init__(self, q: Any, c: Any, *, convention: str):
-        if convention not in CONVENTIONS:
-            hint = closest(str(convention), CONVENTIONS)
-            listed = "; ".join(f"{name!r}: {meaning}" for name, meaning in CONVENTIONS.items())
-            raise InputError(f"convention must be one of {listed}; got {convention!r}.{hint}")
+        check_convention(convention)
         q, c = np.array(q, dtype=np.float64), np.array(c, dtype=np.float64)
         if q.ndim != 1 or q.shape != c.shape or q.size < 2:
             raise InputError(f"q and c must be lists of the same length, two or more, got shapes {q.shape}, {c.shape}.")
@@ -209,11 +208,19 @@ class Spectrum(AbstractSpectrum):
         if convention == "2d/4pi^2":
             self.c = c / (4 * np.pi**2)
         elif convention != "2d":
-            factor = {"1d": 1.0, "1d one-sided": 0.5, "1d/2pi": 1 / (2 * np.pi)}[convention]
+            factor = (0.5 if "one-sided" in convention else 1.0) / (2 * np.pi if "/2pi" in convention else 1.0)
             self.q, self.c = _from_cut(q, factor * c)
 
     def __repr__(self) -> str:
         return f"Spectrum({self.q.size} points, convention={self.convention!r}, {self.words()})"
+
+
+def check_convention(convention: Any) -> None:
+    """Raises `InputError`, with all that there are, where it is none."""
+    if not isinstance(convention, str) or convention not in CONVENTIONS:
+        hint = closest(str(convention), CONVENTIONS)
+        listed = "; ".join(f"{name!r}: {meaning}" for name, meaning in CONVENTIONS.items())
+        raise InputError(f"convention must be one of {listed}; got {convention!r}.{hint}")
 
 
 def _plain(value: Any) -> Any:

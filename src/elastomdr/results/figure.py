@@ -43,6 +43,7 @@ def draw(
     highest = highest if points is None else max(highest, float(points["mu"].max()))
     velocity, beyond = fields["velocity"], fields.get("extrapolated", np.zeros(value.shape, dtype=bool))
     against_velocity = axis.name == "velocity" or not axis.unit
+    shaded = False
     for curve, colour, named in zip(all_curves, _colours(len(all_curves)), _named(len(all_curves)), strict=True):
         x = np.atleast_1d(velocity[curve.at] if against_velocity else axis.values)
         order = np.argsort(x, kind="stable")
@@ -61,6 +62,7 @@ def draw(
         if cold is not None:
             ax.plot(x, np.atleast_1d(cold[curve.at])[order], "--", color=colour, linewidth=1.2, zorder=2.5)
         if (e > _VISIBLE * highest).any():
+            shaded = True
             ax.fill_between(x, y - e, y + e, color=colour, alpha=0.2, linewidth=0, zorder=2)
         if top is not None and x.size > 1:
             ax.plot(top.x, top.y, "o", color=colour, markersize=5.5, zorder=4)
@@ -85,6 +87,7 @@ def draw(
     notes = [f"{failed} of {fields['converged'].size} points did not converge and are left out"] if failed else []
     notes += ["dashed: without heating"] if cold is not None else []
     notes += ["dotted: beyond the range of the material's data"] if beyond.any() else []
+    notes += ["shaded: estimated numerical error"] if shaded else []
     note = "; ".join(notes)
     if title or not beside_others:
         _write_title(ax, title or result.heading(), result.model, note)

@@ -18,7 +18,7 @@ from ..solve.periodic import Line, solve_line
 from ..solve.periodic_plan import RoughPlan, plan_lines
 from .ensemble import Ask, Mean, lanes_of, mean_of_lines, solutions
 from .flash import SETTLED, warmed
-from .rough_arguments import RoughScene, set_up
+from .rough_arguments import RoughScene, load_level, set_up
 from .rough_traced import traced_mean_of_lines
 from .steady import AVERAGED, BARE, brief
 
@@ -120,7 +120,9 @@ def rough_friction(
         ("material", foundation.name or "given directly"),
         ("surface", surface.label if traced else surface_words(surface, lines[0])),
     ]
+    inputs += [("as read", text) for text in getattr(surface, "report", ())]
     inputs += [("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []
+    inputs += [] if pressure is None or traced else load_level(foundation, surface, pressure, equivalent_length)
     inputs += [
         (f"line {control}", brief(scene.value, "N/m" if control == "load" else "m")),
         ("velocity", brief(velocity, "m/s")),

@@ -14,6 +14,7 @@ from .ensemble import ensemble
 from .steady import brief, check_shift
 
 FULL = "full contact"
+_LIGHT = 0.03  # p/(E*(0) rms slope) up to which the book's rule is one of light contact (docs/rough.md)
 
 
 class RoughScene(NamedTuple):
@@ -144,6 +145,26 @@ def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_leng
     length = scalar("equivalent_length", equivalent_length)
     positive("equivalent_length", length)
     return "load", value * length, length, f"; pressure p as line load p L with L ={_metres(length)[2:]} as given"
+
+
+def load_level(foundation: Foundation, surface: Any, pressure: Any, rule: Any) -> list[tuple[str, str]]:
+    """For results: p/(E*(0) rms slope), half the share of relaxed rubber that touches or more; which rule fits.
+
+    `rule` is the caller's `equivalent_length`. Nothing for a line, whose pressure has a length of its own.
+    """
+    if isinstance(surface, RoughLine):
+        return []
+    level = np.asarray(pressure, dtype=np.float64) / (float(foundation.equilibrium) * surface.rms_slope)
+    words = f"p/(E*(0) rms slope) = {brief(level, '').strip()}: "
+    if level.max() <= _LIGHT:
+        words += f"light contact (up to {_LIGHT}), for which the book's rule is made"
+    elif rule is None:
+        words += (
+            f'beyond light contact ({_LIGHT}): mu comes out too low by this rule, compare equivalent_length = "{FULL}"'
+        )
+    else:
+        words += f"beyond light contact ({_LIGHT})"
+    return [("load level", words)]
 
 
 def _metres(length: Any) -> str:

@@ -1,0 +1,87 @@
+"""Text files of plain columns of numbers: titles with units, rows with their lines; for surfaces and their spectra."""
+
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from ..files import read_bytes
+from .cells import Row, decode, separator_of, with_points
+
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}
+_TITLE = re.compile(r"\s*(.*?\S)\s*(?:\[\s*([^\[\]]*?)\s*\]|\(\s*([^()]*?)\s*\)|\s(?:/|in)\s+(\S+))\s*")
+
+
+class Table(NamedTuple):
+    """What a file holds; empty cells and those that are no number are NaN."""
+
+    titles: list[str]  # empty where there are none
+    units: list[str]  # of the columns, empty where none is given
+    lines: list[int]  # in which each row stands, counted from 1
+    cells: list[list[str]]
+    data: np.ndarray  # (rows, columns)
+
+
+def read_table(path: str | os.PathLike[str], what: str, is_unit: Callable[[str], bool]) -> Table:
+    """The columns of a text file. Raises `InputError`, with the file's name.
+
+    The first row of two numbers or more begins the table. Titles stand above it, a row of units may follow them, and
+    both may stand behind a #. Tab, semicolon, comma or blank separates; decimal commas and the encodings of `read_dma`.
+    """
+    name = Path(path).name
+    try:
+        raw = read_bytes(path)
+    except (OSError, ValueError) as error:
+        raise InputError(f"path must be a text file that can be read, got {name!r}: {error}.") from error
+    given = [(i, line) for i, line in enumerate(decode(raw, name).splitlines(), start=1) if line.strip()]
+    lines = [(i, line) for i, line in given if not line.lstrip().startswith("#")]
+    mark = separator_of([line for _, line in lines])
+    rows = [Row(i, _cut(line, mark)) for i, line in lines]
+    if mark != "," and any("," in line for _, line in lines):
+        rows = with_points(rows, mark)
+    numeric = (sum(np.isfinite(_number(cell)) for cell in row.cells) > 1 for row in rows)
+    start = next((i for i, found in enumerate(numeric) if found), None)
+    if start is None:
+        raise InputError(f"path must be a table of {what}, got {name!r} without a row of two numbers.")
+    body = rows[start:]
+    width = len(body[0].cells)
+    for row in body:
+        if len(row.cells) != width:
+            raise InputError(
+                f"path: {name!r} has {len(row.cells)} cells in line {row.line}, {width} in line {body[0].line}."
+            )
+    above = [row.cells for row in rows[:start]]
+    behind = [_cut(line.lstrip(" \t#"), mark) for i, line in given if line.lstrip()[0] == "#" and i < body[0].line]
+    titles, units = _head([cells for cells in above if len(cells) == width], is_unit)
+    if not titles:
+        titles, units = _head([cells for cells in behind if len(cells) == width], is_unit)
+        titles, units = (titles, units) if any(map(is_unit, units)) else ([], [])
+    data = np.array([[_number(cell) for cell in row.cells] for row in body])
+    return Table(titles, units or [""] * width, [row.line for row in body], [row.cells for row in body], data)
+
+
+def _head(rows: list[list[str]], is_unit: Callable[[str], bool]) -> tuple[list[str], list[str]]:
+    """Titles without their units, and the units, from the rows above a table."""
+    if not rows:
+        return [], []
+    bare = [cell.strip("[]() ") for cell in rows[-1]]
+    if len(rows) > 1 and all(map(is_unit, bare)):
+        return rows[-2], bare
+    found = [_TITLE.fullmatch(cell) for cell in rows[-1]]
+    units = [next((u for u in match.groups()[1:] if u), "") if match else "" for match in found]
+    return [match[1] if match else cell for match, cell in zip(found, rows[-1], strict=True)], units
+
+
+def _cut(line: str, mark: str) -> list[str]:
+    return [cell.strip().strip('"').strip() for cell in (line.split() if mark == " " else line.split(mark))]
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return np.nan
