@@ -39,7 +39,7 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         folder / f"{stem}.csv": curve.csv(notes).encode(),
         folder / f"{stem}.png": curve.png(scene.title, **points),
     }
-    if scene.rough and curve.converged.any():
+    if scene.rough and curve.rough is not None and curve.converged.any():
         files[folder / f"{stem}-contact.png"] = _contact(scene, curve)
     _write(folder, files)
     parts.remove()  # not before: what was computed outlives a full disk
