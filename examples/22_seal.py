@@ -2,16 +2,17 @@
 
 Teaches: a squeeze becomes a pressure by a formula of the seal literature, the pressure a friction force by
 `em.friction` on a rough surface; `em.slide` starts it after a dwell on `surface.line(seed)`; the slope of the curve
-says whether the drive will swing.
+says whether the drive will swing, where friction follows the speed at once.
 
 Inputs: `epdm-70` (fitted to shear DMA) and `silicone-like` (made up, illustrative) of the library; O-ring of 3 mm cord
 on a rod of 20 mm, squeezed by 8 %, relaxed for 1 h; rod ground rough, H = 0.8, rms slope 0.3, wavelengths of 100 um to
-4 um; drive of 2e5 N/m, 5 kg and 20 N s/m: chosen here. Lindley's formula (J. Inst. Rubber Ind. 1 (1967) 209), recalled.
+4 um; pneumatic drive of 5e3 N/m, 5 kg and 20 N s/m: chosen here. Lindley's formula (J. Inst. Rubber Ind. 1 (1967)
+209), recalled.
 Hysteresis only, no adhesion: docs/seal.md.
 
-Check: at small squeeze Lindley's line load gives by Hertz a contact 2a = sqrt(16 W R/pi E*), the formula's own width;
-all temperatures on one curve of v a_T (Grosch 1963); pressed into full contact the friction is a sum over waves in
-closed form; and the sign of the growth of a disturbed drive by scipy's integrator.
+Check: pressed into full contact the friction is a sum over waves in closed form, with the loss modulus alone. Held as
+well, since they would show a slip of the pen: at small squeeze Lindley's line load gives by Hertz a contact 2a =
+sqrt(16 W R/pi E*), the formula's own width, and all temperatures lie on one curve of v a_T (Grosch 1963).
 
     python examples/22_seal.py [--out DIR]
 """
@@ -21,16 +22,16 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from scipy.integrate import solve_ivp
 
 import elastomdr as em
 
 NAMES = ("epdm-70", "silicone-like")
 CORD, ROD, SQUEEZE, AGE = 3e-3, 20e-3, 0.08, 3600.0  # m, m, -, s
-SHAFT = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 100e-6, q_high=2 * np.pi / 4e-6)
+LONGEST = 100e-6  # m
+SHAFT = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / LONGEST, q_high=2 * np.pi / 4e-6)
 VELOCITY = np.geomspace(1e-4, 0.1, 10)  # m/s
 KELVIN = np.array([293.15, 303.15, 323.15])
-STIFFNESS, MASS, DAMPING = 2e5, 5.0, 20.0  # of the drive: N/m, kg, N s/m
+STIFFNESS, MASS, DAMPING = 5e3, 5.0, 20.0  # of the drive: N/m, kg, N s/m
 ASKED = {"average": None, "samples": 1024, "rtol": 1e-3, "equivalent_length": "full contact"}
 LINE = SHAFT.line(seed=1, periods=4, samples=512)
 DWELLS = np.array([1.0, 100.0])  # s
@@ -49,25 +50,27 @@ def main(out: Path) -> None:
         force = curve.mu * normal
         slope = np.gradient(force, VELOCITY, axis=-1)
         print(f"{name}: {line:.0f} N/m on {1e3 * width:.2f} mm, {1e-6 * pressure:.2f} MPa, {normal:.0f} N on the rod")
-        swings = np.broadcast_to(VELOCITY, slope.shape)[slope < -DAMPING]
-        said = (
-            f"swings from {swings.min():.2g} to {swings.max():.2g} m/s" if swings.size else "is steady at every speed"
-        )
-        print(f"    friction {force.min():.2f} to {force.max():.2f} N; the drive {said}")
+        at_once = np.sqrt(STIFFNESS / MASS) * LONGEST < VELOCITY  # a wave passes within a small part of a swing
+        least = (DAMPING + slope[:, at_once]).min()
+        said = f"damped, at least {least:.0f} N s/m with the drive's own" if least > 0 else "not damped everywhere"
+        print(f"    friction {force.min():.2f} to {force.max():.2f} N; above {VELOCITY[at_once][0]:.2g} m/s {said}")
         for row, steep, kelvin, colour in zip(force, slope, KELVIN, colours, strict=True):
             left.loglog(VELOCITY, row, dash, color=colour, label=f"{name}, {kelvin - 273.15:g} °C")
             ratio = (DAMPING + steep) / (2 * np.sqrt(STIFFNESS * MASS))
-            right.semilogx(VELOCITY, ratio, dash, color=colour, label=f"{name}, {kelvin - 273.15:g} °C")
+            right.semilogx(
+                VELOCITY[at_once], ratio[at_once], dash, color=colour, label=f"{name}, {kelvin - 273.15:g} °C"
+            )
         if name == NAMES[0]:
             started = start(middle, rubber.at(KELVIN[0]), pressure)
-            check(rubber, curve, started, slope[0], width)
+            check(rubber, curve, started, width)
     right.axhline(0, color="#888888", linewidth=1)
     left.set(xlabel="Speed of the rod [m/s]", ylabel="Friction force of the seal [N]")
     left.set_title(f"O-ring of {1e3 * CORD:g} mm, squeezed by {100 * SQUEEZE:g} %", fontsize=10)
     middle.set(xlabel="Way of the rod [µm]", ylabel="Friction / steady friction [-]")
     middle.set_title(f"Start at 10 mm/s after a dwell, {NAMES[0]}", fontsize=10)
     right.set(xlabel="Speed of the rod [m/s]", ylabel="Damping ratio of drive and seal [-]")
-    right.set_title("Below zero the drive swings", fontsize=10)
+    right.set_title("Below zero the drive would swing", fontsize=10)
+    right.set_ylim(-0.02, 0.12)
     for ax in (left, middle, right):
         ax.grid(color="#dddddd")
         ax.set_axisbelow(True)
@@ -97,7 +100,7 @@ def start(ax: plt.Axes, rubber: em.Prony, pressure: float) -> list[em.Slide]:
     return found
 
 
-def check(rubber: em.Prony, curve: em.FrictionCurve, started: list[em.Slide], slope: np.ndarray, width: float) -> None:
+def check(rubber: em.Prony, curve: em.FrictionCurve, started: list[em.Slide], width: float) -> None:
     assert curve.converged.all(), "every point must converge"
     assert all(slid.converged.all() for slid in started), "every instant must converge"
     line, small = squeezed(1e6, 1e-3)
@@ -117,17 +120,6 @@ def check(rubber: em.Prony, curve: em.FrictionCurve, started: list[em.Slide], sl
     expected = (0.5 * amplitude**2 * k * 4 * relaxed.loss(1e-2 * k)).sum() / load
     print(f"check     full contact: mu = {float(full.mu):.6e}, sum over waves {expected:.6e}")
     assert np.isclose(full.mu, expected, rtol=1e-3), "the sum over waves in full contact"
-
-    for steep in (slope[0], slope[5]):
-
-        def rate(_: float, y: np.ndarray, damping: float = DAMPING + steep) -> list[float]:
-            return [y[1], -(STIFFNESS * y[0] + damping * y[1]) / MASS]
-
-        run = solve_ivp(rate, (0, 1.0), [1e-6, 0.0], rtol=1e-10, atol=1e-16)
-        energy = np.sqrt(STIFFNESS * run.y[0] ** 2 + MASS * run.y[1] ** 2)
-        growth = np.log(energy[-1] / energy[0])
-        print(f"check     dF/dv {steep:6.1f} N s/m: a disturbance {'grows' if growth > 0 else 'dies'}")
-        assert np.sign(growth) == -np.sign(DAMPING + steep), "the sign of the damping decides"
 
 
 if __name__ == "__main__":

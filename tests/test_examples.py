@@ -54,3 +54,14 @@ def test_problem_is_in_the_docs(path):
     figure = f"figures/problems/{path.stem}.png"
     assert figure in (docs / "problems.md").read_text(encoding="utf-8")
     assert (docs / figure).is_file()
+
+
+@pytest.mark.parametrize(
+    "path", [p for p in EXAMPLES if p not in PROBLEMS and p.stem >= "20"], ids=lambda path: path.stem
+)
+def test_application_is_in_the_docs(path):
+    """Each application has a page that shows its figure and says how to make it again."""
+    docs = FOLDER.parent / "docs"
+    pages = [page.read_text(encoding="utf-8") for page in docs.glob("*.md")]
+    assert any(f"figures/{path.stem}.png" in text and f"examples/{path.name}" in text for text in pages)
+    assert (docs / "figures" / f"{path.stem}.png").is_file()
