@@ -108,6 +108,8 @@ def at_reference(
     if n == 1:
         return weights, 0.0
     weights[low + 1] = place - low
+    if np.abs(temperature - reference).min() < 1e-9:  # there is nothing between to bend
+        return weights, 0.0
     centre = int(np.argmin(np.abs(temperature - reference)))
     change = np.eye(n)
     change[:, centre] -= 1
