@@ -203,7 +203,7 @@ def _climb(
 
 def _gram(rows: np.ndarray) -> np.ndarray:
     """The lower triangle of rows.T @ rows, the upper one zero, in the order that LAPACK takes without a copy."""
-    return dsyrk(1.0, rows.T, lower=1)
+    return dsyrk(1.0, rows.T, lower=1) if len(rows) else np.zeros((rows.shape[1],) * 2, order="F")
 
 
 def _trace(covariance: np.ndarray, gram: np.ndarray) -> float:
