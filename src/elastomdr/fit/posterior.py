@@ -214,7 +214,7 @@ def _trace(covariance: np.ndarray, gram: np.ndarray) -> float:
 def _cholesky(matrix: np.ndarray) -> np.ndarray:
     """The lower factor, by LAPACK itself: SciPy's checks take longer than a matrix of a hundred rows."""
     factor, failed = dpotrf(matrix, lower=1)  # reads the lower triangle only
-    jitter = 1e-14 * np.abs(np.diag(matrix)).max()
+    jitter = 1e-14 * np.abs(np.diag(matrix)).max() if failed else 0.0
     while failed:
         factor, failed = dpotrf(matrix + jitter * np.eye(len(matrix)), lower=1)
         jitter *= 10
