@@ -130,7 +130,7 @@ def _fit(
         answer = least_squares(
             lambda p, white=white: white @ (value - law(p)),
             p,
-            lambda p, white=white: -white @ _derivatives(law, p),
+            lambda p, white=white: -white @ _derivatives(law, p),  # pyright: ignore[reportArgumentType]
             bounds=bounds,
             x_scale=1.0,
         )
