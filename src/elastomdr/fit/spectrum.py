@@ -109,7 +109,7 @@ def predict(
 def _runs(channel: np.ndarray) -> Iterator[tuple[int, slice]]:
     """Neighbouring points of one channel, as slices: views, which are not copied."""
     ends = [0, *(np.flatnonzero(channel[1:] != channel[:-1]) + 1).tolist(), channel.size]
-    for start, stop in pairwise(ends):
+    for start, stop in pairwise(ends if channel.size else []):
         yield int(channel[start]), slice(start, stop)
 
 
