@@ -233,3 +233,21 @@ def test_cards_hold_the_same_material():
     assert "*TRS, DEFINITION=ARRHENIUS\n300, 80000\n" in abaqus_card(arrhenius)
     with pytest.raises(InputError, match="viscosity must be 0"):
         abaqus_card(em.KelvinVoigt(1e6, 1e3))
+
+
+@pytest.mark.parametrize("dynamic", [True, False])
+def test_moduli_that_never_change_are_drawn_without_warnings(dynamic):
+    """A damaged file may hold one value throughout: limits of a logarithmic axis must not come from it alone."""
+    rate = np.geomspace(1.0, 100.0, 8)
+    if dynamic:
+        dma = em.fit.dma(rate, np.full(8, 1e6), np.full(8, 1e5), 293.15, kind="shear")
+    else:
+        dma = em.fit.relaxation(rate, np.full(8, 1e6), 293.15, kind="shear")
+    fit = em.fit.material(dma)
+    images = [content for name, content in fit.files("flat").items() if name.endswith(".png")]
+    assert len(images) == (3 if dynamic else 1)
+    assert all(content.startswith(b"\x89PNG") for content in images)
+    storage, loss = fit.prony.moduli_at(rate)
+    ax = fit.prony.plot()
+    assert ax.get_xscale() == ax.get_yscale() == "log"
+    assert ax.get_ylim()[0] < (storage if not dynamic else np.minimum(storage, loss)).min()

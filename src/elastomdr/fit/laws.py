@@ -108,6 +108,8 @@ def at_reference(
     if n == 1:
         return weights, 0.0
     weights[low + 1] = place - low
+    if np.abs(temperature - reference).min() < 1e-9:  # there is nothing between to bend
+        return weights, 0.0
     centre = int(np.argmin(np.abs(temperature - reference)))
     change = np.eye(n)
     change[:, centre] -= 1
@@ -124,9 +126,13 @@ def _fit(
     bounds = np.array(limits).T
     spread = np.eye(p.size)
     for _ in range(8):
-        root = np.linalg.cholesky(covariance + own**2 * np.eye(value.size))
+        white = np.linalg.inv(np.linalg.cholesky(covariance + own**2 * np.eye(value.size)))
         answer = least_squares(
-            lambda p, root=root: np.linalg.solve(root, value - law(p)), p, bounds=bounds, x_scale=1.0
+            lambda p, white=white: white @ (value - law(p)),
+            p,
+            lambda p, white=white: -white @ _derivatives(law, p),  # pyright: ignore[reportArgumentType]
+            bounds=bounds,
+            x_scale=1.0,
         )
         p = answer.x
         spread = np.linalg.pinv(answer.jac.T @ answer.jac)
@@ -135,3 +141,9 @@ def _fit(
             break
         own *= min(np.sqrt(excess), 4.0)
     return p, spread, float(own)
+
+
+def _derivatives(law: Any, p: np.ndarray) -> np.ndarray:
+    """The derivatives of a law with respect to its parameters, from a step along the imaginary axis: exact."""
+    step = 1e-30
+    return np.stack([law(p + 1j * step * row).imag for row in np.eye(p.size)], axis=1) / step

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
+from scipy.linalg.blas import dsyrk  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 from threadpoolctl import threadpool_limits
 
@@ -64,6 +65,14 @@ Model = Callable[[np.ndarray], tuple[np.ndarray, Callable[[], np.ndarray]]]  # p
 Wary = Callable[[np.ndarray], np.ndarray]  # p -> the Jacobian that the covariance is computed with
 
 
+class _Place(NamedTuple):
+    """Unknowns, and the model there."""
+
+    p: np.ndarray
+    residuals: np.ndarray  # data minus model
+    jacobian: np.ndarray
+
+
 def infer(
     model: Model,
     data: np.ndarray,
@@ -84,33 +93,34 @@ def infer(
     neighbours: so many points count as one. `wary` replaces the Jacobian in the covariance. `weights` of the points
     are found, unless they are given: 1, and less for outliers. Climbing stops where a step gains less than `gain`.
     """
-    p, noise, robust = start.copy(), noise.copy(), weights is None
+    noise, robust = noise.copy(), weights is None
     weights = np.ones(data.size) if weights is None else weights
     widths = [prior.width for prior in priors]
     grams = [prior.rows.T @ prior.rows for prior in priors]
     pulls = [prior.rows.T @ np.broadcast_to(prior.target, prior.rows.shape[0]) for prior in priors]
-    counts = np.array([(group == g).sum() for g in range(noise.size)])
-    residuals, factor, converged = data, np.eye(p.size), False
-    covariance = factor
+    members = [np.flatnonzero(group == g) for g in range(noise.size)]
+    there = np.array([at.size > 0 for at in members])
+    value, jacobian = model(start)
+    place, converged = _Place(start, data - value, jacobian()), False
+    factor = covariance = np.eye(start.size)
     for _ in range(_ROUNDS):
-        precision = _weighted(grams, widths)
+        precision = _weighted(grams, widths).T  # its transpose is itself, in the order of LAPACK
         pull = _weighted(pulls, widths)
         scale = np.sqrt(weights / temper) / noise[group]
-        p, residuals, jacobian, settled = _climb(model, data, scale, precision, pull, p, gain)
-        scaled = jacobian * scale[:, None]
-        hessian = scaled.T @ scaled + precision
-        factor = _cholesky(hessian)
+        place, settled = _climb(model, data, scale, precision, pull, place, gain)
+        p, residuals = place.p, place.residuals
+        scaled = place.jacobian * scale[:, None]
+        curvatures = [_gram(scaled[at]) for at in members]
+        factor = _cholesky(sum(curvatures) + precision)
         covariance = _inverse(factor)
-        leverage = np.einsum("ij,ij->i", scaled @ covariance, scaled)
         before = np.log(np.concatenate([noise, widths]))
-        for g in range(noise.size):
-            at = group == g
-            if counts[g] and noise_limits is not None:
-                freedom = max(counts[g] - leverage[at].sum(), 0.1 * counts[g])
+        for g, at in enumerate(members):
+            if at.size and noise_limits is not None:
+                freedom = max(at.size - _trace(covariance, curvatures[g]), 0.1 * at.size)
                 size = np.sqrt((weights[at] * residuals[at] ** 2).sum() / freedom)
                 noise[g] = np.clip(size, *noise_limits)
         if noise_limits is not None:
-            noise = np.maximum(noise, noise[counts > 0].max() / _RATIO)
+            noise = np.maximum(noise, noise[there].max() / _RATIO)
         for j, prior in enumerate(priors):
             if prior.limits is None:
                 continue
@@ -126,9 +136,9 @@ def infer(
             converged = True
             break
     if wary is not None:
-        scaled = wary(p) * (np.sqrt(weights / temper) / noise[group])[:, None]
-        precision = _weighted(grams, widths)
-        covariance = _inverse(_cholesky(scaled.T @ scaled + precision))
+        scaled = wary(place.p) * (np.sqrt(weights / temper) / noise[group])[:, None]
+        covariance = _inverse(_cholesky(_gram(scaled) + _weighted(grams, widths)))
+    p, residuals = place.p, place.residuals
     log_evidence = (
         -0.5 * (weights * (residuals / noise[group]) ** 2).sum() / temper
         - np.log(noise[group]).sum() / temper
@@ -153,27 +163,26 @@ def _climb(
     scale: np.ndarray,
     precision: np.ndarray,
     pull: np.ndarray,
-    p: np.ndarray,
+    place: _Place,
     least: float,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
-    """Damped Gauss-Newton to the most probable unknowns; returns them with residuals and Jacobian there."""
+) -> tuple[_Place, bool]:
+    """Damped Gauss-Newton to the most probable unknowns, and whether they are reached."""
     damping = 1e-3
 
     def penalty(p: np.ndarray, residuals: np.ndarray) -> float:
         r = residuals * scale
         return float(r @ r + p @ precision @ p - 2 * pull @ p)
 
-    value, jacobian = model(p)
-    residuals, slopes = data - value, jacobian()
-    now = penalty(p, residuals)
+    now = penalty(place.p, place.residuals)
     for _ in range(_STEPS):
-        scaled = slopes * scale[:, None]
-        gradient = scaled.T @ (residuals * scale) - precision @ p + pull
-        hessian = scaled.T @ scaled + precision
+        p = place.p
+        scaled = place.jacobian * scale[:, None]
+        gradient = (place.residuals * scale) @ scaled - precision @ p + pull
+        hessian = _gram(scaled) + precision
         diagonal, calm = np.diag(hessian) + _STIFF, True
         while True:
-            damped = hessian.copy()
-            damped.flat[:: p.size + 1] += damping * diagonal
+            damped = hessian.copy(order="K")
+            np.einsum("ii->i", damped)[:] += damping * diagonal
             step = dpotrs(_cholesky(damped), gradient, lower=1)[0]
             trial = p + step * min(1.0, 3.0 / max(np.abs(step).max(), 1e-12))
             value, jacobian = model(trial)
@@ -182,20 +191,30 @@ def _climb(
                 break
             damping, calm = 8 * damping, False
             if damping > 1e8:
-                return p, residuals, slopes, True
+                return place, True
         gain = now - new
-        p, residuals, slopes, now = trial, data - value, jacobian(), new
+        place, now = _Place(trial, data - value, jacobian()), new
         if calm:
             damping = max(damping / 8, 1e-9)
         if gain < least:
-            return p, residuals, slopes, True
-    return p, residuals, slopes, False
+            return place, True
+    return place, False
+
+
+def _gram(rows: np.ndarray) -> np.ndarray:
+    """The lower triangle of rows.T @ rows, the upper one zero, in the order that LAPACK takes without a copy."""
+    return dsyrk(1.0, rows.T, lower=1) if len(rows) else np.zeros((rows.shape[1],) * 2, order="F")
+
+
+def _trace(covariance: np.ndarray, gram: np.ndarray) -> float:
+    """Trace of the product of a symmetric matrix and one given by its lower triangle."""
+    return float(2 * np.vdot(covariance.T, gram.T) - np.diag(covariance) @ np.diag(gram))
 
 
 def _cholesky(matrix: np.ndarray) -> np.ndarray:
     """The lower factor, by LAPACK itself: SciPy's checks take longer than a matrix of a hundred rows."""
-    factor, failed = dpotrf(matrix, lower=1)
-    jitter = 1e-14 * np.abs(np.diag(matrix)).max()
+    factor, failed = dpotrf(matrix, lower=1)  # reads the lower triangle only
+    jitter = 1e-14 * np.abs(np.diag(matrix)).max() if failed else 0.0
     while failed:
         factor, failed = dpotrf(matrix + jitter * np.eye(len(matrix)), lower=1)
         jitter *= 10
@@ -203,5 +222,7 @@ def _cholesky(matrix: np.ndarray) -> np.ndarray:
 
 
 def _inverse(factor: np.ndarray) -> np.ndarray:
-    lower = np.tril(dpotri(factor, lower=1)[0])
-    return lower + np.tril(lower, -1).T
+    lower = dpotri(factor, lower=1)[0]  # the upper triangle stays that of the factor, zero
+    full = lower + lower.T
+    np.einsum("ii->i", full)[:] *= 0.5
+    return full

@@ -138,18 +138,19 @@ def join(
     if near is not None:
         _begin(start, shifts, near)
         noise, roughness = near.posterior.noise, near.posterior.widths[0]
-    lifted = lift[points.isotherm]
+    lifted, vertical_part = lift[points.isotherm], slice(shifts.slopes.stop, shifts.places.start)
 
     def model(p: np.ndarray, wary: bool = False) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
-        log10_a, by_slope = shifts.horizontal(p)
+        log10_a, by_slope = from_slopes(p[shifts.slopes], temperature, anchor)
         rate = points.log_rate + LN10 * (log10_a[points.isotherm] + points.offset)
         answer = shifts.predict(p, points.channel, rate)
 
         def jacobian() -> np.ndarray:
-            found = LN10 * answer.by_rate[:, None] * by_slope[points.isotherm]
+            found = np.empty((points.channel.size, n))
             found[:, shifts.spectrum] = answer.by_neighbours if wary else answer.by_spectrum
             found[:, shifts.equilibrium] = answer.by_equilibrium
-            found -= lifted
+            found[:, shifts.slopes] = LN10 * answer.by_rate[:, None] * by_slope[points.isotherm]
+            found[:, vertical_part] = -lifted[:, vertical_part]
             found[:, shifts.places] = answer.by_place
             return found
 

@@ -5,6 +5,10 @@ continuous spectrum (the ripples are of 1e-7), and each may move a little, so th
 unknowns are logarithms, so that every answer is passive.
 """
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -28,19 +32,33 @@ class Points(NamedTuple):
     offset: np.ndarray  # log10 a_T expected of the point's own temperature within its isotherm
 
 
-class Prediction(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Prediction:
     """ln of the predicted values; derivatives, computed when asked for, by ln H_k, ln G_eq, ln(omega) and ln tau_k."""
 
     log_value: np.ndarray  # (points,)
-    shares: np.ndarray  # (points, times): the contribution of a unit branch, over the value
-    bends: np.ndarray  # (points, times): its derivative with respect to ln(omega), over the value
     heights: np.ndarray  # (times,): H_k
     by_equilibrium: np.ndarray  # (points,)
+    channel: np.ndarray  # (points,)
+    value: np.ndarray  # (points,)
+    x: np.ndarray  # (points, times): 1/(omega tau), or t/tau
+    kernels: np.ndarray  # (points, times): the contribution of a unit branch
+
+    @cached_property
+    def bends(self) -> np.ndarray:
+        """(points, times): the derivative of a unit branch's contribution with respect to ln(omega), over the value."""
+        found = np.empty(self.x.shape)
+        for which, at in _runs(self.channel):
+            _bend(which, self.x[at], self.kernels[at], found[at])
+        found /= self.value[:, None]
+        return found
 
     @property
     def by_spectrum(self) -> np.ndarray:
         """(points, times), by ln H_k."""
-        return self.shares * self.heights
+        found = self.kernels * self.heights
+        found /= self.value[:, None]
+        return found
 
     @property
     def by_neighbours(self) -> np.ndarray:
@@ -50,7 +68,7 @@ class Prediction(NamedTuple):
         derivative by its logarithm does not see.
         """
         wide = np.pad(self.heights, _REACH.size // 2, mode="edge")
-        return self.shares * np.convolve(wide, _REACH, mode="valid")
+        return self.kernels / self.value[:, None] * np.convolve(wide, _REACH, mode="valid")
 
     @property
     def by_place(self) -> np.ndarray:
@@ -79,26 +97,39 @@ def predict(
     heights = np.exp(np.clip(log_spectrum, -_LARGEST, _LARGEST))
     with np.errstate(over="ignore"):
         x = np.outer(np.exp(-log_rate), np.exp(-log_times))  # 1/(omega tau), or t/tau
-    x = np.clip(x, 1 / _FAR, _FAR)
-    kernels, bends = np.empty(x.shape), np.empty(x.shape)
-    for which in np.unique(channel):
-        at = np.flatnonzero(channel == which)
-        at = slice(at[0], at[-1] + 1) if at[-1] - at[0] + 1 == at.size else at  # a slice is not copied
-        kernels[at], bends[at] = _kernel(which, x[at])
+    np.clip(x, 1 / _FAR, _FAR, out=x)
+    kernels = np.empty(x.shape)
+    for which, at in _runs(channel):
+        _kernel(which, x[at], kernels[at])
     level = np.where(channel == LOSS, 0.0, equilibrium)
     value = np.maximum(kernels @ heights + level, 1e-300)
-    kernels /= value[:, None]
-    bends /= value[:, None]
-    return Prediction(np.log(value), kernels, bends, heights, level / value)
+    return Prediction(np.log(value), heights, level / value, channel, value, x, kernels)
 
 
-def _kernel(channel: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The contribution of a unit branch at x = 1/(omega tau) or t/tau, and its derivative with respect to -ln x."""
+def _runs(channel: np.ndarray) -> Iterator[tuple[int, slice]]:
+    """Neighbouring points of one channel, as slices: views, which are not copied."""
+    ends = [0, *(np.flatnonzero(channel[1:] != channel[:-1]) + 1).tolist(), channel.size]
+    for start, stop in pairwise(ends if channel.size else []):
+        yield int(channel[start]), slice(start, stop)
+
+
+def _kernel(channel: int, x: np.ndarray, out: np.ndarray) -> None:
+    """The contribution of a unit branch at x = 1/(omega tau) or t/tau."""
     if channel == RELAXATION:
-        value = np.exp(-x)
-        return value, x * value
-    storage = 1 / (1 + x * x)
-    loss = x * storage
-    if channel == STORAGE:
-        return storage, 2 * loss * loss
-    return loss, loss - 2 * loss * storage
+        np.exp(-x, out=out)
+        return
+    np.multiply(x, x, out=out)
+    out += 1
+    np.divide(1.0 if channel == STORAGE else x, out, out=out)
+
+
+def _bend(channel: int, x: np.ndarray, kernel: np.ndarray, out: np.ndarray) -> None:
+    """The derivative of that contribution with respect to -ln x."""
+    np.multiply(x, kernel, out=out)
+    if channel == STORAGE:  # 2 loss^2, loss = x storage
+        out *= out
+        out *= 2
+    elif channel == LOSS:  # loss (1 - 2 storage), storage = 1 - x loss
+        out *= 2
+        out -= 1
+        out *= kernel

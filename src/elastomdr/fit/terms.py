@@ -182,9 +182,10 @@ def _trial(data: Data, count: int, solid: bool, far: bool) -> Terms:
         found = _climb(data, start, priors, solid, _ROUGHLY)
         p = found.posterior.mean
         share = np.abs(_model(points, p, solid)[1]()[:, :n] / data.noise[points.channel][:, None]).max(axis=0)
-        if (share > _IDLE).all() or n == 1:
-            return found
         kept = share > _IDLE
+        kept[share.argmax()] = True  # a modulus that never changes leaves every term idle
+        if kept.all():
+            return found
         start = np.concatenate([p[:n][kept], p[n : 2 * n][kept], p[2 * n :]])
 
 

@@ -31,6 +31,7 @@ def figures(fit: "MaterialFit") -> dict[str, bytes]:
 def draw_master(master: "MasterCurve", ax: Any = None) -> Any:
     """Shifted data, one colour per isotherm, with the smooth curve and its 95 % band."""
     ax = _axes() if ax is None else ax
+    _logarithmic(ax)
     _data(ax, master)
     if master.frequency.size:
         omega = np.geomspace(*master.window, 300)
@@ -46,24 +47,25 @@ def draw_master(master: "MasterCurve", ax: Any = None) -> Any:
 def draw_prony(fit: "PronyFit", ax: Any = None) -> Any:
     """Data and series over frequency (or time), with the 95 % band; the series beyond the data is dashed."""
     ax = _axes() if ax is None else ax
+    _logarithmic(ax)
     if fit.master is not None:
         _data(ax, fit.master)
     elif fit.omega.size:
-        ax.loglog(fit.omega, fit.storage, "o", color=_BLUE, markersize=4, label="storage modulus")
-        ax.loglog(fit.omega, fit.loss, "s", color=_RED, markersize=4, markerfacecolor="none", label="loss modulus")
+        ax.plot(fit.omega, fit.storage, "o", color=_BLUE, markersize=4, label="storage modulus")
+        ax.plot(fit.omega, fit.loss, "s", color=_RED, markersize=4, markerfacecolor="none", label="loss modulus")
     else:
-        ax.loglog(fit.time, fit.relaxation, "o", color=_BLUE, markersize=4, label="relaxation modulus")
+        ax.plot(fit.time, fit.relaxation, "o", color=_BLUE, markersize=4, label="relaxation modulus")
     low, high = fit.window
     if fit.omega.size:
         wide = np.geomspace(low / 10, high * 10, 400)
         for values, label in zip(fit.moduli_at(wide), ("beyond the data", None), strict=True):
-            ax.loglog(wide, values, "--", color=_FAINT, linewidth=0.9, zorder=2, label=label)
+            ax.plot(wide, values, "--", color=_FAINT, linewidth=0.9, zorder=2, label=label)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             _band(ax, fit.band(np.geomspace(low, high, 300)), f"Prony series, {fit.terms} terms")
     else:
         wide = np.geomspace(1 / high / 10, 10 / low, 400)
-        ax.loglog(wide, fit.relaxation_at(wide), "--", color=_FAINT, linewidth=0.9, zorder=2, label="beyond the data")
+        ax.plot(wide, fit.relaxation_at(wide), "--", color=_FAINT, linewidth=0.9, zorder=2, label="beyond the data")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             band = fit.relaxation_band(np.geomspace(1 / high, 1 / low, 300))
@@ -120,10 +122,13 @@ def draw_cole_cole(fit: "PronyFit", ax: Any = None) -> Any:
     storage, loss = (fit.storage, fit.loss) if master is None else (master.storage, master.loss)
     lifted = master is not None and bool(np.abs(master.log10_b).max() > 1e-3)
     colours = _BLUE if master is None else _colours(master, master.isotherm)
+    line = fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400))
+    _logarithmic(ax)
+    _widen(ax, np.concatenate([storage, line[0]]), np.concatenate([loss, line[1]]))
     ax.scatter(storage, loss, c=colours, s=14, zorder=3)
-    ax.loglog(*fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400)), color=_INK, linewidth=1.2, zorder=4)
+    ax.plot(*line, color=_INK, linewidth=1.2, zorder=4)
     letter = "G" if fit.kind == "shear" else "E"
-    ax.set(xscale="log", yscale="log", xlabel=f"Storage modulus {letter}' [Pa]", ylabel=f"Loss modulus {letter}'' [Pa]")
+    ax.set(xlabel=f"Storage modulus {letter}' [Pa]", ylabel=f"Loss modulus {letter}'' [Pa]")
     _plain(ax)
     _legend(ax, master)
     _title(ax, "Cole-Cole", "line: Prony series" + ("; vertical shifts applied" if lifted else ""))
@@ -135,9 +140,11 @@ def draw_van_gurp_palmen(master: "MasterCurve", ax: Any = None) -> Any:
     ax = _axes() if ax is None else ax
     modulus = np.hypot(master.dma.storage, master.dma.loss)
     angle = np.degrees(np.arctan2(master.dma.loss, master.dma.storage))
+    ax.set(xscale="log")
+    _widen(ax, modulus)
     ax.scatter(modulus, angle, c=_colours(master, master.isotherm), s=14, zorder=3)
     letter = "G" if master.kind == "shear" else "E"
-    ax.set(xscale="log", xlabel=f"Modulus |{letter}*| [Pa]", ylabel="Phase angle [°]")
+    ax.set(xlabel=f"Modulus |{letter}*| [Pa]", ylabel="Phase angle [°]")
     _plain(ax)
     _legend(ax, master)
     _title(ax, "Van Gurp-Palmen", "as measured, no shift of any kind")
@@ -186,22 +193,21 @@ def _data(ax: Any, master: "MasterCurve") -> None:
 
 
 def _band(ax: Any, band: Any, label: str) -> None:
-    ax.loglog(band.omega, band.storage, color=_INK, linewidth=1.2, label=label, zorder=4)
-    ax.loglog(band.omega, band.loss, color=_INK, linewidth=1.2, zorder=4)
+    ax.plot(band.omega, band.storage, color=_INK, linewidth=1.2, label=label, zorder=4)
+    ax.plot(band.omega, band.loss, color=_INK, linewidth=1.2, zorder=4)
     for low, high in ((band.storage_low, band.storage_high), (band.loss_low, band.loss_high)):
         once = "95 % interval" if low is band.loss_low else None
         ax.fill_between(band.omega, low, high, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label=once)
 
 
 def _relaxation_band(ax: Any, band: Any, label: str) -> None:
-    ax.loglog(band.time, band.relaxation, color=_INK, linewidth=1.2, label=label, zorder=4)
+    ax.plot(band.time, band.relaxation, color=_INK, linewidth=1.2, label=label, zorder=4)
     limits = band.relaxation_low, band.relaxation_high
     ax.fill_between(band.time, *limits, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label="95 % interval")
 
 
 def _label_moduli(ax: Any, kind: str, dynamic: bool) -> None:
     letter = "G" if kind == "shear" else "E"
-    ax.set(xscale="log", yscale="log")
     if dynamic:
         ax.set(xlabel="Reduced angular frequency ω a_T [rad/s]", ylabel=f"Moduli {letter}', {letter}'' [Pa]")
     else:
@@ -247,6 +253,18 @@ def _axes() -> Any:
     figure = Figure(figsize=(7.4, 4.6))  # with fixed margins: looking for the best ones takes longer than the fit
     figure.subplots_adjust(left=0.13, right=0.84, bottom=0.12, top=0.88)
     return figure.add_subplot()
+
+
+def _logarithmic(ax: Any) -> None:
+    """Makes both axes logarithmic before anything is drawn: changed later, limits are those of the data so far."""
+    ax.set(xscale="log", yscale="log")
+
+
+def _widen(ax: Any, *coordinates: np.ndarray) -> None:
+    """Limits for x (and y) that are one value but for rounding, of which matplotlib makes no logarithmic axis."""
+    for values, limit in zip(coordinates, (ax.set_xlim, ax.set_ylim), strict=False):
+        if values.max() < 1.001 * values.min():
+            limit(0.5 * values.min(), 2.0 * values.max())
 
 
 def _plain(ax: Any) -> None:
