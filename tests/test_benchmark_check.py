@@ -1,0 +1,70 @@
+"""benchmarks/check.py on records that were altered: a ratio that falls by 40 % is reported, one by 20 % is not."""
+
+import importlib
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+RECORD = {
+    "title": "Two contenders on the same work",
+    "verdicts": [
+        {"name": "times faster", "measured": 12000.0, "target": ">= 10000", "met": True},
+        {"name": "largest error", "measured": 1e-7, "target": "<= 1e-06", "met": True},
+    ],
+}
+
+
+@pytest.fixture
+def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """`check.main` on a folder of results of its own, whose record is committed."""
+    if shutil.which("git") is None:
+        pytest.skip("git is not installed")
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    module = importlib.import_module("check")
+
+    monkeypatch.setattr(module, "RESULTS", tmp_path)
+    monkeypatch.setattr(sys, "argv", ["check.py"])
+    write(tmp_path, RECORD)
+    who = ["-c", "user.name=A", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false"]
+    for command in (["init", "-q"], ["add", "work.json"], [*who, "commit", "-q", "-m", "record"]):
+        subprocess.run(["git", *command], cwd=tmp_path, check=True)
+    return module.main
+
+
+def write(folder: Path, record: dict) -> None:
+    (folder / "work.json").write_text(json.dumps(record))
+
+
+def altered(index: int, factor: float, met: bool) -> dict:
+    verdicts = [dict(one) for one in RECORD["verdicts"]]
+    verdicts[index].update(measured=verdicts[index]["measured"] * factor, met=met)
+    return {**RECORD, "verdicts": verdicts}
+
+
+@pytest.mark.parametrize(
+    ("record", "status", "said"),
+    [
+        (RECORD, 0, "2 recorded figures, 0 fallen"),
+        (altered(0, 0.6, met=False), 1, "times faster"),
+        (altered(0, 0.8, met=False), 0, "0 fallen"),
+        (altered(1, 5.0, met=True), 0, "0 fallen"),  # grown, and still within its target
+        (altered(1, 20.0, met=False), 1, "largest error"),
+        ({**RECORD, "verdicts": RECORD["verdicts"][1:]}, 1, "gone"),
+    ],
+    ids=["same", "ratio -40 %", "ratio -20 %", "error within target", "error beyond target", "figure gone"],
+)
+def test_check_reports_a_fall(check, tmp_path: Path, capsys, record: dict, status: int, said: str) -> None:
+    write(tmp_path, record)
+    assert check() == status
+    assert said in capsys.readouterr().out
+
+
+def test_a_record_that_was_never_committed_is_no_fall(check, tmp_path: Path, capsys) -> None:
+    (tmp_path / "new.json").write_text(json.dumps(RECORD))
+    assert check() == 0
+    assert "2 recorded figures, 0 fallen" in capsys.readouterr().out
