@@ -98,6 +98,7 @@ def test_temperature_and_layers():
     warm.plot()
 
 
+@pytest.mark.slow
 def test_gradient():
     def share(modulus):
         law = em.Foundation(1e6, [modulus, 2e6, 5e6], TIMES)

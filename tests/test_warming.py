@@ -51,6 +51,7 @@ def test_history(power):
     warm.plot()
 
 
+@pytest.mark.slow
 def test_gradient(power):
     """d dT/dH = -dT/(H (1 + beta dT))."""
     conductance = float(power[1] / 50)
