@@ -40,7 +40,8 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         folder / f"{stem}.png": curve.png(scene.title, **points),
     }
     if scene.rough and curve.rough is not None and curve.converged.any():
-        files[folder / f"{stem}-contact.png"] = _contact(scene, curve)
+        contact = _contact(scene, curve)
+        files |= {} if contact is None else {folder / f"{stem}-contact.png": contact}
     _write(folder, files)
     parts.remove()  # not before: what was computed outlives a full disk
     if scene.title:
@@ -51,8 +52,8 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
     return DONE if curve.converged.all() else NOT_CONVERGED
 
 
-def _contact(scene: Scene, curve: Any) -> bytes:
-    """The figure of where the line touches, at the largest friction."""
+def _contact(scene: Scene, curve: Any) -> bytes | None:
+    """The figure of where the line touches, at the largest friction; none where that does not converge by itself."""
     import numpy as np
 
     from .. import line_contact
@@ -66,7 +67,10 @@ def _contact(scene: Scene, curve: Any) -> bytes:
     if curve.temperature is not None:
         warmer = 0.0 if curve.rough.rise is None else curve.rough.rise[top]
         kept |= {"temperature": curve.temperature[top] + warmer}
-    return line_contact(scene.material, scene.shape, velocity=curve.velocity[top], **kept).png()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        found = line_contact(scene.material, scene.shape, velocity=curve.velocity[top], **kept)
+    return found.png() if found.converged.all() else None
 
 
 def say(warned: Iterable[warnings.WarningMessage]) -> None:

@@ -57,6 +57,9 @@ def friction_bands(
         raise InputError(f"surface must be an em.RoughLine, or a surface such as em.SelfAffine, got {surface!r}.")
     if is_traced(foundation, surface, velocity, load, pressure, temperature):
         raise InputError("friction_bands must be called outside jax.grad, jit and vmap: it is not differentiable.")
+    law = foundation.law()
+    if not np.any(law.moduli) and not float(law.viscosity):
+        raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
     if isinstance(per_decade, bool) or not isinstance(per_decade, (int, np.integer)) or not 1 <= per_decade <= 20:
         raise InputError(f"per_decade must be a whole number from 1 to 20, got {per_decade!r}.")
     sampling = plain("sampling", sampling)
@@ -74,7 +77,7 @@ def friction_bands(
     mu, error, good = np.zeros((v.size, edges.size - 1)), np.zeros(v.size), np.ones(v.size, bool)
     for line in lines:
         found = excitation(
-            np.asarray(line.height), float(line.spacing), foundation.law(), lanes[0], lanes[1], control, float(rtol),
+            np.asarray(line.height), float(line.spacing), law, lanes[0], lanes[1], control, float(rtol),
             edges, lanes[2],
         )  # fmt: skip
         bands, total, missed, fine = (field.reshape(v.size, cosines.size, -1) for field in found)
