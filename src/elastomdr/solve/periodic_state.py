@@ -25,11 +25,11 @@ from .stretches import Stretches, stretches
 RESIDUAL = 1e-9  # of the state and of the load, relative to the load
 _SMALL = 1.0  # mu below which the residual is smaller in proportion: friction is a small part of the forces
 SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
-_PADDED = (8, 64)  # numbers of lanes that are compiled: each takes a second, and saves little
+_FEW, _MANY = 8, (32, 64)  # numbers of lanes that are compiled: each takes a second, and more of them save little
 _SUMS = (2, 8)  # numbers of slow branches that are compiled
 _SWEEPS = (60, 30)  # at most, with all samples and with fewer
 _STALLED = 3  # sweeps without halving the residual, after which the Jacobian is computed anew
-_SINGULAR = 1e-8  # least singular value of a Jacobian that is inverted
+_SINGULAR = 1e8  # largest entry in the inverse of a Jacobian that is used
 _STRETCHES = 128  # that a line is cut into, at most
 _WORTH = 16  # samples that a stretch must have to be worth a look
 _NUDGE = 1e-5  # of the load, by which an unknown is moved for the Jacobian
@@ -161,8 +161,10 @@ def jacobian(level: Level, state: State, every: np.ndarray) -> Float[np.ndarray,
             depth = depth + _NUDGE * level.load / level.stiffness
         found[:, :, j] = (start - _residual(level, branches, depth, every)[0]) / _NUDGE
     found[~every | ~np.isfinite(found).all(axis=(1, 2))] = np.eye(unknowns)
-    found[np.linalg.svd(found, compute_uv=False)[:, -1] < _SINGULAR] = np.eye(unknowns)
-    return np.linalg.inv(found)
+    found[np.linalg.slogdet(found)[0] == 0] = np.eye(unknowns)
+    found = np.linalg.inv(found)
+    found[~(np.abs(found) < _SINGULAR).all(axis=(1, 2))] = np.eye(unknowns)
+    return found
 
 
 def _residual(level: Level, branches, depth, active, exact: bool = False) -> tuple[np.ndarray, Swept]:
@@ -194,7 +196,7 @@ def _learn(inverse, moved, change, active):
 def _sweep(level: Level, branches, depth, active, exact: bool) -> Swept:
     """A sweep of the lanes that are still active, padded to a size that is compiled; zeros for the others."""
     chosen = np.flatnonzero(active)
-    size = next((s for s in _PADDED if s >= chosen.size), chosen.size)
+    size = _FEW if chosen.size <= _FEW else next((s for s in _MANY if s >= depth.size), depth.size)
     pick = np.concatenate([chosen, np.full(size - chosen.size, chosen[0])])
 
     rise, by, free = level.ready
