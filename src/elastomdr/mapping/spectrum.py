@@ -91,8 +91,8 @@ class AbstractSpectrum(eqx.Module):
     def line(self, seed: int = 0, periods: int = 1, samples: int | None = None) -> Any:
         """An `em.RoughLine` of this surface, for `em.slide` and `em.drive`, its phases from `seed`.
 
-        As in `em.friction`: C_1D(q) = pi q C(q), over `periods` of the longest wave, in `samples` points (a power of 2
-        that resolves the shortest wave where none is given).
+        As in `em.friction`: C_1D(q) = pi q C(q), over `periods` of the longest wave (where `em.friction` takes 4), in
+        `samples` points (a power of 2 that resolves the shortest wave where none is given).
         """
         from .synthesis import synthesise
 

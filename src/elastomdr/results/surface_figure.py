@@ -68,10 +68,12 @@ def draw_contact(result: "LineContact", ax: Any = None, title: str | None = None
     ax.set(
         xlabel="Position on the line, which moves to the right [mm]", ylabel="Depth below the undeformed rubber [µm]"
     )
-    low, high = np.nanmin(line), np.nanmax(np.concatenate([line, rubber]))
-    # The deepest valleys of a surface are far below what the rubber sees.
-    least = max(low, min(float(np.nanmin(rubber)), 0.0) - 1.5 * (high - min(0.0, float(np.nanmin(rubber)))))
-    ax.set_ylim(high + 0.05 * (high - least), least)
+    known = [float(y) for y in (*line, *rubber) if np.isfinite(y)]
+    if known:
+        top = min(0.0, float(np.min(rubber, where=np.isfinite(rubber), initial=0.0)))
+        # The deepest valleys of a surface are far below what the rubber sees.
+        least = max(min(known), top - 1.5 * (max(known) - top))
+        ax.set_ylim(max(known) + 0.05 * (max(known) - least), least)
     ax.set_xlim(x[0], x[-1])
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False, fontsize=8.5)
     ax.grid(color="#dddddd", linewidth=0.6)
