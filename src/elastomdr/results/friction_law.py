@@ -135,7 +135,9 @@ class FrictionLaw(eqx.Module):
         if is_traced(self):
             return f"FrictionLaw({', '.join(self.axes())}; traced)"
         parts = [f"{k} {v[0]:.4g} to {v[-1]:.4g} {_UNITS[k]} ({v.size})" for k, v in self.axes().items()]
-        return f"FrictionLaw({', '.join(parts)}; mu {np.nanmin(self.mu):.4g} to {np.nanmax(self.mu):.4g})"
+        known = self.mu[np.isfinite(self.mu)]
+        found = f"mu {known.min():.4g} to {known.max():.4g}" if known.size else "no value of mu known"
+        return f"FrictionLaw({', '.join(parts)}; {found})"
 
 
 def load_friction(path: str | os.PathLike[str]) -> FrictionLaw:
