@@ -50,7 +50,8 @@ def surface_from_file(
     try:
         if data.shape[1] == 2:
             return from_profile(data[:, 0], data[:, 1], shortest, detrend)
-        return from_map(*_grid(data), shortest, detrend)
+        grid, mended = _grid(data)
+        return from_map(*grid, shortest, detrend, mended)
     except InputError as error:
         raise InputError(f"path: {name!r}: {error}") from error
 
@@ -87,17 +88,30 @@ def _from_instrument(path: Path, unit: str | None, shortest: float | None, detre
         raise InputError(f"path: {path.name!r}: {error}") from error
 
 
-def _grid(data: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    data = data[np.isfinite(data[:, :2]).all(axis=1)]
+def _grid(data: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], list[str]]:
+    """x, y and heights of the grid that the rows of a map lie on, and what had to be mended."""
+    report = []
+    placed = np.isfinite(data[:, :2]).all(axis=1)
+    if not placed.all():
+        report.append(f"{int((~placed).sum())} of {placed.size} rows without x or y left out")
+    data = data[placed]
     (x, i), (y, j) = (np.unique(data[:, k], return_inverse=True) for k in (0, 1))
     if min(x.size, y.size) < 16 or x.size * y.size > 4 * len(data):
         raise InputError(f"a map must lie on a grid of 16 by 16 points or more, got {x.size} x and {y.size} y values.")
     for axis, values in (("x", x), ("y", y)):
         if np.ptp(np.diff(values)) > 1e-3 * np.diff(values).mean():
             raise InputError(f"{axis} of a map must be evenly spaced.")
-    height = np.full((x.size, y.size), np.nan)
-    height[i, j] = data[:, 2]
-    return x, y, height
+    rows = [k for a in (i, -i) for b in (j, -j) for k in (a * y.size + b, b * x.size + a)]
+    if not any((np.diff(k) >= 0).all() for k in rows):
+        report.append("points did not come row by row: sorted")
+    place, known = i * y.size + j, np.isfinite(data[:, 2])
+    again = place.size - np.unique(place).size
+    if again:
+        report.append(f"{again} points at a place that came before: heights averaged")
+    count = np.bincount(place[known], minlength=x.size * y.size)
+    total = np.bincount(place[known], data[known, 2], minlength=x.size * y.size)
+    height = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return (x, y, height.reshape(x.size, y.size)), report
 
 
 def _units(table: Table, unit: str | None, name: str) -> np.ndarray:

@@ -13,6 +13,7 @@ from ..files import read_bytes
 from .cells import Row, decode, separator_of, with_points
 
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}
+_HOLES = ("", "nan", "na", "n/a", "null", "none", "-", "--")  # cells without a value
 _TITLE = re.compile(r"\s*(.*?\S)\s*(?:\[\s*([^\[\]]*?)\s*\]|\(\s*([^()]*?)\s*\)|\s(?:/|in)\s+(\S+))\s*")
 
 
@@ -29,7 +30,7 @@ class Table(NamedTuple):
 def read_table(path: str | os.PathLike[str], what: str, is_unit: Callable[[str], bool]) -> Table:
     """The columns of a text file. Raises `InputError`, with the file's name.
 
-    The first row of two numbers or more begins the table. Titles stand above it, a row of units may follow them, and
+    The first row of two numbers or more begins the table, or those with holes right above it. Titles stand above it, a row of units may follow them, and
     both may stand behind a #. Tab, semicolon, comma or blank separates; decimal commas and the encodings of `read_dma`.
     """
     name = Path(path).name
@@ -47,8 +48,10 @@ def read_table(path: str | os.PathLike[str], what: str, is_unit: Callable[[str],
     start = next((i for i, found in enumerate(numeric) if found), None)
     if start is None:
         raise InputError(f"path must be a table of {what}, got {name!r} without a row of two numbers.")
+    width = len(rows[start].cells)
+    while start and len(rows[start - 1].cells) == width and _holed(rows[start - 1].cells):
+        start -= 1
     body = rows[start:]
-    width = len(body[0].cells)
     for row in body:
         if len(row.cells) != width:
             raise InputError(
@@ -78,6 +81,13 @@ def _head(rows: list[list[str]], is_unit: Callable[[str], bool]) -> tuple[list[s
 
 def _cut(line: str, mark: str) -> list[str]:
     return [cell.strip().strip('"').strip() for cell in (line.split() if mark == " " else line.split(mark))]
+
+
+def _holed(cells: list[str]) -> bool:
+    """Whether a row begins with a number and has nothing but numbers and holes after it."""
+    return bool(np.isfinite(_number(cells[0]))) and all(
+        np.isfinite(_number(cell)) or cell.lower() in _HOLES for cell in cells[1:]
+    )
 
 
 def _number(cell: str) -> float:

@@ -9,6 +9,7 @@ isotropic surface (`mapping.spectrum`); C is then scaled to the measured rms hei
 `report`. A table of a spectrum is put in order and cut to its cutoffs, and not changed otherwise.
 """
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import equinox as eqx
@@ -25,6 +26,8 @@ _SAME = 1e-9  # relative distance of two wave numbers that count as one
 _APART = 10  # times more or less than the neighbours say: reported
 _SLOPES = (1e-3, 3.0)  # rms slopes beyond which a table is doubted: of polished surfaces and of the roughest roads
 _COARSE = 64  # different heights, or fewer, that count as coarsely rounded
+_HOLLOW = 0.05  # share of holes in a map from which their smoothness is mentioned
+_PASSES = 30  # over the points of holes, at each of the sizes
 
 
 class MeasuredSurface(AbstractSpectrum):
@@ -125,12 +128,7 @@ def from_profile(x: np.ndarray, height: np.ndarray, shortest: float | None, detr
     height = np.bincount(place, height) / np.bincount(place)
     if x.size < 64:
         raise InputError(f"a profile must have 64 points or more at different x, got {x.size}.")
-    levels = np.unique(height).size
-    if levels <= _COARSE:
-        step = float(np.diff(np.unique(height)).min()) if levels > 1 else 0.0
-        report.append(
-            f"heights are coarsely rounded: {levels} levels, {step:.3g} m apart; short waves are rounding noise"
-        )
+    report += _coarse(height)
     n = round(float((x[-1] - x[0]) / np.median(np.diff(x)))) + 1
     if n > _MOST:
         raise InputError(
@@ -154,18 +152,18 @@ def from_profile(x: np.ndarray, height: np.ndarray, shortest: float | None, detr
 
 
 def from_map(
-    x: np.ndarray, y: np.ndarray, height: np.ndarray, shortest: float | None, detrend: bool
+    x: np.ndarray, y: np.ndarray, height: np.ndarray, shortest: float | None, detrend: bool, mended: Sequence[str] = ()
 ) -> MeasuredSurface:
-    """A surface from heights (len(x), len(y)) on an even grid."""
-    report: list[str] = []
+    """A surface from heights (len(x), len(y)) on an even grid; `mended`: what was done to them before."""
     missing = ~np.isfinite(height)
+    if missing.all():
+        raise InputError("a map must have heights, got none that is a number.")
+    report = [*mended, *_coarse(height[~missing])]
     if missing.any():
-        from scipy.ndimage import distance_transform_edt
-
-        nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
-        assert nearest is not None
-        height = height[tuple(nearest)]
-        report.append(f"{int(missing.sum())} of {missing.size} points without a value filled from their neighbours")
+        share = float(missing.mean())
+        low = f"; they hold no short waves: the rms slope is low by about {share / 2:.0%}" if share > _HOLLOW else ""
+        report.append(f"{int(missing.sum())} of {missing.size} points without a value bridged smoothly{low}")
+        height = _bridged(height)
     flat = np.stack([np.ones(height.size), *(a.ravel() for a in np.meshgrid(x, y, indexing="ij"))], axis=1)
     if detrend:
         height = height - (flat @ np.linalg.lstsq(flat, height.ravel(), rcond=None)[0]).reshape(height.shape)
@@ -179,6 +177,45 @@ def from_map(
     keep = q >= 0.999 * first
     q, c = _bands(q[keep], power[keep], _cut(shortest, max(dx, dy)))
     return _scaled(Spectrum(q, c, convention="2d"), float(height.std()), report)
+
+
+def _coarse(height: np.ndarray) -> list[str]:
+    """What there is to say of heights that take few values."""
+    levels = np.unique(height)
+    if levels.size > _COARSE:
+        return []
+    step = float(np.diff(levels).min()) if levels.size > 1 else 0.0
+    return [f"heights are coarsely rounded: {levels.size} levels, {step:.3g} m apart; short waves are rounding noise"]
+
+
+def _bridged(height: np.ndarray) -> np.ndarray:
+    """A map with its holes filled as by a membrane: each point there is about the mean of its four neighbours.
+
+    From a map of half the points, bridged in the same way, so that a hole of any size needs few passes.
+    """
+    missing = ~np.isfinite(height)
+    if not missing.any():
+        return height
+    padded = np.pad(height, [(0, n % 2) for n in height.shape], constant_values=np.nan)
+    blocks = padded.reshape(padded.shape[0] // 2, 2, padded.shape[1] // 2, 2)
+    count = np.isfinite(blocks).sum(axis=(1, 3))
+    coarse = np.where(count > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(count, 1), np.nan)
+    coarse = _bridged(coarse)
+    for axis in (0, 1):  # between the middles of the blocks, by straight lines
+        at = np.clip((np.arange(2 * coarse.shape[axis]) - 0.5) / 2, 0, coarse.shape[axis] - 1)
+        low = np.minimum(at.astype(int), max(coarse.shape[axis] - 2, 0))
+        high = np.minimum(low + 1, coarse.shape[axis] - 1)
+        share = np.expand_dims(at - low, 1 - axis)
+        coarse = np.take(coarse, low, axis) * (1 - share) + np.take(coarse, high, axis) * share
+    filled = np.where(missing, coarse[: height.shape[0], : height.shape[1]], height)
+    i, j = np.nonzero(missing)
+    last_i, last_j = height.shape[0] - 1, height.shape[1] - 1
+    around = [
+        (np.clip(i + a, 0, last_i), np.clip(j + b, 0, last_j)) for a, b in ((-1, 0), (1, 0), (0, -1), (0, 1))
+    ]
+    for _ in range(_PASSES):
+        filled[i, j] = sum(filled[at] for at in around) / 4
+    return filled
 
 
 def _cut(shortest: float | None, step: float) -> float:

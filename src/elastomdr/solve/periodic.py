@@ -10,6 +10,7 @@ guess.
 """
 
 import hashlib
+import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Literal, NamedTuple
@@ -28,6 +29,7 @@ _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
 _LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
+_EDGES = 1.5  # over a first-order estimate: the edges lie anywhere between samples
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
 
@@ -161,13 +163,16 @@ def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndar
     """mu and its error from the sampling, from the mu of steps that are a quarter of the one before each.
 
     In full contact everything is smooth and the error falls as the square of the step: the limit is extrapolated, where
-    the fall itself is as it should be. Otherwise edges of contacts fall anywhere between samples: the last value
-    stands, and a third of the last change bounds an error of first order, where a 15th would be the second.
+    the fall itself is as it should be. Otherwise the edges of contacts fall anywhere between samples: the last value
+    stands, and its error is taken as of first order, a third of the last change where a 15th would be the second order.
+    Where the force jumps at an edge, as on rubber with a dashpot, that change is small by accident now and then, so
+    that the changes before it bound the error too, each as of first order.
     """
-    fine, change = mus[-1], mus[-1] - mus[-2]
-    error = np.abs(change) / 3
-    if len(mus) > 3:
-        before = mus[-2] - mus[-3]
+    fine, changes = mus[-1], [np.abs(b - a) for a, b in itertools.pairwise(mus[1:])][::-1]
+    error = _EDGES * np.max([change / (3 * 4.0**level) for level, change in enumerate(changes)], axis=0)
+    error = np.where(full, changes[0] / 3, error)
+    if len(changes) > 1:
+        change, before = fine - mus[-2], mus[-2] - mus[-3]
         smooth = full & (np.abs(before - 16 * change) < 0.2 * np.abs(before))
         fine = np.where(smooth, fine + change / 15, fine)
         error = np.where(smooth, np.abs(change - before / 16) / 15, error)
