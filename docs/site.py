@@ -26,7 +26,7 @@ GROUPS = {
     "From three dimensions to one": ("half_space", "layer", "Foundation", "ContactStep"),
     "Shapes and surfaces": (
         "Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Profile", "Cylinder", "RoughLine", "SelfAffine",
-        "Spectrum", "surface_from_file", "Heat",
+        "Spectrum", "surface_from_file", "Heat", "squeezed_cord",
     ),
 }  # fmt: skip
 

@@ -32,14 +32,14 @@ RUBBERS = {
 def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
 
-    time = np.linspace(0.0, 2.0, 97)  # s
+    time = np.linspace(0.0, 2.0, 73)  # s
     figure, ax = plt.subplots(figsize=(7.2, 4.6), layout="constrained")
     for (name, rubber), colour in zip(RUBBERS.items(), ("#7fa7cc", "#1f5a94", "#c08a3e"), strict=True):
         motion = 150e-6 * np.sin(2 * np.pi * time)  # m
         found = em.shear(rubber, BALL, time=time, displacement=motion, friction=FRICTION, load=LOAD)
-        cycle = slice(48, 97)  # the second
+        cycle = slice(36, 73)  # the second
         ax.plot(1e6 * motion[cycle], found.force[cycle], color=colour, label=name)
-        work, slip = (float(x[96] - x[48]) for x in (found.work, found.slip_loss))
+        work, slip = (float(x[72] - x[36]) for x in (found.work, found.slip_loss))
         print(f"{name:<13} work per cycle {1e6 * work:7.2f} uJ, of it slip {1e6 * slip:7.2f} uJ")
         if name != "viscoelastic":
             check(rubber, slip)

@@ -7,9 +7,10 @@ about one contact length. `em.slide` follows any such history, and ends where `e
 Inputs: a standard solid with E* = 4 MPa relaxed, 16 MPa glassy, tau = 10 ms; a paraboloid of R = 10 mm under 10 N, at
 rest for 0.1 ms, 5 ms and 100 ms, then drawn at 0.5 m/s.
 
-Check: the end of each curve against steady sliding on the same line, em.friction(..., average=None); the work done on
-the rubber over the last stretch is the friction force times its length, part of it still stored in the track that
-recovers.
+Check: steady sliding on the line in closed form, q R = E_inf (a^2 - x^2) + 2 E_1 s [(x + s) - (a + s) e^(-(a - x)/s)]
+with s = v tau, up to q = 0, forces by quadrature: em.friction(..., average=None) and the end of each curve are held
+against it. The work done on the rubber over the last stretch is the friction force times its length, part of it still
+stored in the track that recovers.
 
     python examples/14_from_rest_to_sliding.py [--out DIR]
 """
@@ -19,11 +20,13 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 import elastomdr as em
 
-RUBBER = em.Foundation(4e6, [12e6], [1e-2])
-BALL = em.Paraboloid(0.01)
+RELAXED, BRANCH, TAU, RADIUS = 4e6, 12e6, 1e-2, 0.01  # Pa, Pa, s, m
+RUBBER, BALL = em.Foundation(RELAXED, [BRANCH], [TAU]), em.Paraboloid(RADIUS)
 LOAD, VELOCITY, WAY = 10.0, 0.5, 16e-3  # N, m/s, m
 RESTS = (1e-4, 5e-3, 0.1)  # s
 
@@ -52,12 +55,31 @@ def main(out: Path) -> None:
     check(slides, steady)
 
 
+def closed_form() -> float:
+    """Friction coefficient of steady sliding: contact from x = a, where the rubber is met, to where q is zero."""
+    s = VELOCITY * TAU
+
+    def pressure(x: float, a: float) -> float:
+        memory = (x + s) - (a + s) * np.exp(-(a - x) / s)
+        return (RELAXED * (a**2 - x**2) + 2 * BRANCH * s * memory) / RADIUS
+
+    def force(a: float, of: float) -> float:  # int q (2 x/R)^of dx: the load, and the friction force
+        end = brentq(pressure, -a, a * (1 - 1e-6), args=(a,), xtol=1e-16)
+        return quad(lambda x: pressure(x, a) * (2 * x / RADIUS) ** of, end, a, epsrel=1e-11)[0]
+
+    a = brentq(lambda a: force(a, 0) - LOAD, 1e-4, 1e-2, xtol=1e-15)
+    return force(a, 1) / LOAD
+
+
 def check(slides: list[em.Slide], steady: em.FrictionCurve) -> None:
+    expected = closed_form()
+    print(f"check     steady mu {float(steady.mu):.7f}, closed form {expected:.7f}")
+    assert abs(steady.mu / expected - 1) < 2e-6, "steady sliding in closed form"
     for rest, slide in zip(RESTS, slides, strict=True):
         peak, end = slide.mu.max(), slide.mu[-1]
-        print(f"rest {rest:7.4f} s: peak mu {peak:.4f}, end {end:.5f}, steady {float(steady.mu):.5f}")
+        print(f"rest {rest:7.4f} s: peak mu {peak:.4f}, end {end:.5f}, steady {expected:.5f}")
         assert slide.converged.all(), "every instant must converge"
-        assert abs(end / steady.mu - 1) < 5e-3, "every start must end in steady sliding"
+        assert abs(end / expected - 1) < 5e-3, "every start must end in steady sliding"
         done = slide.work[-1] - slide.work[-13]
         gone = slide.position[-1] - slide.position[-13]
         assert abs(done / (steady.friction_force * gone) - 1) < 1e-2, "the work is that of the friction force"

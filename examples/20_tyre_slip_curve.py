@@ -31,14 +31,14 @@ import elastomdr as em
 REFERENCE = 293.15  # K
 ROAD = em.SelfAffine(0.8, rms_slope=1.3, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 1e-4)
 HEAT = em.Heat(conductivity=0.25, heat_capacity=2e6)
-VELOCITY = np.geomspace(1e-2, 30.0, 14)  # sliding [m/s]
+VELOCITY = np.geomspace(1e-2, 30.0, 12)  # sliding [m/s]
 KELVIN = np.array([258.15, 278.15, 298.15])
 PRESSURE = np.array([1.2e5, 2.1e5, 3.6e5])  # Pa
 
 TYRE, STRUCTURE = em.Cylinder(radius=0.3, length=0.16), em.Foundation(8e7, [], [])  # m; Pa/m
 THICKNESS, SPEED = 8e-3, 25.0  # of the tread [m], of the road [m/s]
 LOAD = np.array([2e3, 4e3, 6e3])  # N
-SLIP = np.concatenate([np.linspace(0.002, 0.1, 20), np.geomspace(0.11, 0.99, 20)])
+SLIP = np.concatenate([np.linspace(0.002, 0.1, 17), np.geomspace(0.11, 0.99, 18)])
 WHEEL = {"velocity": (1 - SLIP) * SPEED, "creep": SLIP / (1 - SLIP), "load": LOAD[:, None], "rtol": 1e-4}
 
 

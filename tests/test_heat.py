@@ -211,9 +211,11 @@ def test_scene_with_heat_and_measured_points(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
     scene, points = tmp_path / "tyre.toml", tmp_path / "points.csv"
     scene.write_text(SCENE.format(conductivity="0.25 W/m/K"))
-    points.write_text("velocity [mm/s],mu,temperature [degC]\n10,0.05,10\n100,0.06,10\n100,0.04,40\n1000,0.1,80\n")
+    rows = "10,0.05,10\n100,0.06,10\n100,0.04,40\n1000,0.1,80\n,0.1,80\n"
+    points.write_text("velocity [mm/s],mu,temperature [degC]\n" + rows)
     assert main(["friction", str(scene), "--out", str(tmp_path)]) == 0
-    said = capsys.readouterr().out
+    said, warned = capsys.readouterr()
+    assert "points.csv: 1 of 5 rows are no measurement and were left out (line 6)" in warned
     for word in ("flash temperature", "K above", "without heating", "0.25 W/(m K)", "length scale", "excited beyond"):
         assert word in said
     table = (tmp_path / "tyre-friction.csv").read_text()

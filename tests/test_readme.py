@@ -80,6 +80,23 @@ def test_links_lead_somewhere(page):
             assert anchor in [re.sub(r"[^\w\- ]", "", heading).lower().replace(" ", "-") for heading in headings]
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_figures_say_how_they_are_made_and_what_is_seen(page):
+    """A caption in italics below each figure: the command, whose script is there, and a sentence."""
+    text = page.read_text(encoding="utf-8")
+    for name, below in re.findall(r"!\[[^\]]+\]\(([^)]+\.png)\)\n\n(.*?)(?=\n\n|\Z)", text, re.DOTALL):
+        assert (page.parent / name).is_file()
+        assert re.match(r"\*(?!\*).*\*$", below, re.DOTALL), name
+        command = re.search(r"`(?:python (\S+\.py)(?: --out (\S+))?|elastomdr \w+ \S+ --out out)`", below)
+        assert command, name
+        if command[1]:
+            assert (ROOT / command[1]).is_file(), name
+        if command[2]:  # an example writes its figure under its own name
+            assert Path(command[2]) / f"{Path(command[1]).stem}.png" == (page.parent / name).relative_to(ROOT), name
+        assert len(below) - len(command[0]) > 60, name
+    assert text.count(".png)") == len(re.findall(r"\.png\)\n\n\*", text))
+
+
 def test_half_space_table_is_what_the_package_computes():
     text = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
     rows = re.findall(

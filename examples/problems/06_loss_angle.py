@@ -7,7 +7,7 @@ mean depth of 50 um, shaken by 0.1 um from 0.01 to 100 rad/s, and by up to 3.2 u
 
 Check: a small shake meets a contact of constant radius a: K = 2 a E*(omega), and its phase is the loss angle. At the
 edge the relaxed pressure is lower than what the stiff motion takes away: a ring of width (E_0/E_inf) A/d comes off,
-and the stiffness falls by a part of that. Asked is that number, plus (pi/32)^2/3 for a sine drawn with 32 lines; and
+and the stiffness falls by a part of that. Asked is that number, plus (pi/24)^2/3 for a sine drawn with 24 lines; and
 a fall in proportion to A.
 
     python examples/problems/06_loss_angle.py [--out DIR]
@@ -21,7 +21,7 @@ import numpy as np
 
 import elastomdr as em
 
-RADIUS, DEPTH, LINES = 5e-3, 50e-6, 32  # m, m, lines per cycle
+RADIUS, DEPTH, LINES = 5e-3, 50e-6, 24  # m, m, lines per cycle
 RUBBER = em.Foundation(2e6, [2e6, 2e6, 2e6], [0.1, 1.0, 10.0])
 RING = float(RUBBER.relaxation(0.0) / RUBBER.equilibrium) / DEPTH  # E_0/(E_inf d) [1/m]
 

@@ -43,9 +43,9 @@ def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     rule = -N * K * TAU * (1 - TURN**2) / (1 + TURN**2) ** 2
     threshold = brentq(growth, 0, 1e3)
-    damping = threshold * np.array([0.0, 0.5, 0.8, 1.25, 1.6, 2.0])
+    damping = threshold * np.array([0.0, 0.5, 0.8, 1.4, 2.0])
     period = 2 * np.pi * np.sqrt(MASS / SPRING)
-    time = period * np.arange(10 * 32 + 1) / 32
+    time = period * np.arange(10 * 24 + 1) / 24
 
     def drawn(c: jax.Array) -> jax.Array:
         mount = em.Mount(MASS, SPRING, c)
@@ -53,7 +53,7 @@ def main(out: Path) -> None:
 
     with jax.enable_x64(True):
         velocity = np.asarray(jax.vmap(drawn)(damping))
-    swing = np.ptp(velocity[:, 1:].reshape(damping.size, 10, 32), axis=-1) / V  # in each period
+    swing = np.ptp(velocity[:, 1:].reshape(damping.size, 10, 24), axis=-1) / V  # in each period
     rate = np.polyfit(period * np.arange(4), np.log(swing[-1, -4:]), 1)[0]
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained")

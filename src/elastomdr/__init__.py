@@ -28,6 +28,7 @@ _HOMES = {
     "scenes.dissipation": ("dissipation",),
     "scenes.warming": ("warming",),
     "scenes.plan": ("plan",),
+    "scenes.squeezed_cord": ("SqueezedCord", "squeezed_cord"),
     "scenes.indent": ("indent",),
     "scenes.impact": ("impact",),
     "scenes.shear": ("shear",),

@@ -34,7 +34,7 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
                 curve = call(scene.material, scene.shape, **scene.arguments)
     notes = [("scene", scene.path.name)] + ([("title", scene.title)] if scene.title else [])
     stem = f"{scene.path.stem}-{verb}"
-    points = {} if scene.measured is None else {"measured": scene.measured}
+    points = {} if scene.measured is None else {"measured": scene.measured.points}
     files = {
         folder / f"{stem}.csv": curve.csv(notes).encode(),
         folder / f"{stem}.png": curve.png(scene.title, **points),
@@ -48,6 +48,9 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         print(scene.title)
     print(curve.summary())
     print("wrote " + " and ".join(str(path) for path in files))
+    if scene.measured is not None:
+        for text in scene.measured.report:
+            print(f"elastomdr: warning: {scene.measured.source}: {text}", file=sys.stderr)
     say(said)
     return DONE if curve.converged.all() else NOT_CONVERGED
 

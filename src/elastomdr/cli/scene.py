@@ -29,7 +29,7 @@ class Scene:
     shape: Any
     arguments: dict[str, Any]  # keyword arguments: velocity, load or depth, temperature, average, rtol
     rough: bool = False  # whether the scene has a [surface]
-    measured: dict[str, Any] | None = None  # velocity, mu and temperature of points to draw
+    measured: Any = None  # points to draw, `fit.friction_file.MeasuredFriction`
 
 
 @contextlib.contextmanager

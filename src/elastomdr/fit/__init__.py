@@ -10,6 +10,7 @@ _HOMES = {
     "series": ("PronyFit", "prony"),
     "pipeline": ("MaterialFit", "material"),
     "cards": ("abaqus_card", "ansys_card", "plain_card"),
+    "friction_file": ("MeasuredFriction", "read_friction"),
     "grosch": ("FrictionMaster", "friction_master"),
     "calibration": ("Calibration", "calibrate"),
 }

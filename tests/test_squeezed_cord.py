@@ -1,0 +1,74 @@
+"""An O-ring between plates: Hertz' width, small strain against its closed form, relaxation, derivatives, refusals."""
+
+import jax
+import numpy as np
+import pytest
+from scipy.special import lambertw
+
+import elastomdr as em
+
+RUBBER = em.StandardSolid(1e6, 3e6, 2.0, shift=em.WLF(8.86, 101.6, 293.15))  # in shear
+SQUEEZE = np.array([0.02, 0.08, 0.2])
+
+
+def test_width_is_that_of_hertz_for_the_load():
+    """Johnson 1985, 4.45: a^2 = 4 W R/(pi E*), E* = 4 G, for either formula."""
+    for formula in ("lindley", "hertz"):
+        found = em.squeezed_cord(RUBBER, 3e-3, SQUEEZE, formula=formula)
+        np.testing.assert_allclose(found.width, 2 * np.sqrt(4 * found.line_load * 1.5e-3 / (np.pi * 4e6)), rtol=1e-14)
+        np.testing.assert_allclose(found.pressure * found.width, found.line_load, rtol=1e-14)
+
+
+def test_small_strain_is_lamberts_function():
+    """s [ln(4/s) - 1] = C has s = (4/e) exp(W_-1(-C e/4)); W = (2 pi/3) E d s with E = 3 G."""
+    exact = 2 * np.pi / 3 * 3e6 * 3e-3 * 4 * np.exp(-1 + lambertw(-SQUEEZE * np.e / 4, -1).real)
+    found = em.squeezed_cord(RUBBER, 3e-3, SQUEEZE, formula="hertz").line_load
+    np.testing.assert_allclose(found, exact, rtol=1e-13)
+    ratio = em.squeezed_cord(RUBBER, 3e-3, SQUEEZE).line_load / exact
+    np.testing.assert_allclose(ratio, [0.516, 0.742, 0.862], atol=1e-3)  # as the docs say
+
+
+def test_load_relaxes_as_the_modulus():
+    time, kelvin = np.array([0.0, 1.0, 30.0]), np.array([[293.15], [303.15]])
+    found = em.squeezed_cord(RUBBER, 3e-3, 0.08, time=time, temperature=kelvin)
+    a = 10 ** (-8.86 * 10.0 / (101.6 + 10.0))
+    modulus = 1e6 + 3e6 * np.exp(-time / (2.0 * np.array([[1.0], [a]])))
+    np.testing.assert_allclose(found.line_load / found.line_load[0, 0], modulus / 4e6, rtol=1e-12)
+    np.testing.assert_allclose(found.width, found.width[0, 0], rtol=1e-14)
+    direct = em.squeezed_cord(em.Foundation(4e6, [], []), 3e-3, 0.08)
+    np.testing.assert_allclose(direct.line_load, em.squeezed_cord(RUBBER, 3e-3, 0.08).line_load, rtol=1e-14)
+
+
+@pytest.mark.parametrize("formula", ["lindley", "hertz"])
+def test_derivatives(formula):
+    def load(x):
+        rubber = em.StandardSolid(x[0], 3e6, x[1])
+        return em.squeezed_cord(rubber, x[2], x[3], time=1.0, formula=formula).line_load
+
+    x = np.array([1e6, 2.0, 3e-3, 0.1])
+    with jax.enable_x64(True):
+        slopes = np.asarray(jax.jit(jax.grad(load))(x))
+    step = 1e-5 * x
+    by_hand = [(load(x + h) - load(x - h)) / (2 * h.sum()) for h in np.diag(step)]
+    np.testing.assert_allclose(slopes, by_hand, rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"squeeze": 0.3}, "squeeze must be positive and at most 0.25"),
+        ({"squeeze": 0.0}, "squeeze must be positive"),
+        ({"diameter": -1.0}, "diameter must be positive"),
+        ({"time": -1.0}, "time must be zero or positive"),
+        ({"formula": "green"}, "formula must be"),
+        ({"material": em.layer(em.Prony(1e6, [], [], poisson=0.45), 1e-3)}, "got a layer"),
+        ({"material": em.Maxwell(1e6, 1.0)}, "it relaxes altogether"),
+        ({"material": em.Prony(1e6, [], []), "temperature": 300.0}, "no shift law"),
+        ({"squeeze": [0.1, 0.2], "diameter": [1e-3] * 3}, "must broadcast"),
+        ({"time": [1.0, 2.0], "temperature": [300.0] * 3}, "must broadcast"),
+    ],
+)
+def test_bad_input(change, words):
+    given = {"material": RUBBER, "diameter": 3e-3, "squeeze": 0.1} | change
+    with pytest.raises(em.InputError, match=words):
+        em.squeezed_cord(**given)
