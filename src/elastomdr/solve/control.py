@@ -230,11 +230,11 @@ def _marched(law: Any, modes: Modes, disc: Disc, *histories: Array, **sizes: int
     count = histories[0].shape[0]
     numpy = jnp if is_traced(law, disc, *histories) else np
     size = min(_MARCHED_AT_ONCE, 1 << (count - 1).bit_length())
-    out = []
+    out, room = [], count <= 2 and numpy is np  # longer to run, but what takes long for a few is to compile
     for i in range(0, count, size):
         which = np.minimum(np.arange(i, i + size), count - 1)
-        rows = [jnp.asarray(a)[which] for a in histories]
-        out.append(march(law, modes, disc, *rows, **sizes))
+        rows = [numpy.asarray(a)[which] for a in histories]
+        out.append(march(law, modes, disc, *rows, room=room, **sizes))
     return jax.tree.map(lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count], *out)
 
 

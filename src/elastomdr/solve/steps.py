@@ -32,6 +32,7 @@ _TIP = np.concatenate([[0.0], 0.3 ** np.arange(12.0, 0.0, -1)])
 _NEWTON = 100
 _EARLY = 4.0  # ratio of the first steps after a sudden load, and share of the shortest time with which they begin
 _MOST_EARLY = 24
+_SIZES = (128, 512)  # numbers of steps that short marches are filled up to
 _SETTLED = 80.0  # h K/eta beyond which a dashpot sees the end of a step alone
 
 
@@ -71,28 +72,35 @@ def march(
     kept: int = 1,  # instants per interval that are kept, a divisor of `levels`
     early: int = 0,  # by how many more the first step of the coarsest march of the series is divided
     coarsest: int | None = None,  # steps per interval of that march, if it is not this one
+    room: bool = False,  # steps are added at the end, so that few sizes are compiled
 ) -> Marched:
     """One march of b histories at a given number of steps. Differentiable in both modes."""
     coarsest = coarsest or levels
-    target = jnp.where(by_depth, depth, load)
+    xp: Any = jnp if is_traced(law, time, depth, load) else np  # NumPy has nothing to compile for a new size
+    target = xp.where(by_depth, depth, load)
     batch, intervals = time.shape[0], time.shape[1] - 1
-    part = jnp.asarray(np.tile(places(levels), (batch, intervals, 1)))
-    ends = _early(law, jnp.diff(time)[:, :1], levels, coarsest, early)
-    share = jnp.concatenate([ends, part[:, 0, 1 + levels // coarsest :], part[:, 1:, 1:].reshape(batch, -1)], axis=1)
+    part = np.tile(places(levels), (batch, intervals, 1))
+    early_ends = _early(xp, law, time[:, 1:2] - time[:, :1], levels, coarsest, early)
+    rest_of_first, others = part[:, 0, 1 + levels // coarsest :], part[:, 1:, 1:].reshape(batch, -1)
+    share = xp.concatenate([early_ends, rest_of_first, others], axis=1)
     more = early * (levels // coarsest)
     interval = np.repeat(np.arange(intervals), [levels + more] + [levels] * (intervals - 1))
     first = np.append(True, np.diff(interval) > 0)
-    before = jnp.where(first, 0.0, jnp.concatenate([share[:, :1], share[:, :-1]], axis=1))
+    before = xp.where(first, 0.0, xp.concatenate([share[:, :1], share[:, :-1]], axis=1))
     steps = Steps(
-        h=jnp.diff(time)[:, interval] * (share - before),
+        h=xp.diff(time)[:, interval] * (share - before),
         part=share,
-        first=jnp.asarray(np.tile(first, (batch, 1))),
+        first=np.tile(first, (batch, 1)),
         by_depth=by_depth[:, 1:][:, interval],
         target=target[:, 1:][:, interval],
     )
+    if room:
+        size = next((n for n in _SIZES if n >= interval.size), interval.size)
+        held = np.minimum(np.arange(size), interval.size - 1)
+        steps = jax.tree.map(lambda a: a[:, held], steps)
     reach = jax.lax.stop_gradient(_reach(modes, disc, time, depth, load, by_depth))
     fixed = jax.lax.stop_gradient((law, disc, steps, (target[:, 0], by_depth[:, 0]), reach))
-    radius = reach[:, None] * jnp.linspace(0.0, 1.0, interval.size + 2)[1:]
+    radius = reach[:, None] * np.linspace(0.0, 1.0, steps.h.shape[1] + 2)[1:]
     if is_traced(fixed):  # a loop, since there the code of every march is compiled
         radius = jax.lax.fori_loop(0, _MARCHES - 1, lambda _, radius: _all(*fixed, radius)[1], radius)
     else:
@@ -101,7 +109,7 @@ def march(
     sums, radius, fits = _all(law, disc, steps, (target[:, 0], by_depth[:, 0]), reach, radius)
     every = np.arange(intervals * kept + 1) * (levels // kept)
     every[1:] += more
-    return Marched(*(a[:, every] for a in (*sums[:2], radius, *sums[2:], fits)))
+    return Marched(*(xp.asarray(a)[:, every] for a in (*sums[:2], radius, *sums[2:], fits)))
 
 
 def extrapolated(marches: list[Marched]) -> Marched:
@@ -144,16 +152,17 @@ def early_steps(law: Relaxation, time: Any, depth: Any, load: Any, by_depth: Any
     return int(np.clip(np.ceil(np.log(_EARLY * first / times.min()) / np.log(_EARLY)), 0, _MOST_EARLY))
 
 
-def _early(law: Relaxation, h: Array, levels: int, coarsest: int, early: int) -> Array:
+def _early(xp: Any, law: Relaxation, h: Array, levels: int, coarsest: int, early: int) -> Array:
     """Ends of the steps within the first one of the coarsest march, as parts of the first interval; (b, steps)."""
     first, finer = places(coarsest)[1], levels // coarsest
     if not early:
-        return jnp.asarray(np.tile(places(levels)[1 : 1 + finer], (h.shape[0], 1)))
-    shortest = jnp.min(jnp.where(law.moduli > 0, law.times, jnp.inf))
-    ratio = jax.lax.stop_gradient(jnp.minimum(shortest / (_EARLY * first * h), 1.0)) ** (1 / early)
+        return np.tile(places(levels)[1 : 1 + finer], (h.shape[0], 1))
+    moduli, times, h = jax.lax.stop_gradient((law.moduli, law.times, h))
+    shortest = xp.min(xp.where(xp.asarray(moduli) > 0, xp.asarray(times), xp.inf))
+    ratio = xp.minimum(shortest / (_EARLY * first * xp.asarray(h)), 1.0) ** (1 / early)
     knots = first * ratio ** np.arange(early, -1.0, -1)
-    knots = jnp.concatenate([jnp.zeros_like(h), knots], axis=1)
-    return (knots[:, :-1, None] + jnp.diff(knots)[..., None] * np.arange(1, finer + 1) / finer).reshape(h.shape[0], -1)
+    knots = xp.concatenate([xp.zeros_like(ratio), knots], axis=1)
+    return (knots[:, :-1, None] + xp.diff(knots)[..., None] * np.arange(1, finer + 1) / finer).reshape(h.shape[0], -1)
 
 
 def _once(
