@@ -2,9 +2,9 @@
 step.
 
 Each interval is divided into steps that narrow towards its ends, where the material answers fastest and where a contact
-begins or ends; after a load that is put on at once, geometrically down to the shortest relaxation time, since the depth
-then follows every branch, and what branches turn into heat is lost from the balance where that is not resolved. In a step an
-element carries q = S (w - u_free) wherever that is positive (`foundation.step`), so that the force is a convex,
+begins or ends; after a load that is put on at once geometrically, down to the shortest relaxation time, since the depth
+then follows every branch, and what branches turn into heat is lost from the balance where that is not resolved. In a
+step an element carries q = S (w - u_free) wherever that is positive (`foundation.step`), so that the force is a convex,
 piecewise linear function of the depth at the end of the step: Newton's method finds the depth that carries the load in
 finitely many steps. The elements are Gauss nodes on panels that end at the edges of the contact at all instants; these
 are found by marching a few times, each time on the edges of the march before. Of second order in the step; the limit is
