@@ -158,8 +158,9 @@ def _early(xp: Any, law: Relaxation, h: Array, levels: int, coarsest: int, early
     if not early:
         return np.tile(places(levels)[1 : 1 + finer], (h.shape[0], 1))
     moduli, times, h = jax.lax.stop_gradient((law.moduli, law.times, h))
-    shortest = xp.min(xp.where(xp.asarray(moduli) > 0, xp.asarray(times), xp.inf))
-    ratio = xp.minimum(shortest / (_EARLY * first * xp.asarray(h)), 1.0) ** (1 / early)
+    shortest = xp.min(xp.where(xp.asarray(moduli) > 0, xp.asarray(times), xp.inf), initial=xp.inf)
+    # Not above 1/_EARLY: no step may be without length where no branch is short.
+    ratio = xp.minimum(shortest / (_EARLY * first * xp.asarray(h)), 1 / _EARLY) ** (1 / early)
     knots = first * ratio ** np.arange(early, -1.0, -1)
     knots = xp.concatenate([xp.zeros_like(ratio), knots], axis=1)
     return (knots[:, :-1, None] + xp.diff(knots)[..., None] * np.arange(1, finer + 1) / finer).reshape(h.shape[0], -1)
