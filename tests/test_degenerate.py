@@ -38,6 +38,20 @@ def test_a_branch_that_relaxes_in_1e_9_of_the_step_is_not_felt(name):
     np.testing.assert_allclose(CALLS[name](with_branch(5e6)), CALLS[name](with_branch(0.0)), rtol=near)
 
 
+def test_such_a_branch_under_a_load_that_is_put_on_and_falls():
+    """Closed form: until the load falls nothing but creep; then as without the branch. Its heat closes the balance."""
+    load = np.interp(TIME, [0, 0.005, 0.02], [1, 1, 0.0])
+    found, without = (em.indent(with_branch(e), BALL, time=TIME, load=load, rtol=1e-4) for e in (5e6, 0.0))
+    assert found.converged.all()
+    np.testing.assert_allclose(found.depth[1:], without.depth[1:], rtol=1e-4)
+    creep = 4 / 3 * np.sqrt(0.01) * found.depth[:3] ** 1.5  # J F_N, with F_N = 1 N
+    np.testing.assert_allclose(creep, with_branch(5e6).creep(TIME[:3]), rtol=1e-6)
+    missing = np.abs(found.work - found.stored - found.dissipated)
+    assert missing.max() < 1e-4 * found.work.max()
+    # Until the depth is that of the relaxed branch, the load does work that only the branch turns into heat.
+    assert found.dissipated[1] > without.dissipated[1] + 1e-7
+
+
 def test_no_load():
     found = em.indent(with_branch(0.0), BALL, time=TIME, load=0.0)
     assert found.converged.all()

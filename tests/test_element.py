@@ -64,7 +64,7 @@ CORNERS = [(0.0, -0.2), (1.0, 1.0), (1.4, -0.2), (1.7, -0.2), (2.4, 0.8), (3.0, 
 BRANCHES = Relaxation(*map(np.asarray, (1.0, [3.0, 1.0, 0.5], [0.05, 0.5, 4.0], 0.0)))
 
 
-def testone_element_by_events_through_contact_recovery_and_renewed_contact():
+def test_one_element_by_events_through_contact_recovery_and_renewed_contact():
     modes = recovery_modes(BRANCHES)
     state = pressed(BRANCHES, modes, jnp.array([CORNERS[0][1]]))
     seen = []

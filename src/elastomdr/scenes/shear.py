@@ -15,13 +15,14 @@ from ..material.prony import Prony
 from ..material.relaxation import Relaxation, to_kelvin
 from ..results.shear import Shear
 from ..solve.rule import gauss
-from ..solve.shear import History, Scene, shear_history
+from ..solve.shear import History, Scene, Sheared, line, panels, shear_history
 from .impact import _standing
 from .steady import brief, describe
 
 HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin)"
 LAYER = "thin layer of independent elements with Coulomb friction"
 _EARLY = 18  # instants put between the first two: down to 1e-12 of the time between them
+_ROUNDING = 1e-11  # of the largest force: the edges between which elements are summed are not known to rounding
 _ELASTIC, _VISCOELASTIC = (200_000, 1), (2_000, 16)  # elements, and contact steps between two instants
 
 
@@ -46,7 +47,8 @@ def shear(
     `friction` is Coulomb's coefficient, zero and infinity included. The tangential law G* follows from a material; for
     a `Foundation` (of E*) give it as `tangential`. Stick or slip is decided element by element; normal and tangential
     loading do not influence each other otherwise, which for equal bodies, or for an incompressible one on a rigid one,
-    is no assumption. `error` compares with half the steps, or half the elements where all is elastic.
+    is no assumption. `error` compares with half the steps, or two rules of
+    summation where all is elastic (half the elements if their number is given).
 
     Raises `InputError` for what has no meaning, such as a dashpot that is to follow a sudden depth. An instant at which
     the contact is wider than the body or the grid is NaN, with `converged=False`. Differentiable in moduli, times,
@@ -87,22 +89,21 @@ def shear(
             f"{float(displacement[0] or value[0]):g}."
         )
     elastic = known and not dashpots and all(law.moduli.size == 0 for law in laws)
-    usual = _ELASTIC if elastic else _VISCOELASTIC
+    usual, exact = _ELASTIC if elastic else _VISCOELASTIC, elastic and elements is None and steps is None
     elements, steps = _count("elements", elements, usual[0]), _count("steps", steps, usual[1])
     reach = _reach(shape, laws[0], per_area, name, value, time, elements)
     scene = Scene(shape, laws[0], laws[1], mu, reach)
     scene, history = _as_jax(scene), History(*map(jnp.asarray, (time, value, displacement)))
     if not elastic:
         history = _with_early_instants(history)
-    options = {"by_load": load is not None, "per_area": per_area}
-    found = shear_history(scene, history, elements=elements, steps=steps, **options)
-    fewer = (
-        {"elements": elements // 2, "steps": steps}
-        if elastic or steps == 1
-        else {"elements": elements, "steps": steps // 2}
-    )
-    coarse = shear_history(scene, history, **fewer, **options)
-    error = abs(found.force - coarse.force) / (3 if elastic else 1)
+    options = {"by_load": load is not None}
+    found = shear_history(scene, history, line(scene, elements, per_area), steps=steps, **options)
+    if exact:
+        found, error = _summed(scene, history, found, per_area, **options)
+    else:
+        fewer, half = (elements // 2, steps) if elastic or steps == 1 else (elements, steps // 2)
+        coarse = shear_history(scene, history, line(scene, fewer, per_area), steps=half, **options)
+        error = abs(found.force - coarse.force) / (3 if elastic else 1)
     chosen = np.append(0, np.arange(found.force.shape[0] - time.shape[0] + 1, found.force.shape[0]))
     found, error = type(found)(*(x[chosen] for x in found)), error[chosen]
     inside = found.contact_radius <= reach * (1 - 0.25 / elements) if not isinstance(shape, FlatPunch) else True
@@ -125,6 +126,23 @@ def shear(
         plan="marched element by element",
         inputs=tuple(inputs),
     )
+
+
+def _summed(scene: Scene, history: History, found: Sheared, per_area: bool, *, by_load: bool) -> tuple[Sheared, Any]:
+    """An elastic contact summed by Gauss' rule between the edges of stick and contact in `found`, and the error of F_x.
+
+    The error is the difference of two rules. Where that is not less than their distance from `found`, something other
+    than those edges is not smooth (the points of a profile, say); `found` stays, with that distance as its error.
+    """
+    radii = jnp.concatenate([found.contact_radius, found.stick_radius])
+    rules = [panels(scene, radii, parts, nodes, per_area) for parts, nodes in ((4, 6), (6, 4))]
+    best, other = (shear_history(scene, history, rule, steps=1, by_load=by_load) for rule in rules)
+    best = best._replace(contact_radius=found.contact_radius, stick_radius=found.stick_radius)
+    error, distance = abs(best.force - other.force), abs(found.force - best.force)
+    better = jnp.max(error) <= jnp.max(distance)
+    error = error + _ROUNDING * jnp.max(abs(best.force))
+    both = zip(best, found, strict=True)
+    return Sheared(*(jnp.where(better, a, b) for a, b in both)), jnp.where(better, error, distance)
 
 
 def _with_early_instants(history: History) -> History:

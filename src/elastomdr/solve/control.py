@@ -14,13 +14,14 @@ from ..material.relaxation import Relaxation
 from .adhesion import Sticky, elastic, receding
 from .creep import Creep, creep, levels_for
 from .history import indent_by_depth, indent_by_growing_depth, indent_by_smooth_depth, padded
-from .steps import Marched, extrapolated, limit, march, places, unaccounted
+from .steps import Marched, early_steps, extrapolated, limit, march, places, unaccounted
 
 _BATCH = 64  # histories computed at once
 _LEVELS = (1, 3, 6)  # of the panels, coarse to fine
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
 _ROUNDING = 1e-14
 _BLIND_STEPS = 8  # per interval, in the first of three marches whose values cannot be looked at
+_BLIND_EARLY = 4  # and within the first of them
 _MOST_STEPS = 16384  # of a history
 _MARCHED_AT_ONCE = 8
 _KNOTS = 400  # instants to which a solved history is refined before pressures are computed from it
@@ -193,8 +194,10 @@ def _stepped(
     blind = is_traced(frozen)
     error: Any = None
     levels, marches, limits = max(kept, _BLIND_STEPS if blind else 4), [], []
+    early = _BLIND_EARLY if blind else early_steps(frozen[0], *frozen[3:], levels)
+    sizes = {"kept": kept, "early": early, "coarsest": levels}
     while True:
-        marches.append(_marched(*(given if blind else frozen), levels=levels, kept=kept))
+        marches.append(_marched(*(given if blind else frozen), levels=levels, **sizes))
         if len(marches) > 1:
             limits.append(limit(marches[-2:], (2,)))
         if len(limits) > 1:
@@ -206,7 +209,7 @@ def _stepped(
             limits.pop(0)
         levels *= 2
     if is_traced(given) and not blind:  # once more, with derivatives
-        marches = [_marched(*given, levels=n, kept=kept) for n in (levels // 4, levels // 2, levels)]
+        marches = [_marched(*given, levels=n, **sizes) for n in (levels // 4, levels // 2, levels)]
     last = extrapolated(marches)
     fits = jnp.where(last.fits, 1.0, jnp.nan)
     parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, last.heat)
@@ -221,17 +224,17 @@ def _change(new: Array, old: Array) -> Array:
     return abs(new - old) / (largest + (largest == 0))
 
 
-def _marched(law: Any, modes: Modes, disc: Disc, *histories: Array, levels: int, kept: int) -> Marched:
+def _marched(law: Any, modes: Modes, disc: Disc, *histories: Array, **sizes: int) -> Marched:
     """`march` for every history; a few at once, since each takes memory for all of its elements."""
     law, modes, disc = jax.tree.map(jnp.asarray, (law, modes, disc))
     count = histories[0].shape[0]
     numpy = jnp if is_traced(law, disc, *histories) else np
     size = min(_MARCHED_AT_ONCE, 1 << (count - 1).bit_length())
-    out = []
+    out, room = [], count <= 2 and numpy is np  # longer to run, but what takes long for a few is to compile
     for i in range(0, count, size):
         which = np.minimum(np.arange(i, i + size), count - 1)
-        rows = [jnp.asarray(a)[which] for a in histories]
-        out.append(march(law, modes, disc, *rows, levels=levels, kept=kept))
+        rows = [numpy.asarray(a)[which] for a in histories]
+        out.append(march(law, modes, disc, *rows, room=room, **sizes))
     return jax.tree.map(lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count], *out)
 
 

@@ -11,7 +11,8 @@ in the displacement, the slipping element's own displacement follows without ite
 within the step sticks from then on. In an elastic contact all of this is exact for motion along straight lines in
 (depth, displacement), whatever the length of the step (Cattaneo 1938, Mindlin 1949, Jaeger 1993 by the method of
 dimensionality reduction: Popov & Hess 2015, ch. 5); otherwise the error is of second order in the step. What remains
-is the sum over elements, of second order in their width: stick ends between two elements.
+is the sum over elements, of second order in their width where stick ends between two elements; by Gauss' rule on panels
+that end where stick or contact ended at any instant (`panels`) it is as good as exact in an elastic contact.
 """
 
 import functools
@@ -20,10 +21,12 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Float
 
 from .._runtime import Array
 from ..foundation.step import Coefficients, coefficients
+from ..mapping.disc import gauss
 from ..mapping.shapes import AbstractShape, Cylinder
 from ..material.relaxation import Relaxation
 
@@ -74,12 +77,18 @@ class Scene(NamedTuple):
     reach: Float[Array, ""]
 
 
-@functools.partial(jax.jit, static_argnames=("elements", "steps", "by_load", "per_area"))
-def shear_history(
-    scene: Scene, history: History, *, elements: int, steps: int, by_load: bool, per_area: bool
-) -> Sheared:
-    """The whole history with `elements` elements on a half line, `steps` contact steps between two instants."""
-    grid = line(scene, elements, per_area)
+class Grid(NamedTuple):
+    """Elements on a half line."""
+
+    x: Array
+    weight: Array  # [m], or [m^2] on a layer
+    profile: Array  # g [m]
+    width: Array  # between two of equal width; NaN if they differ, and then there is no radius of contact or stick
+
+
+@functools.partial(jax.jit, static_argnames=("steps", "by_load"))
+def shear_history(scene: Scene, history: History, grid: Grid, *, steps: int, by_load: bool) -> Sheared:
+    """The whole history of the elements of a grid, with `steps` contact steps between two instants."""
 
     def interval(state: State, ends: tuple) -> tuple:
         (t0, v0, s0), (t1, v1, s1) = ends
@@ -106,21 +115,28 @@ def shear_history(
     return Sheared(force, normal_force, depth, contact, stick, work, loss, stored)
 
 
-class Grid(NamedTuple):
-    """Elements of equal width on a half line."""
-
-    x: Array
-    weight: Array  # [m], or [m^2] on a layer
-    profile: Array  # g [m]
-    width: Array
-
-
 def line(scene: Scene, elements: int, per_area: bool) -> Grid:
-    """`elements` elements from the axis to the reach of the scene."""
-    x = scene.reach * (jnp.arange(elements) + 0.5) / elements
+    """`elements` elements of equal width from the axis to the reach of the scene."""
     width = scene.reach / elements
+    return _grid(scene, width * (jnp.arange(elements) + 0.5), width, width, per_area)
+
+
+def panels(scene: Scene, radii: Array, parts: int, nodes: int, per_area: bool) -> Grid:
+    """Gauss' rule with `nodes` points on `parts` parts of each panel between neighbouring `radii` [m].
+
+    Between two radii at which stick or contact ended at some instant all elements have the same history of stick and
+    slip, so that all is smooth there. The places carry no derivative, since the sums do not depend on them.
+    """
+    edges = jnp.concatenate([jnp.zeros(1), jnp.sort(jnp.clip(radii, 0.0, scene.reach)), scene.reach[None]])
+    edges = jax.lax.stop_gradient(edges)
+    inner = edges[:-1, None] + jnp.diff(edges)[:, None] * (np.arange(parts) / parts)
+    x, dx = gauss(jnp.append(inner.reshape(-1), edges[-1]), *np.polynomial.legendre.leggauss(nodes))
+    return _grid(scene, x, dx, jnp.asarray(jnp.nan), per_area)
+
+
+def _grid(scene: Scene, x: Array, dx: Array, width: Array, per_area: bool) -> Grid:
     ring = per_area and not isinstance(scene.shape, Cylinder)
-    weight = (2 * math.pi * x if ring else jnp.full(elements, 2.0)) * width
+    weight = (2 * math.pi * x if ring else jnp.full(x.shape, 2.0)) * dx
     weight = weight * (scene.shape.length if isinstance(scene.shape, Cylinder) else 1.0)
     profile = scene.shape._height(x) if ring else scene.shape._profile(x)
     return Grid(x, weight, jnp.where(jnp.isfinite(profile), profile, 1e30), width)

@@ -2,8 +2,9 @@
 step.
 
 Each interval is divided into steps that narrow towards its ends, where the material answers fastest and where a contact
-begins or ends. In a step an
-element carries q = S (w - u_free) wherever that is positive (`foundation.step`), so that the force is a convex,
+begins or ends; after a load that is put on at once geometrically, down to the shortest relaxation time, since the depth
+then follows every branch, and what branches turn into heat is lost from the balance where that is not resolved. In a
+step an element carries q = S (w - u_free) wherever that is positive (`foundation.step`), so that the force is a convex,
 piecewise linear function of the depth at the end of the step: Newton's method finds the depth that carries the load in
 finitely many steps. The elements are Gauss nodes on panels that end at the edges of the contact at all instants; these
 are found by marching a few times, each time on the edges of the march before. Of second order in the step; the limit is
@@ -11,7 +12,7 @@ extrapolated from halved steps.
 """
 
 import itertools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -29,6 +30,9 @@ _MARCHES = 4  # to find the edges
 _GRADING = 3  # power by which steps narrow
 _TIP = np.concatenate([[0.0], 0.3 ** np.arange(12.0, 0.0, -1)])
 _NEWTON = 100
+_EARLY = 4.0  # ratio of the first steps after a sudden load, and share of the shortest time with which they begin
+_MOST_EARLY = 24
+_SIZES = (128, 512)  # numbers of steps that short marches are filled up to
 _SETTLED = 80.0  # h K/eta beyond which a dashpot sees the end of a step alone
 
 
@@ -66,31 +70,46 @@ def march(
     *,
     levels: int,  # steps per interval
     kept: int = 1,  # instants per interval that are kept, a divisor of `levels`
+    early: int = 0,  # by how many more the first step of the coarsest march of the series is divided
+    coarsest: int | None = None,  # steps per interval of that march, if it is not this one
+    room: bool = False,  # steps are added at the end, so that few sizes are compiled
 ) -> Marched:
     """One march of b histories at a given number of steps. Differentiable in both modes."""
-    part = places(levels)
-    h = jnp.diff(time)[..., None] * np.diff(part)
-    batch, intervals, _ = h.shape
-    first = np.arange(levels) == 0
-    target = jnp.where(by_depth, depth, load)
+    coarsest = coarsest or levels
+    xp: Any = jnp if is_traced(law, time, depth, load) else np  # NumPy has nothing to compile for a new size
+    target = xp.where(by_depth, depth, load)
+    batch, intervals = time.shape[0], time.shape[1] - 1
+    part = np.tile(places(levels), (batch, intervals, 1))
+    early_ends = _early(xp, law, time[:, 1:2] - time[:, :1], levels, coarsest, early)
+    rest_of_first, others = part[:, 0, 1 + levels // coarsest :], part[:, 1:, 1:].reshape(batch, -1)
+    share = xp.concatenate([early_ends, rest_of_first, others], axis=1)
+    more = early * (levels // coarsest)
+    interval = np.repeat(np.arange(intervals), [levels + more] + [levels] * (intervals - 1))
+    first = np.append(True, np.diff(interval) > 0)
+    before = xp.where(first, 0.0, xp.concatenate([share[:, :1], share[:, :-1]], axis=1))
     steps = Steps(
-        h=h.reshape(batch, -1),
-        part=jnp.asarray(np.tile(part[1:], (batch, intervals))),
-        first=jnp.asarray(np.tile(first, (batch, intervals))),
-        by_depth=jnp.repeat(by_depth[:, 1:], levels, axis=1),
-        target=jnp.repeat(target[:, 1:], levels, axis=1),
+        h=xp.diff(time)[:, interval] * (share - before),
+        part=share,
+        first=np.tile(first, (batch, 1)),
+        by_depth=by_depth[:, 1:][:, interval],
+        target=target[:, 1:][:, interval],
     )
+    if room:
+        size = next((n for n in _SIZES if n >= interval.size), interval.size)
+        held = np.minimum(np.arange(size), interval.size - 1)
+        steps = jax.tree.map(lambda a: a[:, held], steps)
     reach = jax.lax.stop_gradient(_reach(modes, disc, time, depth, load, by_depth))
     fixed = jax.lax.stop_gradient((law, disc, steps, (target[:, 0], by_depth[:, 0]), reach))
-    radius = reach[:, None] * jnp.linspace(0.0, 1.0, h[0].size + 2)[1:]
+    radius = reach[:, None] * np.linspace(0.0, 1.0, steps.h.shape[1] + 2)[1:]
     if is_traced(fixed):  # a loop, since there the code of every march is compiled
         radius = jax.lax.fori_loop(0, _MARCHES - 1, lambda _, radius: _all(*fixed, radius)[1], radius)
     else:
         for _ in range(_MARCHES - 1):
             radius = _all(*fixed, radius)[1]
     sums, radius, fits = _all(law, disc, steps, (target[:, 0], by_depth[:, 0]), reach, radius)
-    every = slice(None, None, levels // kept)
-    return Marched(*(a[:, every] for a in (*sums[:2], radius, *sums[2:], fits)))
+    every = np.arange(intervals * kept + 1) * (levels // kept)
+    every[1:] += more
+    return Marched(*(xp.asarray(a)[:, every] for a in (*sums[:2], radius, *sums[2:], fits)))
 
 
 def extrapolated(marches: list[Marched]) -> Marched:
@@ -121,6 +140,30 @@ def places(levels: int) -> np.ndarray:
     """Divisions of [0, 1] that narrow towards both ends; those of `levels` are among those of twice as many."""
     place = np.linspace(0.0, 1.0, levels + 1) ** _GRADING
     return place / (place + place[::-1])
+
+
+def early_steps(law: Relaxation, time: Any, depth: Any, load: Any, by_depth: Any, coarsest: int) -> int:
+    """How many more steps the first one after a sudden load is divided into, in the coarsest march; values known."""
+    times = np.asarray(law.times)[np.asarray(law.moduli) > 0]
+    sudden = np.where(by_depth, depth, load)[:, 0] > 0
+    if not times.size or not sudden.any():
+        return 0
+    first = places(coarsest)[1] * float(np.max(time[:, 1] - time[:, 0]))
+    return int(np.clip(np.ceil(np.log(_EARLY * first / times.min()) / np.log(_EARLY)), 0, _MOST_EARLY))
+
+
+def _early(xp: Any, law: Relaxation, h: Array, levels: int, coarsest: int, early: int) -> Array:
+    """Ends of the steps within the first one of the coarsest march, as parts of the first interval; (b, steps)."""
+    first, finer = places(coarsest)[1], levels // coarsest
+    if not early:
+        return np.tile(places(levels)[1 : 1 + finer], (h.shape[0], 1))
+    moduli, times, h = jax.lax.stop_gradient((law.moduli, law.times, h))
+    shortest = xp.min(xp.where(xp.asarray(moduli) > 0, xp.asarray(times), xp.inf), initial=xp.inf)
+    # Not above 1/_EARLY: no step may be without length where no branch is short.
+    ratio = xp.minimum(shortest / (_EARLY * first * xp.asarray(h)), 1 / _EARLY) ** (1 / early)
+    knots = first * ratio ** np.arange(early, -1.0, -1)
+    knots = xp.concatenate([xp.zeros_like(ratio), knots], axis=1)
+    return (knots[:, :-1, None] + xp.diff(knots)[..., None] * np.arange(1, finer + 1) / finer).reshape(h.shape[0], -1)
 
 
 def _once(
