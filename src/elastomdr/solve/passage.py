@@ -247,8 +247,9 @@ def _edges(p: Passage, value: Array, found: _Found, control: Control) -> tuple[A
     if control == "depth":
         reached = p.lines.depth(size)
     step = _small((value - reached) / found.reached_size, size)
-    pinned = ratio <= 2 * _NEAREST_EXIT
-    slope = jnp.where(pinned | (found.density_ratio == 0), 1.0, found.density_ratio)
+    # Where both edges agree to rounding, a kink (a cone) has no slope there: the edge stays as it was found.
+    pinned = (ratio <= 2 * _NEAREST_EXIT) | (found.density_ratio >= 0)
+    slope = jnp.where(pinned, 1.0, found.density_ratio)
     ratio_step = -(density + found.density_size * step) / slope
     ratio = ratio + jnp.where(pinned, 0.0, _small(ratio_step, ratio))
     return size + step, ratio
