@@ -4,7 +4,7 @@ A `Suite` draws batches of scenes, answers them with elastomdr, and judges the a
 "right" or "wrong" (off by more than the tolerance, and converged), "flagged" (NaN with converged=False), or "unjudged"
 (the judge does not vouch for its own answer). Covered is one whose miss, less what the judge itself may be off by, is
 within the stated error. Every finished batch is a line in `out/NAME-SEED.jsonl` at the root of the repository, so that
-a run that was stopped goes on where it was; the first line names the code, and other code begins anew.
+a run that was stopped goes on where it was; other code begins anew.
 """
 
 import argparse
@@ -67,6 +67,7 @@ class Done(NamedTuple):
     answer: float  # [s]
     judge: float  # [s]
     wall: float  # since the batch that finished before [s]
+    code: str  # that answered and judged, as a hash
 
 
 def drawn(suite: Suite, family: str, number: int, seed: int) -> Any:
@@ -83,6 +84,8 @@ def run(suite: Suite) -> int:
     options.add_argument("--family", action="append", choices=list(suite.families), help="default: all")
     options.add_argument("--processes", type=int, default=os.cpu_count(), help="that judge")
     options.add_argument("--fresh", action="store_true", help="forget what an earlier run has finished")
+    options.add_argument("--older", action="store_true", help="keep what older code has finished; the record says so")
+    options.add_argument("--report", action="store_true", help="only sum up what is finished; the record says so")
     options.add_argument("--show", type=int, default=10, help="how many wrong or crashed ones are printed")
     options.add_argument("--others", type=int, default=0, help="how many flagged and uncovered ones are printed")
     chosen = options.parse_args()
@@ -95,7 +98,12 @@ def run(suite: Suite) -> int:
         for number in range(max(1, round(share * chosen.scenes / together)))
     }
     path = ROOT / "out" / f"{suite.name}-{chosen.seed}.jsonl"
-    done = {} if chosen.fresh else _kept(path)
+    done = {} if chosen.fresh else _kept(path, chosen.older)
+    if chosen.report:
+        wanted &= set(done)
+        record["inputs"].append(f"a part: {len(wanted)} batches that have finished")
+    if older := sum(one.code != _code() for one in done.values()):
+        record["inputs"].append(f"{older} batches answered and judged by an older version of the code")
     _begin(path, done)
     order = [one for one in _in_order(suite, wanted) if one not in done]
     if len(order) < len(wanted):
@@ -125,26 +133,22 @@ def _code() -> str:
     return hashlib.sha256(b"".join(file.read_bytes() for file in sorted(files))).hexdigest()
 
 
-def _kept(path: Path) -> dict[tuple[str, int], Done]:
-    """Batches that the same code has finished; a last line that an interrupt cut short is left out."""
-    if not path.exists():
-        return {}
-    first, *lines = path.read_text().splitlines() or [""]
-    if first != _code():
-        return {}
-    done = {}
-    for line in lines:
+def _kept(path: Path, older: bool) -> dict[tuple[str, int], Done]:
+    """Batches that the same code has finished, or any; a last line that an interrupt cut short is left out."""
+    done, code = {}, _code()
+    for line in path.read_text().splitlines() if path.exists() else ():
         try:
             one = Done(*json.loads(line))
         except (json.JSONDecodeError, TypeError):
             continue
-        done[one.family, one.number] = one
+        if older or one.code == code:
+            done[one.family, one.number] = one
     return done
 
 
 def _begin(path: Path, done: dict[tuple[str, int], Done]) -> None:
     path.parent.mkdir(exist_ok=True)
-    path.write_text("\n".join([_code(), *(json.dumps(one) for one in done.values())]) + "\n")
+    path.write_text("".join(json.dumps(one) + "\n" for one in done.values()))
 
 
 def _judged(judge: Callable, batch: Batch, found: dict[str, Any]) -> tuple[list[Verdict], str, float]:
@@ -161,6 +165,7 @@ def _judged(judge: Callable, batch: Batch, found: dict[str, Any]) -> tuple[list[
 def _finished(suite: Suite, order: list[tuple[str, int]], seed: int, processes: int) -> Iterator[Done]:
     """Batches as they finish."""
     said = last = begin = time.perf_counter()
+    code = _code()
     waiting: dict[Future, tuple[Any, float]] = {}
     count = wrong = 0
     with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
@@ -176,7 +181,7 @@ def _finished(suite: Suite, order: list[tuple[str, int]], seed: int, processes: 
                 took = time.perf_counter() - start
                 if crash:
                     now = time.perf_counter()
-                    yield Done(batch.family, batch.number, batch.scenes, [], crash, True, took, 0.0, now - last)
+                    yield Done(batch.family, batch.number, batch.scenes, [], crash, True, took, 0.0, now - last, code)
                     last, count = now, count + 1
                 else:
                     waiting[pool.submit(_judged, suite.judge, batch, found)] = batch, took
@@ -186,7 +191,7 @@ def _finished(suite: Suite, order: list[tuple[str, int]], seed: int, processes: 
                     wrong += sum(v[0] == "wrong" for v in verdicts)
                     now = time.perf_counter()
                     about = batch.family, batch.number, batch.scenes
-                    yield Done(*about, verdicts, failure, False, took, judged, now - last)
+                    yield Done(*about, verdicts, failure, False, took, judged, now - last, code)
                     last, count = now, count + 1
                 if (now := time.perf_counter()) - said > SAID_EVERY:
                     said = now

@@ -101,7 +101,8 @@ def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
     smooth = weight * _ramp(r, distance)[1] + sliding
     rounding = jnp.where(distance < length, _ROUNDING * _limit(r.friction, every), 0.0) + 1e-13 * jnp.abs(smooth)
     error = jnp.where(again, weight * jnp.abs(marched - coarse), _limit(r.friction, missed)) + rounding
-    error = jnp.where(jnp.isfinite(error), error, rounding) + weight * _early_slip(r, length, steps)
+    error = jnp.where(jnp.isfinite(error), error, rounding)
+    error = error + jnp.where(stick > 0, weight * _early_slip(r, length, steps), 0.0)
     return Tractions(
         force=jnp.where(again, weight * marched, smooth),
         stick=jax.lax.stop_gradient(
