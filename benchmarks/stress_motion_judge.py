@@ -112,13 +112,13 @@ def _traction(batch: Batch, found: dict[str, Any]) -> list[Verdict]:
             (batch.inputs[n][i] for n in ("velocity", "creep", "friction")),
         )
         value, load, good = (float(found[name][i]) for name in ("force", "normal_force", "converged"))
-        error, edges = float(found["error"][i]), tuple(map(float, found["edges"][i]))
+        error, edges = float(found["error"][i]), (float(found["edges"][i][0]), float(found["edges"][i][1]))
         if not good:
             out += said([value], [0], [0], [good], 1.0, 0.0, batch.rtol)
             continue
         normal = closed(power, batch.size, one, float(v), edges[0])
         also = [abs(normal.normal_force / load - 1) + abs(normal.trailing - edges[1]) / edges[0] - 1e-9]
-        again, own = False, 1e-11
+        again, own, coarse = False, 1e-11, np.nan
         truth = brush(one, sheared, batch.size, float(v), edges, float(mu), float(xi))
         if math.isfinite(mu) and xi > 0 and mu > 0:
             coarse, again = brush_march(one, sheared, batch.size, v, edges, mu, xi, 1500)
