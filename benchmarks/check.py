@@ -5,7 +5,7 @@
 Every benchmark records `verdicts` (or `figures`): a name, a measured figure and its target, at least or at most. A
 ratio, of which more is better, has fallen if it lost more than a third against the revision (default: HEAD). A time or
 an error, of which less is better, has if it grew by half and is beyond its target too: times belong to a machine, and
-errors at rounding move by themselves. Exit status 1 if any has, or if a figure is gone.
+errors at rounding move by themselves. Exit status 1 if any has, or if a figure or a whole record is gone.
 """
 
 import argparse
@@ -38,13 +38,24 @@ def recorded(path: Path, revision: str) -> dict[str, Any]:
     return json.loads(shown.stdout) if shown.returncode == 0 else {}
 
 
+def committed(revision: str) -> set[str]:
+    """Names of the records of a revision."""
+    command = ["git", "ls-tree", "--name-only", revision, "./"]
+    shown = subprocess.run(command, cwd=RESULTS, capture_output=True, text=True, check=True)
+    return {name for name in shown.stdout.split("\n") if name.endswith(".json")}
+
+
 def main() -> int:
     options = argparse.ArgumentParser(description="Benchmark results against those of a revision.")
     options.add_argument("--against", default="HEAD")
     revision = options.parse_args().against
-    rows, fallen, compared = [], 0, 0
-    for path in sorted(RESULTS.glob("*.json")):
-        before, now = figures(recorded(path, revision)), figures(json.loads(path.read_text()))
+    rows, compared = [], 0
+    present = {path.name for path in RESULTS.glob("*.json")}
+    for path in (RESULTS / name for name in sorted(present | committed(revision))):
+        before = figures(recorded(path, revision))
+        now = figures(json.loads(path.read_text())) if path.name in present else {}
+        if path.name not in present:
+            rows.append((path.stem, "the record", float("nan"), float("nan"), "gone"))
         for name, (old, more, _) in before.items():
             compared += 1
             if name not in now:

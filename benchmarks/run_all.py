@@ -1,28 +1,42 @@
-"""Runs every benchmark, each in its own process, and says how long it took: `python benchmarks/run_all.py`."""
+"""Runs every benchmark, each in its own process, and records how long it took: `python benchmarks/run_all.py`.
+
+Of the stress tests a part, for which little is compiled; whole they are `stress.py` and `stress_motion.py`.
+"""
 
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+from common import heading, save, table, verdict
+
+MINUTES = 20
 SCRIPTS = (
     "steady_sliding", "skipping", "cold_start", "half_space", "validity_map", "extremes", "indentation",
     "creep_tamaas", "sliding_tamaas", "energy", "impacts", "transient", "rough_sliding", "rough_map", "rough_scenes",
-    "fit_coverage", "stress", "fuzz",
+    "fit_coverage", "stress --scenes 500 --family paraboloid --family cone --family sphere",
+    "stress_motion --scenes 200 --family traction --family impact", "fuzz",
 )  # fmt: skip
 
 
 def main() -> int:
-    begin, took, failed = time.perf_counter(), {}, []
-    for name in SCRIPTS:
-        print(f"\n== {name} ==", flush=True)
+    record = heading("All benchmarks, one after the other", "stress tests in part")
+    begin, rows = time.perf_counter(), []
+    for script in SCRIPTS:
+        name, *options = script.split()
+        print(f"\n== {script} ==", flush=True)
         start = time.perf_counter()
-        if subprocess.run([sys.executable, Path(__file__).with_name(f"{name}.py")]).returncode != 0:
-            failed.append(name)
-        took[name] = time.perf_counter() - start
-    print("\n" + ", ".join(f"{name} {seconds:.0f} s" for name, seconds in took.items()))
-    print(f"total {time.perf_counter() - begin:.0f} s; " + (f"FAILED: {', '.join(failed)}" if failed else "all ran"))
-    return 1 if failed else 0
+        command = [sys.executable, str(Path(__file__).with_name(f"{name}.py")), *options]
+        status = subprocess.run(command).returncode
+        rows.append((name, time.perf_counter() - start, "ran" if status == 0 else "FAILED"))
+    record["scripts"] = table(("script", "[s]", ""), rows)
+    print()
+    record["verdicts"] = [
+        verdict("all benchmarks", (time.perf_counter() - begin) / 60, MINUTES, " min"),
+        verdict("benchmarks that failed", sum(row[2] != "ran" for row in rows), 0),
+    ]
+    save("run_all", record)
+    return 1 if any(row[2] != "ran" for row in rows) else 0
 
 
 if __name__ == "__main__":

@@ -185,7 +185,7 @@ def force(law: Law, modes: Modes, line: Line, time: np.ndarray, depth: np.ndarra
     return line.weight * total, moved
 
 
-def integral(values: Callable[[np.ndarray], np.ndarray], ends: np.ndarray) -> tuple[Any, float]:
+def integral(values: Callable[[np.ndarray], np.ndarray], ends: np.ndarray, rtol: float = 1e-12) -> tuple[Any, float]:
     """int values dx over [ends[0], ends[-1]], values (places, ...), and what the last halvings moved, relative."""
 
     def panels(low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -201,11 +201,11 @@ def integral(values: Callable[[np.ndarray], np.ndarray], ends: np.ndarray) -> tu
         left, right = parts[: low.size], parts[low.size :]
         change = np.abs(left + right - whole).max(1)
         largest = max(np.abs(total + (left + right).sum(0)).max(), 1e-300)
-        again = change > 1e-12 * largest
+        again = change > rtol * largest
         total = total + (left + right)[~again].sum(0)
         moved = float(change[again].sum() / largest)
         if not again.any():
-            return total, 1e-12
+            return total, rtol
         low, high = np.r_[low[again], middle[again]], np.r_[middle[again], high[again]]
         whole = np.r_[left[again], right[again]]
     return total + whole.sum(0), moved

@@ -76,6 +76,10 @@ class _Closed:
         at_low, at_high = self.density(low), self.density(high)
         if at_low <= 0:
             return mp.mpf(0)
+        while high > 4 * low and low < self.a / 8:  # far apart: halve the logarithm, the edge may lie anywhere
+            middle = mp.sqrt(low * high)
+            value = self.density(middle)
+            low, at_low, high, at_high = (low, at_low, middle, value) if value < 0 else (middle, value, high, at_high)
         for _ in range(400):
             middle = (low * at_high - high * at_low) / (at_high - at_low)
             value = self.density(middle)
@@ -85,13 +89,16 @@ class _Closed:
                 high, at_high, at_low = middle, value, at_low / 2
             else:
                 low, at_low, at_high = middle, value, at_high / 2
-            if abs(value) < mp.mpf(10) ** -26 * self.scale * (self.a - middle) / self.a:
+            if abs(value) < mp.mpf(10) ** -26 * mp.fsum(abs(part) for part in self.parts(middle)):
                 return middle
         raise RuntimeError("no trailing edge found")
 
+    def parts(self, b):
+        branches = [e * self.memory(b, s) for e, s in self.branches]
+        return [self.spring * self.rise(b), self.dashpot * self.slope(-b), *branches]
+
     def density(self, b):
-        memory = mp.fsum(e * self.memory(b, s) for e, s in self.branches)
-        return self.spring * self.rise(b) + self.dashpot * self.slope(-b) + memory
+        return mp.fsum(self.parts(b))
 
     def forces(self, b):
         rise = self.rise(b)
@@ -101,10 +108,6 @@ class _Closed:
             normal += e * s * (rise - self.memory(b, s))
             drag += e * self.work(b, s)
         return normal, drag
-
-    @property
-    def scale(self):
-        return (self.spring + mp.fsum(e for e, _ in self.branches)) * abs(self.slope(self.a)) * self.a
 
 
 class _Parabola(_Closed):

@@ -30,10 +30,15 @@ def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "RESULTS", tmp_path)
     monkeypatch.setattr(sys, "argv", ["check.py"])
     write(tmp_path, RECORD)
-    who = ["-c", "user.name=A", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false"]
-    for command in (["init", "-q"], ["add", "work.json"], [*who, "commit", "-q", "-m", "record"]):
-        subprocess.run(["git", *command], cwd=tmp_path, check=True)
+    subprocess.run(["git", "init", "-q"], cwd=tmp_path, check=True)
+    commit(tmp_path)
     return module.main
+
+
+def commit(folder: Path) -> None:
+    who = ["-c", "user.name=A", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false"]
+    for command in (["add", "."], [*who, "commit", "-q", "--allow-empty", "-m", "record"]):
+        subprocess.run(["git", *command], cwd=folder, check=True)
 
 
 def write(folder: Path, record: dict) -> None:
@@ -62,6 +67,16 @@ def test_check_reports_a_fall(check, tmp_path: Path, capsys, record: dict, statu
     write(tmp_path, record)
     assert check() == status
     assert said in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("record", [RECORD, {"title": "No figures"}], ids=["with figures", "without"])
+def test_check_reports_a_record_that_is_gone(check, tmp_path: Path, capsys, record: dict) -> None:
+    write(tmp_path, record)
+    (tmp_path / "other.json").write_text(json.dumps(RECORD))
+    commit(tmp_path)
+    (tmp_path / "work.json").unlink()
+    assert check() == 1
+    assert "the record" in capsys.readouterr().out
 
 
 def test_a_record_that_was_never_committed_is_no_fall(check, tmp_path: Path, capsys) -> None:

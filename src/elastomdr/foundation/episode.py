@@ -26,6 +26,7 @@ from .step import phi1, phi2
 
 _MOST = 100  # iterations in search of an instant
 _ROUNDING = 1e-15
+_BLUR = 1e-12  # of a force: below it its sign may be one of rounding
 
 
 class Touching(NamedTuple):
@@ -80,7 +81,7 @@ def follow(law: Relaxation, modes: Modes, state: Touching, w: Float[Array, " n"]
     lost, stay = _parting(fixed_law, fixed_u, fixed_f, fixed_v, fixed_rest, touched)
     pull, falling = _pull(law, u, f, v, stay)
     falling = jax.lax.stop_gradient(jnp.where(falling < 0, falling, -jnp.inf))
-    stay = jnp.where(lost & (stay > 0), stay - pull / falling, jnp.where(lost, 0.0, rest))
+    stay = jnp.where(lost & (stay > 0), jnp.clip(stay - pull / falling, 0.0, rest), jnp.where(lost, 0.0, rest))
     y = stay / law.times[:, None]
     first, second = phi1(y), phi2(y)
     decay = 1 - y * first
@@ -161,6 +162,10 @@ def _parting(law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: 
     """Whether and when an element in contact would be pulled: Newton's method within a bracket."""
     end, _ = _pull(law, u, f, v, rest)
     lost = touched & (end < 0)
+    # At once where a dashpot is pulled: then q does not pass zero, and there is no root to search for.
+    begin, change = _pull(law, u, f, v, jnp.zeros_like(rest))
+    size = law.equilibrium * jnp.abs(u) + law.viscosity * jnp.abs(v) + jnp.sum(jnp.abs(f), axis=0)
+    at_once = lost & (begin <= 0) & ((change <= 0) | (begin < -_BLUR * size))
 
     def advance(carry: tuple) -> tuple:
         t, low, high, _, count = carry
@@ -172,6 +177,6 @@ def _parting(law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: 
         done = ~lost | (jnp.abs(following - t) <= 4 * _ROUNDING * rest) | (high <= low * (1 + 4 * _ROUNDING))
         return jnp.where(done, t, following), low, high, done, count + 1
 
-    start = (0.5 * rest, jnp.zeros_like(rest), rest, ~lost, 0)
+    start = (0.5 * rest, jnp.zeros_like(rest), rest, ~lost | at_once, 0)
     t, *_ = jax.lax.while_loop(lambda c: ~jnp.all(c[3]) & (c[4] < _MOST), advance, start)
-    return lost, jnp.where(t <= 4 * _ROUNDING * rest, 0.0, t)
+    return lost, jnp.where(at_once | (t <= 4 * _ROUNDING * rest), 0.0, t)

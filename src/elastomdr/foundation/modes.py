@@ -19,9 +19,9 @@ import numpy as np
 from jaxtyping import Float
 
 from .._runtime import Array, in_float64, is_traced
-from ..material.relaxation import Relaxation, to_kelvin
+from ..material.relaxation import Relaxation, kelvin_and_gaps
 
-_NEAREST = 1e-15  # of 1 - tau/lambda, where a branch without strength makes the two coincide
+_NEAREST = 1e-60  # of 1 - tau/lambda, where a branch without strength makes the two coincide
 
 
 class Modes(NamedTuple):
@@ -38,13 +38,14 @@ class Modes(NamedTuple):
 def recovery_modes(law: Relaxation) -> Modes:
     """The modes of a law, to full relative accuracy; exact. NumPy arrays unless the law is traced."""
     xp: Any = jnp if is_traced(law) else np
-    chain = to_kelvin(law)
+    chain, gaps = kelvin_and_gaps(law)
     there = xp.asarray(chain.compliances) > 0
     rate = xp.where(there, 1 / xp.where(there, chain.times, 1.0), 0.0)
     gain = xp.where(there, chain.compliances * rate, 0.0)
+    gap = rate[:, None] * gaps + xp.where(there, 0.0, 1.0)[:, None]
     if is_traced(law) or chain.fluidity > 0:
         rate, gain = xp.append(rate, 0.0), xp.append(gain, chain.fluidity)
-    gap = 1 - rate[:, None] * xp.asarray(law.times)[None]
+        gap = xp.concatenate([gap, xp.ones((1, gap.shape[1]))])
     shape = 1 / xp.where(xp.abs(gap) < _NEAREST, _NEAREST, gap)
     norm = xp.sum(law.moduli * law.times * shape**2, axis=1) + law.viscosity
     return Modes(rate, gain, shape, norm, xp.asarray(chain.instantaneous))

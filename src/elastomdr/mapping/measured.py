@@ -210,9 +210,7 @@ def _bridged(height: np.ndarray) -> np.ndarray:
     filled = np.where(missing, coarse[: height.shape[0], : height.shape[1]], height)
     i, j = np.nonzero(missing)
     last_i, last_j = height.shape[0] - 1, height.shape[1] - 1
-    around = [
-        (np.clip(i + a, 0, last_i), np.clip(j + b, 0, last_j)) for a, b in ((-1, 0), (1, 0), (0, -1), (0, 1))
-    ]
+    around = [(np.clip(i + a, 0, last_i), np.clip(j + b, 0, last_j)) for a, b in ((-1, 0), (1, 0), (0, -1), (0, 1))]
     for _ in range(_PASSES):
         filled[i, j] = sum(filled[at] for at in around) / 4
     return filled

@@ -160,6 +160,12 @@ def to_kelvin(law: Relaxation) -> KelvinChain:
     time is zero. Each retardation time lies just above a relaxation time. Source: Gross, "Mathematical Structure of
     the Theories of Viscoelasticity" (1953), for the interlacing.
     """
+    return kelvin_and_gaps(law)[0]
+
+
+@in_float64
+def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
+    """The Kelvin chain, and lambda_j - tau_k to full relative accuracy, however close the times lie together."""
     xp = _arrays(law)
     with_dashpot = is_traced(law.viscosity) or bool(law.viscosity > 0)
     times, moduli = xp.asarray(law.times), xp.asarray(law.moduli)
@@ -175,15 +181,20 @@ def to_kelvin(law: Relaxation) -> KelvinChain:
     fluidity = xp.where(liquid, 1 / xp.where(liquid & (total_viscosity > 0), total_viscosity, 1.0), 0.0)
     poles, strengths, present = _without_empty(times, weights)
     if poles.shape[0] == 0:
-        return KelvinChain(instantaneous, strengths, poles, fluidity)
-    roots, slope = map(xp.asarray, secular_roots(poles, strengths, equilibrium))
+        return KelvinChain(instantaneous, strengths, poles, fluidity), xp.zeros((0, moduli.shape[0]))
+    roots, slope, near = map(xp.asarray, secular_roots(poles, strengths, equilibrium))
     there = xp.isfinite(roots) & present
     compliances = xp.where(there, 1 / (xp.where(there, roots, 1.0) * slope), 0.0)
     order = xp.argsort(xp.where(there, roots, xp.inf))
     roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
-    if not is_traced(there):  # drop what is not there: the flow of a liquid, an empty branch
+    near = near[:, 1:] if with_dashpot else near
+    if is_traced(there):
+        gaps = xp.where(there[:, None], near, roots[:, None] - law.times)
+    else:  # drop what is not there: the flow of a liquid, an empty branch
         order = order[: int(there.sum())]
-    return KelvinChain(instantaneous, compliances[order], roots[order], fluidity)
+        gaps = roots[:, None] - np.asarray(law.times)
+        gaps[:, np.asarray(moduli) > 0] = near
+    return KelvinChain(instantaneous, compliances[order], roots[order], fluidity), gaps[order]
 
 
 @in_float64
@@ -207,7 +218,7 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
     equilibrium = xp.where(solid, 1 / xp.where(solid, total, 1.0), 0.0)
     if weights.shape[0] == 0:
         return Relaxation(equilibrium, weights, poles, viscosity)
-    roots, slope = map(xp.asarray, secular_roots(poles, weights, fluidity))
+    roots, slope, _ = map(xp.asarray, secular_roots(poles, weights, fluidity))
     there = xp.isfinite(roots)
     roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
     moduli = xp.where(there, 1 / (roots**2 * slope), 0.0)

@@ -25,8 +25,8 @@ def secular_roots(
     poles: Float[Array, " n"],  # ascending pole times [s]
     weights: Float[Array, " n"],  # positive weights
     constant: Float[Array, ""],  # c >= 0, same unit as weight over time
-) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
-    """Roots t of sum_k w_k/(t - p_k) = c and the slope sum_k w_k/(t - p_k)^2 at each.
+) -> tuple[Float[Array, " n"], Float[Array, " n"], Float[Array, "n n"]]:
+    """Roots t of sum_k w_k/(t - p_k) = c, the slope sum_k w_k/(t - p_k)^2 at each, and t_j - p_k to full accuracy.
 
     The last root is infinite where c = 0. Differentiable: the bisection is not, one Newton step after it is.
     """
@@ -72,7 +72,7 @@ def secular_roots(
     step = step - jax.lax.stop_gradient(jnp.where(jnp.abs(step) < 0.1 * jnp.abs(distance), 0.0, step))
     gap = gap + step[:, None]
     slope = jnp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
-    return jnp.where(finite, origin + distance + step, jnp.inf), slope
+    return jnp.where(finite, origin + distance + step, jnp.inf), slope, gap
 
 
 def _away_from_zero(gap: Array) -> Array:

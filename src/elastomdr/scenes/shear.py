@@ -22,7 +22,8 @@ from .steady import brief, describe
 HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin)"
 LAYER = "thin layer of independent elements with Coulomb friction"
 _EARLY = 18  # instants put between the first two: down to 1e-12 of the time between them
-_ROUNDING = 1e-11  # of the largest force: the edges between which elements are summed are not known to rounding
+_EDGES = 1e-11  # of the largest force: the edges between which elements are summed are not known to rounding
+_ROUNDING = 1e-14
 _ELASTIC, _VISCOELASTIC = (200_000, 1), (2_000, 16)  # elements, and contact steps between two instants
 
 
@@ -47,8 +48,8 @@ def shear(
     `friction` is Coulomb's coefficient, zero and infinity included. The tangential law G* follows from a material; for
     a `Foundation` (of E*) give it as `tangential`. Stick or slip is decided element by element; normal and tangential
     loading do not influence each other otherwise, which for equal bodies, or for an incompressible one on a rigid one,
-    is no assumption. `error` compares with half the steps, or two rules of
-    summation where all is elastic (half the elements if their number is given).
+    is no assumption. `error` compares with half the steps, or two rules of summation where all is elastic, and bounds
+    what a sum over even elements misses where stick or contact ends between two of them.
 
     Raises `InputError` for what has no meaning, such as a dashpot that is to follow a sudden depth. An instant at which
     the contact is wider than the body or the grid is NaN, with `converged=False`. Differentiable in moduli, times,
@@ -103,7 +104,9 @@ def shear(
     else:
         fewer, half = (elements // 2, steps) if elastic or steps == 1 else (elements, steps // 2)
         coarse = shear_history(scene, history, line(scene, fewer, per_area), steps=half, **options)
-        error = abs(found.force - coarse.force) / (3 if elastic else 1)
+        # What is left of a force that has faded is the difference of what was carried before.
+        largest = jax.lax.cummax(jnp.abs(jax.lax.stop_gradient(found.force)))
+        error = (1 if elastic else 2) * abs(found.force - coarse.force) + found.missed + _ROUNDING * largest
     chosen = np.append(0, np.arange(found.force.shape[0] - time.shape[0] + 1, found.force.shape[0]))
     found, error = type(found)(*(x[chosen] for x in found)), error[chosen]
     inside = found.contact_radius <= reach * (1 - 0.25 / elements) if not isinstance(shape, FlatPunch) else True
@@ -119,7 +122,7 @@ def shear(
     return Shear(
         time=time,
         displacement=displacement,
-        **found._asdict(),
+        **{name: value for name, value in found._asdict().items() if name != "missed"},
         error=jnp.where(good, error, jnp.nan),
         converged=good,
         model=LAYER if per_area else HALF_SPACE,
@@ -140,9 +143,9 @@ def _summed(scene: Scene, history: History, found: Sheared, per_area: bool, *, b
     best = best._replace(contact_radius=found.contact_radius, stick_radius=found.stick_radius)
     error, distance = abs(best.force - other.force), abs(found.force - best.force)
     better = jnp.max(error) <= jnp.max(distance)
-    error = error + _ROUNDING * jnp.max(abs(best.force))
+    error = error + _EDGES * jnp.max(abs(best.force))
     both = zip(best, found, strict=True)
-    return Sheared(*(jnp.where(better, a, b) for a, b in both)), jnp.where(better, error, distance)
+    return Sheared(*(jnp.where(better, a, b) for a, b in both)), jnp.where(better, error, distance + found.missed)
 
 
 def _with_early_instants(history: History) -> History:

@@ -18,7 +18,7 @@ from ..solve.brush import Rolling, carter, tractions
 from .shear import _laws
 from .steady import Contact, brief, describe, set_up, solve
 
-_ROUNDING = 1e-14  # error of the traction over the normal force that no computation is without
+_ROUNDING = 1e-14  # error of the traction over (1 + mu) F_N that no computation is without
 _STEPS = (1024, 8192, 65536)  # of the march, where elements stick again after they have slipped
 BRUSH = "MDR line of elements with Coulomb friction (brush); rolling loss: "
 CARTER = "Carter's elastic half-plane (exact for equal bodies, or an incompressible one on a rigid one)"
@@ -103,7 +103,8 @@ def traction(
         flat(found.contact.trailing), flat(friction), abs(flat(creep)),
     )  # fmt: skip
     rule = rules[0] if scene.plan.traced else rules[-1]
-    rounding = _ROUNDING * flat(found.normal_force)  # without creep nothing pulls, and no error is small against that
+    # Without creep nothing pulls, and no error is small against that.
+    rounding = _ROUNDING * flat(found.normal_force) * (1 + xp.where(xp.isfinite(rolling.friction), rolling.friction, 0))
     pulled = tractions(rolling, rule, _STEPS[0])
     for steps in _STEPS[1:]:
         missed = ~(pulled.error <= rtol * pulled.force + rounding)

@@ -3,9 +3,10 @@
 A branch much slower than the longest passage is a spring that barely relaxes, one much faster than the shortest is a
 dashpot. All the slow ones are lumped into one branch with their sum of E_k and of E_k/tau_k, all the fast ones into one
 with their sum of E_k tau_k and of E_k tau_k^2. With z = passage/tau, what a branch changes by that is E z^2 (slow) or
-E/z^3 (fast), the first terms that are not matched. Both are compared with the loss and with the modulus of the rest,
-over the whole range of passages of the scene, and the cheapest are condensed while the sum of their costs stays within
-the budget.
+E/z^3 (fast), the first terms that are not matched; E/z^2 (fast) under a kink at the apex, if contact may end within the
+layer that a fast branch leaves behind it (a liquid under a cone). Both are compared with the loss and with the modulus
+of the rest, over the whole range of passages of the scene, and the cheapest are condensed while the sum of their costs
+stays within the budget.
 """
 
 import dataclasses
@@ -34,8 +35,9 @@ class Condensation:
         return tuple(k for k in range(self.branches) if k not in gone)
 
 
-def choose(law: Relaxation, shortest: float, longest: float, rtol: float) -> Condensation:
-    """Condenses what a scene with passages between `shortest` and `longest` [s] does not need at `rtol`."""
+def choose(law: Relaxation, shortest: float, longest: float, rtol: float, kinked: bool) -> Condensation:
+    """Condenses what a scene with passages between `shortest` and `longest` [s] does not need at `rtol`; `kinked` says
+    that the body has a kink at its apex."""
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
     if not (moduli > 0).any():
         return Condensation(moduli.size)
@@ -45,7 +47,7 @@ def choose(law: Relaxation, shortest: float, longest: float, rtol: float) -> Con
     modulus = float(law.equilibrium) + np.sum(moduli / (1 + z), axis=1) + float(law.viscosity) / passages
     with np.errstate(over="ignore"):
         as_spring = np.max(moduli * z**2 * (1 / loss + 1 / modulus)[:, None], axis=0)
-        as_dashpot = np.max(moduli / z**3 * (1 / loss + 1 / modulus)[:, None], axis=0)
+        as_dashpot = np.max(moduli / z ** (2 if kinked else 3) * (1 / loss + 1 / modulus)[:, None], axis=0)
     cost = _SAFETY * np.minimum(as_spring, as_dashpot)
     budget, spent = _SHARE * rtol, 0.0
     springs, dashpots = [], []

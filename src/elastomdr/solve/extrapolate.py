@@ -93,7 +93,7 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
         restitution=jnp.where(stuck, 0.0, best.restitution),
         duration=jnp.where(stuck, jnp.inf, best.duration),
     )
-    good = (jnp.all(motions.solved, axis=0) & enough & jnp.isfinite(best.restitution)) | stuck
+    good = (jnp.all(motions.solved, axis=0) & enough & jnp.isfinite(best.restitution)) | (stuck & (depth <= rtol))
     timed = (duration <= _LOOSER * rtol) | stuck
     return Impacts(best, jax.lax.stop_gradient(jnp.where(stuck, 0.0, error)), stuck, good, timed)
 

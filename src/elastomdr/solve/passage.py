@@ -27,6 +27,7 @@ _NEAREST_EXIT = 1e-15  # b/a below which contact is lost at the apex itself (a k
 _ITERATIONS = 60  # after which a point is given up
 _MET = 1e-3  # relative miss of the load from which Newton's last step gets home
 _FAR = 1e-6  # relative distance of two values from which their difference gives a slope
+_NEAR = 1e-3  # b/a below which the search halves its logarithm
 _TIGHT, _LOOSE = 1e-9, 1e-6  # steps at which the searches stop; Newton's last step squares what error is left
 
 
@@ -170,8 +171,10 @@ def _exits(p: Passage, size: Array, ratio: Array, factor: Array) -> tuple[Array,
         slope = _secant(ratio - before, value - value_before, slope, _FAR * ratio)
         following = ratio - value / slope
         inside = (following >= low) & (following <= high)
-        following = jnp.where(inside, following, 0.5 * (low + high))
-        small = jnp.abs(following - ratio) <= _TIGHT * (1 - ratio) + 4e-15
+        # Near a kink at the apex the edge may lie anywhere between rounding and a thousandth.
+        middle = jnp.where(high < _NEAR, jnp.sqrt(low * high), 0.5 * (low + high))
+        following = jnp.where(inside, following, middle)
+        small = jnp.abs(following - ratio) <= _TIGHT * jnp.minimum(ratio, 1 - ratio) + 4e-15
         following = jnp.where(done, ratio, following)
         return following, ratio, value, slope, low, high, done | small | (value == 0), count + 1
 
@@ -222,7 +225,7 @@ def _size_of_load(p: Passage, load: Array, log_size: Array, ratio: Array, top: A
 def _polish(law, lines, value, velocity, found: _Found, *, rule: Rule, control: Control) -> Passages:
     """One Newton step on both equations, then forces and their sampling error."""
     p = Passage(law, lines, rule, velocity)
-    size, ratio = _edges(p, value, found, control)
+    size, ratio, settled = _edges(p, value, found, control)
     normal, normal_error = normal_force(p, size, ratio)
     drag, drag_error = friction_force(p, size, ratio)
     mu = drag / normal
@@ -236,22 +239,26 @@ def _polish(law, lines, value, velocity, found: _Found, *, rule: Rule, control: 
         trailing=(ratio * entry)[0],
         exponent=exponent_at(lines, size),
         error=jax.lax.stop_gradient((drag_error + jnp.abs(mu) * normal_error) / normal),
-        converged=found.converged,
+        converged=found.converged & settled,
     )
 
 
-def _edges(p: Passage, value: Array, found: _Found, control: Control) -> tuple[Array, Array]:
-    """Contact size and trailing edges after one Newton step, which carries the derivatives."""
+def _edges(p: Passage, value: Array, found: _Found, control: Control) -> tuple[Array, Array, Array]:
+    """Contact size and trailing edges after one Newton step, which carries the derivatives, and whether it was small:
+    a search that was led astray by a steep density stops where a step is not."""
     size, ratio = found.size, found.ratio
     density, reached = balance(p, size, ratio)
     if control == "depth":
         reached = p.lines.depth(size)
     step = _small((value - reached) / found.reached_size, size)
-    pinned = ratio <= 2 * _NEAREST_EXIT
-    slope = jnp.where(pinned | (found.density_ratio == 0), 1.0, found.density_ratio)
+    # Where both edges agree to rounding, a kink (a cone) has no slope there: the edge stays as it was found.
+    pinned = (ratio <= 2 * _NEAREST_EXIT) | (found.density_ratio >= 0)
+    slope = jnp.where(pinned, 1.0, found.density_ratio)
     ratio_step = -(density + found.density_size * step) / slope
+    room = 1e-3 * jnp.minimum(ratio, 1 - ratio) + 1e-13
+    settled = jnp.all(pinned | (jnp.abs(jax.lax.stop_gradient(ratio_step)) <= room), axis=0)
     ratio = ratio + jnp.where(pinned, 0.0, _small(ratio_step, ratio))
-    return size + step, ratio
+    return size + step, ratio, settled
 
 
 class Losses(NamedTuple):
@@ -275,9 +282,9 @@ def solve_losses(
 @functools.partial(jax.jit, static_argnames=("rule", "control"))
 def _losses(law, modes, lines, value, velocity, found: _Found, rule: Rule, control: Control) -> Losses:
     p = Passage(law, lines, rule, velocity)
-    size, ratio = _edges(p, value, found, control)
+    size, ratio, settled = _edges(p, value, found, control)
     dashpot, branches = branch_losses(p, modes, size, ratio)
-    return Losses(dashpot, branches, friction_force(p, size, ratio)[0], found.converged)
+    return Losses(dashpot, branches, friction_force(p, size, ratio)[0], found.converged & settled)
 
 
 def exponent_at(lines: AbstractLines, size: Array) -> Array:

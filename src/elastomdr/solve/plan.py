@@ -82,7 +82,8 @@ def make_plan(
     sizes = np.asarray(estimate_sizes(law, lines, control, corners[1], corners[0]))
     slowest = slow * (float(directions(rtol).cosines[-1]) if averaged else 1.0)
     shortest, longest = 0.5 * sizes.min() / fast, 4 * sizes.max() / slowest
-    how = choose(law, shortest, longest, rtol) if skip and not marched else Condensation(law.moduli.shape[0])
+    kinked = plan.rules[0].split
+    how = choose(law, shortest, longest, rtol, kinked) if skip and not marched else Condensation(law.moduli.shape[0])
     largest = float(np.asarray(lines.shape.largest_contact))
     rules = ladder(lines.shape, rtol, largest / (1.3 * sizes.max()), lines.count > 1)
     if averaged and control == "load":

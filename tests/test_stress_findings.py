@@ -1,0 +1,57 @@
+"""Scenes in which `benchmarks/stress.py` and `stress_motion.py` found wrong answers without a flag, made small."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.foundation.episode import follow, pressed
+from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
+
+
+@pytest.mark.parametrize("slowness", [1e8, 1e17])
+def test_cone_whose_edges_agree_to_rounding(slowness: float) -> None:
+    """v tau far above the contact: mu = (2/3) c a/(v tau), a the contact of all moduli, first order in a/(v tau)."""
+    found = em.friction(
+        em.Foundation(0.0, [7e10], [1e8]), em.Cone(2e-4), velocity=slowness / 1e9, load=4e5, average=None
+    )
+    a = found.contact.leading
+    assert found.mu == pytest.approx(2 / 3 * np.pi / 2 * 2e-4 * a / (slowness / 10), rel=1e-6)
+
+
+def test_cone_on_a_liquid_that_relaxes_within_a_trillionth_of_the_contact() -> None:
+    """Contact ends within v tau of the apex, so that every element in it has the slope c = pi/2 tan(theta): mu = c."""
+    found = em.friction(
+        em.Foundation(0.0, [1e7, 2e6], [1e-12, 1.1e-12]), em.Cone(3e-4), velocity=1e-3, load=1e-3, average=None
+    )
+    slope = np.pi / 2 * 3e-4
+    assert abs(found.mu - slope) <= found.error + 1e-12 * slope
+
+
+def test_element_pulled_by_a_dashpot_is_let_go_at_once() -> None:
+    """E u + eta u' + sum f_k < 0 from the start of a fast retreat: the element recovers from where it was."""
+    given = em.Foundation(600.0, [8.6e4, 6.5e4, 22.0], [5.11e-3, 5.1105e-3, 5.118e-3], 1.2e4)
+    law, depth = given.law(), 1.0
+    with jax.enable_x64(True):
+        law, modes = jax.tree.map(jnp.asarray, (law, recovery_modes(law)))
+        g = jnp.linspace(0.0, 0.9, 7)
+        state = follow(law, modes, pressed(law, modes, -1.0 - g), -g, depth / 1e-3, 1e-3)
+        held = np.array(state.u)
+        for h, v in ((3e-3, -400.0), (1e-9, -400.0), (0.2, -20.0)):
+            free = follow(law, modes, state, depth - g, v, h)
+            assert not free.contact.any()
+            assert (np.array(free.u) <= held * (1 + 1e-12)).all()
+            assert (np.array(free.u) >= 0).all()
+
+
+@pytest.mark.parametrize("apart", [1e-3, 1e-9, 4e-15])
+def test_modes_of_nearly_equal_times(apart: float) -> None:
+    """Branch forces of an element without force, to its recovery modes and back."""
+    with jax.enable_x64(True):
+        law = jax.tree.map(jnp.asarray, em.Foundation(2.0, [1.0, 3.0, 0.5], [1.0, 1.0 + apart, 1.0 + 3 * apart]).law())
+        modes = recovery_modes(law)
+        f = jnp.array([[-0.5], [-1.5 - 1e-3], [1e-3]])
+        m = to_modes(law, modes, jnp.ones(1), f)
+        assert float(m.sum()) == pytest.approx(1.0, rel=1e-13)
+        np.testing.assert_allclose(to_branches(law, modes, m), f, rtol=0, atol=1e-13)
