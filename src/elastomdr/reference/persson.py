@@ -10,40 +10,35 @@ follows from the part of the spectrum below q. Source: B. N. J. Persson, J. Chem
 Persson, J. Phys.: Condens. Matter 27 (2015) 105102.
 """
 
+import itertools
 from typing import Any
 
-import equinox as eqx
 import numpy as np
-from jaxtyping import Float
 from scipy.special import erf
 
 from .._runtime import as_float64, in_float64, plain, positive, require
 from ..errors import InputError
 from ..foundation.law import as_foundation
 from ..mapping.spectrum import as_spectrum
+from ..results.persson import PerssonCurve
+from ..scenes.steady import brief
 
 _ANGLES = 48  # nodes of the midpoint rule in log tan(phi/2), which converges exponentially
 _PER_DECADE = 200  # wave numbers per decade, Simpson's rule
-
-
-class Persson(eqx.Module):
-    """Friction coefficient and share of real contact, both of the arguments' common shape."""
-
-    velocity: Float[np.ndarray, "..."]  # [m/s]
-    mu: Float[np.ndarray, "..."]
-    area_ratio: Float[np.ndarray, "..."]  # A/A_0 at q_high
-    spread: Float[np.ndarray, "..."]  # G at q_high
-    model: str = eqx.field(static=True)
+_FIRST, _HALVINGS = 0.5, 30  # of log q: the longest of the pieces that begin at q_low, and how often it is halved
+_WORST = 1e-3  # relative change by half the nodes, from which a point counts as not converged
 
 
 @in_float64
 def persson(
     material: Any, spectrum: Any, *, pressure: Any, velocity: Any, temperature: Any = None, gamma: Any = 0.5,
     stored: bool = False,
-) -> Persson:  # fmt: skip
+) -> PerssonCurve:  # fmt: skip
     """Persson's mu and A/A_0 at nominal `pressure` [Pa]; arguments broadcast. Raises `InputError`.
 
-    `gamma` is that of S, 0 to 1, with 1 for S = 1; `stored` puts S inside G as well. Integrals to about 1e-8.
+    `gamma` is that of S, 0 to 1, with 1 for S = 1; `stored` puts S inside G as well. The curve can be drawn on the axes
+    of a line's: `em.reference.persson(...).plot(curve.plot())`. `error` is what half the wave numbers and half the
+    angles would change; a point where that is more than a thousandth of mu is NaN.
     """
     foundation, surface = as_foundation(material), as_spectrum("spectrum", spectrum)
     if foundation.per_area:
@@ -59,30 +54,52 @@ def persson(
             raise InputError("temperature was given, but the material has no shift law.")
         factor = np.asarray(foundation.shift.a(as_float64("temperature", temperature)))
     v, p, a = np.broadcast_arrays(velocity, pressure, factor)
-    q, c = _wave_numbers(surface)
-    found = np.array(
-        [_one(foundation, q, c, x * y, z, gamma, stored) for x, y, z in zip(v.flat, a.flat, p.flat, strict=True)]
-    )
-    mu, area, spread = (found[:, i].reshape(v.shape) for i in range(3))
+    fine, coarse = (
+        np.array([
+            _one(foundation, *_wave_numbers(surface, _PER_DECADE // part), _ANGLES // part, x * y, z, gamma, stored)
+            for x, y, z in zip(v.flat, a.flat, p.flat, strict=True)
+        ])
+        for part in (1, 2)
+    )  # fmt: skip
+    mu, area, spread = (fine[:, i].reshape(v.shape) for i in range(3))
+    error = np.abs(fine[:, 0] - coarse[:, 0]).reshape(v.shape)
+    good = np.isfinite(mu) & (error <= _WORST * mu)
+    mu, area, spread, error = (np.where(good, x, np.nan) for x in (mu, area, spread, error))
+    inputs = [("material", foundation.name or "given directly"), ("surface", f"{surface.label}, {surface.words()}"),
+              ("pressure", brief(pressure, "Pa")), ("velocity", brief(velocity, "m/s"))]  # fmt: skip
+    if temperature is not None:
+        inputs.append(("temperature", brief(temperature, "K")))
+        temperature = np.broadcast_to(np.asarray(temperature, dtype=float), v.shape).copy()
     where = "in mu and in G" if stored else "in mu"
-    return Persson(v.copy(), mu, area, spread, f"Persson's theory, S with gamma = {gamma:g} {where}")
+    return PerssonCurve(
+        velocity=v.copy(), mu=mu, area_ratio=area, spread=spread, pressure=p.copy(), error=error, converged=good,
+        temperature=temperature, model=f"Persson's theory, S with gamma = {gamma:g} {where}",
+        plan=f"{_PER_DECADE} wave numbers per decade, {_ANGLES} angles, and half as many of each for the error",
+        inputs=tuple(inputs),
+    )  # fmt: skip
 
 
-def _wave_numbers(surface: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes in pieces of even steps of log q, with C; an even number of steps in each piece of the table."""
+def _wave_numbers(surface: Any, per_decade: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes in pieces of even steps of log q, with C; an even number of steps in each piece of the table.
+
+    G starts from zero at q_low, and P falls from 1 as soon as G is about 0.1, in light contact at once: towards q_low
+    the pieces become ever shorter.
+    """
+    first = surface.q[0] * np.exp(_FIRST * 0.5 ** np.arange(_HALVINGS, -1.0, -1.0))
+    ends = np.concatenate([surface.q[:1], first[first < surface.q[1]], surface.q[1:]])
     pieces = []
-    for low, high in zip(surface.q[:-1], surface.q[1:], strict=True):
-        steps = 2 * max(1, int(np.ceil(0.5 * _PER_DECADE * np.log10(high / low))))
-        pieces.append(np.geomspace(low, high, steps + 1))
+    for low, high in itertools.pairwise(ends):
+        steps = 2 * max(per_decade // 20, int(np.ceil(0.5 * per_decade * np.log10(high / low))))
+        pieces.append(low * (high / low) ** np.linspace(0, 1, steps + 1))
     q = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
-    return q, surface.at(q)
+    return q, surface.at(np.clip(q, surface.q[0], surface.q[-1]))
 
 
-def _one(foundation, q, c, velocity, pressure, gamma, stored) -> tuple[float, float, float]:
+def _one(foundation, q, c, angles, velocity, pressure, gamma, stored) -> tuple[float, float, float]:
     """One point; in log q by Simpson's rule, and P(q) by steps of it."""
-    t = 12.0 * (np.arange(_ANGLES) + 0.5) / _ANGLES  # cos(phi) = sech t, dphi = sech t dt, a quarter circle
+    t = 12.0 * (np.arange(angles) + 0.5) / angles  # cos(phi) = sech t, dphi = sech t dt, a quarter circle
     cosine = 1 / np.cosh(t)
-    weight = 4 * 12.0 / _ANGLES * cosine
+    weight = 4 * 12.0 / angles * cosine
     modulus = foundation.complex_modulus(q[:, None] * velocity * cosine) / pressure
     stiff, loss = (np.abs(modulus) ** 2) @ weight, (modulus.imag * cosine) @ weight
     log = np.log(q)

@@ -1,0 +1,27 @@
+"""Persson's theory against values computed apart from this code, and as a curve beside the line's."""
+
+import numpy as np
+
+import elastomdr as em
+
+RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
+TABLE = np.array([1e3, 1e6])
+SURFACE = em.Spectrum(TABLE, 1e-17 * (TABLE / 1e3) ** -3.6, convention="2d")
+
+
+def test_persson():
+    got = em.reference.persson(RUBBER, SURFACE, pressure=3e5, velocity=[0.3, 0.3], gamma=0.5)
+    np.testing.assert_allclose(got.mu, 0.012198893352743344, rtol=1e-6)
+    np.testing.assert_allclose(got.area_ratio, 0.639337598626935, rtol=1e-6)
+    np.testing.assert_allclose(got.spread, 0.5983828641409461, rtol=1e-6)
+    full = em.reference.persson(RUBBER, SURFACE, pressure=1e12, velocity=0.3, gamma=1.0)
+    np.testing.assert_allclose(full.mu * 1e12, 4592.225558045976, rtol=1e-8)
+    inside = em.reference.persson(RUBBER, SURFACE, pressure=3e5, velocity=0.3, stored=True)
+    assert inside.spread < got.spread[0]
+    whole = em.reference.persson(RUBBER, SURFACE, pressure=3e5, velocity=0.3, gamma=1.0, stored=True)
+    np.testing.assert_allclose(whole.spread, got.spread[0], rtol=1e-7)  # S = 1: nothing to put inside
+    assert (np.abs(got.mu - 0.012198893352743344) <= got.error).all()
+    axes = got.plot(full.plot())
+    assert len(axes.lines) >= 2
+    assert "contact area over nominal area [-]" in got.csv()
+    assert "gamma = 0.5" in got.summary()
