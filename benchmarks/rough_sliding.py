@@ -138,7 +138,21 @@ def main() -> None:
     record["sizes"] = table(
         ("samples", "cpu per sample [us], all 64 velocities", "peak memory of a process [MB]"), sizes
     )
+    branches = []
+    for count in (5, 10, 20, 40, 60):
+        times = np.geomspace(TIMES[0], TIMES[-1], count)
+        law = em.Foundation(1e6, 20 / count * 1e6 * (times / 1e4) ** -0.15, times).law()
+
+        def swept(law=law):
+            value = np.full(VELOCITY.size, 200.0)
+            return periodic.solve_line(line.height, float(line.spacing), law, VELOCITY, value, "load", 1e-6, False)
+
+        swept()
+        found = timed(swept, 3)
+        branches.append((count, found.cpu, float(found.value.sweeps.mean()), found.cpu / found.value.sweeps.mean()))
+    record["branches"] = table(("branches", "cpu, none skipped [s]", "sweeps", "cpu per sweep [s]"), branches)
     record["verdicts"] += [
+        verdict("cost of a sweep per branch, 60 branches over 20", branches[4][3] / branches[2][3] / 3, 1.3),
         verdict("cost per sample at 2^20 over that at 2^16", sizes[3][1] / sizes[1][1], 1.3),
         verdict("peak memory at 2^18 samples", sizes[2][2], 1000.0, " MB"),
     ]

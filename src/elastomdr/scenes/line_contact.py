@@ -10,7 +10,7 @@ from ..errors import ConvergenceWarning, InputError
 from ..mapping.synthesis import PERIODS
 from ..results.line_contact import LineContact
 from ..solve.periodic_field import field
-from .rough import is_rough
+from .rough import is_rough, surface_words
 from .rough_arguments import set_up
 from .steady import BARE, brief
 
@@ -61,7 +61,7 @@ def line_contact(
     if not good:
         warnings.warn("the point did not converge; it is NaN.", ConvergenceWarning, stacklevel=3)
     mu, load_, deep, share = (float(getattr(found.line, name)[0]) for name in ("mu", "load", "depth", "share"))
-    inputs = [("material", scene.foundation.name or "given directly"), ("surface", surface.label)]
+    inputs = [("material", scene.foundation.name or "given directly"), ("surface", surface_words(surface, line))]
     inputs += [] if pressure is None else [("pressure", brief(np.asarray(pressure), "Pa"))]
     inputs += [(f"line {scene.control}", brief(scene.value, "N/m" if scene.control == "load" else "m"))]
     inputs += [("velocity", brief(scene.velocity, "m/s"))]
