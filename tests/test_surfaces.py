@@ -127,3 +127,60 @@ def test_line_of_a_surface():
     np.testing.assert_allclose(np.std(line.height), surface.rms_height, rtol=1e-2)
     np.testing.assert_allclose(line.rms_slope, 0.3, rtol=2e-2)
     assert (surface.line(seed=3, periods=2, samples=1024).height == line.height).all()
+
+
+def isotropic_map(n: int = 96) -> np.ndarray:
+    """Heights [um] of random phases under C ~ q^-3.6, from 2 to 24 waves of n points, rms 10."""
+    rng = np.random.default_rng(5)
+    k = np.hypot(*np.meshgrid(np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(n, 1 / n)))
+    amplitude = np.where((k >= 2) & (k <= n / 4), np.maximum(k, 1.0) ** -1.8, 0.0)
+    height = np.fft.ifft2(amplitude * np.exp(2j * np.pi * rng.random((n, n)))).real
+    return 10 * height / height.std()
+
+
+def map_file(path, rows):
+    path.write_text("x [um],y [um],h [um]\n" + "\n".join(",".join(map(repr, row)) for row in np.asarray(rows).tolist()))
+    return em.surface_from_file(path)
+
+
+def test_maps_with_flaws(tmp_path):
+    """Holes, repeated and shuffled points, and coarse heights are mended or at least named, and change little."""
+    height, rng = isotropic_map(), np.random.default_rng(0)
+    n = len(height)
+    rows = np.stack([*(10.0 * i for i in np.indices((n, n))), height], axis=-1).reshape(-1, 3)
+    clean = map_file(tmp_path / "map.csv", rows)
+    assert clean.report == ()
+
+    shuffled = map_file(tmp_path / "map.csv", rng.permutation(rows))
+    np.testing.assert_allclose(shuffled.c, clean.c, rtol=1e-9)
+    assert shuffled.report == ("points did not come row by row: sorted",)
+
+    higher = np.array([0, 0, 0.2])
+    again = map_file(tmp_path / "map.csv", np.concatenate([rows, rows[:500] + higher, rows[:500] - higher]))
+    np.testing.assert_allclose(again.c, clean.c, rtol=1e-9)
+    assert "1000 points at a place that came before: heights averaged" in again.report
+
+    coarse = map_file(tmp_path / "map.csv", np.column_stack([rows[:, :2], 4 * np.round(rows[:, 2] / 4)]))
+    assert "coarsely rounded" in coarse.report[0]
+
+    for share in (0.02, 0.1, 0.3):
+        holed = rows.copy()
+        side = round(n * share**0.5)
+        holed[(holed[:, :2] >= 200).all(axis=1) & (holed[:, :2] < 200 + 10 * side).all(axis=1), 2] = np.nan
+        got = map_file(tmp_path / "map.csv", holed)
+        assert "bridged smoothly" in got.report[0]
+        assert -1.2 * share < got.rms_slope / clean.rms_slope - 1 < 0.05
+        assert ("low by about" in got.report[0]) == (share > 0.05)
+
+
+def test_table_that_begins_with_a_hole(tmp_path):
+    x = np.arange(256) * 10.0
+    height = np.cumsum(np.random.default_rng(1).standard_normal(256))
+    for holes in (["0,"], ["0,nan", "10,-"]):
+        rows = [
+            *holes,
+            *(f"{a!r},{h!r}" for a, h in zip(x[len(holes) :].tolist(), height[len(holes) :].tolist(), strict=True)),
+        ]
+        (tmp_path / "cut.csv").write_text("x [um],height [um]\n" + "\n".join(rows))
+        got = em.surface_from_file(tmp_path / "cut.csv")
+        assert f"{len(holes)} of 256 points without a value" in got.report[0]
