@@ -5,7 +5,6 @@ import warnings
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 import elastomdr as em
 from elastomdr.cli.main import main
@@ -218,49 +217,6 @@ def test_random_scenes_converge_or_say_so():
         assert (got.mu[got.converged] > 0).all()
         assert np.isnan(got.mu[~got.converged]).all()
         assert got.converged.mean() > 0.7
-
-
-def dashpot_on_a_cosine(stiff: float, eta: float, k: float, height: float, velocity: float, depth: float):
-    """mu and mean force per length of a spring and a dashpot, from q = E w + eta dw/dt in contact, w = d - A + A cos.
-
-    Contact ends where q = 0, recovery goes as exp(-E t/eta), and the next wave meets it before its crest.
-    """
-    period = 2 * np.pi / k / velocity
-
-    def w(t):
-        return depth - height + height * np.cos(k * velocity * t)
-
-    def q(t):
-        return stiff * w(t) - eta * height * k * velocity * np.sin(k * velocity * t)
-
-    def above(t):  # the free element over the line, after a crest at -period
-        return w(end) * np.exp(-stiff / eta * (t + period - end)) - w(t)
-
-    times = np.linspace(0, period / 2, 20_001)
-    first = int(np.argmax(q(times) < 0))
-    end = brentq(q, times[first - 1], times[first], xtol=1e-18)
-    times = np.linspace(end - period, 0, 20_001)
-    first = 5 + int(np.argmax(above(times)[5:] < 0))
-    start = brentq(above, times[first - 1], times[first], xtol=1e-18)
-    x, weight = np.polynomial.legendre.leggauss(100)
-    t, weight = (start + end) / 2 + (end - start) / 2 * x, (end - start) / 2 * weight
-    slope = -height * k * np.sin(k * velocity * t)  # dw/dx
-    return weight @ (q(t) * slope) / (weight @ q(t)), weight @ q(t) / period
-
-
-def test_force_that_jumps_at_the_edge():
-    """On rubber with a dashpot mu is of first order in the spacing, and two spacings may agree by accident."""
-    x = np.arange(4096) * 2 * np.pi / 1e3 / 4096
-    rubber, line = em.Foundation(1e6, [], [], viscosity=1e3), em.RoughLine(x, 1e-5 * np.cos(1e3 * x))
-    for depth in (1e-5, 3e-5):
-        velocity = [3.0, 10.0, 30.0, 100.0]
-        exact = [dashpot_on_a_cosine(1e6, 1e3, 1e3, 1e-5, v, depth) for v in velocity]
-        for samples in (4096, 65536):
-            got = em.friction(rubber, line, velocity=velocity, depth=depth, average=None, samples=samples)
-            mu, load = np.transpose(exact)
-            np.testing.assert_allclose(got.normal_force, load, rtol=2e-4 * 4096 / samples)
-            assert (np.abs(got.mu - mu) <= got.error).all()
-            assert (got.error <= 1e-2 * mu).all()
 
 
 @pytest.mark.parametrize(
