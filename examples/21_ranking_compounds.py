@@ -50,6 +50,11 @@ def main(out: Path) -> None:
             f"10 Hz: {cool[i]:.3f} at 0 degC, {hot[i]:.3f} at 60 degC"
         )
 
+    first = np.argsort(-friction)[:2]
+    asked = {"velocity": VELOCITY, "pressure": PRESSURE, "temperature": KELVIN, "seeds": 3}
+    for name, curve in ((NAMES[i], em.friction(rubbers[i], ROAD, **asked)) for i in first):
+        print(f"{name:26} over three lines of the road: mu {curve.mu:.3f}, standard error {curve.rough.scatter:.3f}")
+
     figure, (left, right) = plt.subplots(1, 2, figsize=(11.4, 4.6), layout="constrained")
     omega = np.geomspace(1.0, 1e7, 200)
     for name, bands, rubber, colour in zip(NAMES, found, rubbers, COLOURS, strict=True):

@@ -53,9 +53,12 @@ def main(out: Path) -> None:
             "on the rod"
         )
         at_once = np.sqrt(STIFFNESS / MASS) * LONGEST < VELOCITY  # a wave passes within a small part of a swing
-        least = (DAMPING + slope[:, at_once]).min()
+        least = (DAMPING + slope[:, at_once]).min(initial=np.inf)
         said = f"damped, at least {least:.0f} N s/m with the drive's own" if least > 0 else "not damped everywhere"
-        print(f"    friction {force.min():.2f} to {force.max():.2f} N; above {VELOCITY[at_once][0]:.2g} m/s {said}")
+        said = (
+            f"above {VELOCITY[at_once][0]:.2g} m/s {said}" if at_once.any() else "no speed so high that slope decides"
+        )
+        print(f"    friction {force.min():.2f} to {force.max():.2f} N; {said}; slower than that, ask em.drive")
         for row, steep, kelvin, colour in zip(force, slope, KELVIN, colours, strict=True):
             left.loglog(VELOCITY, row, dash, color=colour, label=f"{name}, {kelvin - 273.15:g} °C")
             ratio = (DAMPING + steep) / (2 * np.sqrt(STIFFNESS * MASS))

@@ -29,20 +29,21 @@ import elastomdr as em
 
 RUBBER = em.load_material("tread-passenger-synthetic")
 DATA = Path(__file__).parent / "scenes" / "measured_friction.csv"
-SCENE = {"pressure": 5e5, "equivalent_length": 1.5e-4}  # Pa, m
+SCENE = {"pressure": 5e5, "equivalent_length": 1.5e-4}  # Pa, unless the file has a column of it; m
 LINES = {"average": None, "seeds": 3, "samples": 1024, "rtol": 1e-3}
 KNOWN = em.SelfAffine(0.8, rms_height=5e-5, q_low=2e3, q_high=2e4)  # as far as the profilometer sees
-TRUTH, NOISE = 5e4, 0.03  # upper cutoff by which the points were made [rad/m], scatter of a measurement
+TRUTH, NOISE = 5e4, 0.03  # upper cutoff by which the points were made [rad/m], scatter of a measurement, likewise
 WIDTHS = {"heights": 0.05, "length": 0.3, "gain": 0.15}  # decades: what is known of them beforehand
 
 
 def main(out: Path, data: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     points = em.fit.read_friction(data)
-    error = NOISE * points.mu
+    error = NOISE * points.mu if points.error is None else points.error
+    scene = SCENE if points.pressure is None else SCENE | {"pressure": points.pressure}
     master = em.fit.friction_master(points.velocity, points.temperature, points.mu, 293.15, error=error)
     at = {"velocity": points.velocity, "temperature": points.temperature}
-    measured = {"measured": points.mu, "error": error, **at, **SCENE, **LINES}
+    measured = {"measured": points.mu, "error": error, **at, **scene, **LINES}
     alone = em.fit.calibrate(RUBBER, KNOWN, parameters=("q_high",), **measured)
     start = alone.parameters | dict.fromkeys(WIDTHS, 0.0)
     free = em.fit.calibrate(RUBBER, KNOWN, parameters=start, widths=WIDTHS, **measured)
@@ -53,7 +54,8 @@ def main(out: Path, data: Path) -> None:
     master.plot(axes["shifted"])
     velocity = np.geomspace(points.velocity.min(), points.velocity.max(), 8)
     kelvin = np.unique(points.temperature)[:, None]
-    curve = em.friction(RUBBER, alone.shape, velocity=velocity, temperature=kelvin, **SCENE, **LINES)
+    scene["pressure"] = float(np.median(scene["pressure"]))
+    curve = em.friction(RUBBER, alone.shape, velocity=velocity, temperature=kelvin, **scene, **LINES)
     curve.plot(axes["drawn"], title="Calibrated cutoff", measured=points.points)
     left = {"q_high alone": alone.std["q_high"] / alone.prior["q_high"]}
     left |= {f"{name}, with others": free.std[name] / free.prior[name] for name in free.std}
