@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .isotherms import Isotherms, alike, own_noise
-from .laws import LawFit, at_reference, fit_laws
+from .laws import LawFit, fit_laws
+from .reference import Place, locate
 from .shifting import LN10, Shifts, guess_shifts, join
 
 _POOR = 0.12  # relative standard deviation of a step between neighbours above which it may not be told apart
@@ -39,7 +40,7 @@ class AtReference(NamedTuple):
     covariance: np.ndarray  # of log10_a
     ln_b: np.ndarray
     ln_b_std: np.ndarray
-    weights: np.ndarray  # of the isotherms whose mean stands for the reference state
+    place: Place  # of the reference temperature among the isotherms
     laws: dict[str, LawFit]
 
 
@@ -76,17 +77,18 @@ def about(joint: Joint, reference: float) -> AtReference:
     x, by_x = shifts.horizontal(p)
     y = shifts.vertical() @ p
     spread = by_x @ covariance @ by_x.T + _outer(d.by_isotherm for d in joint.doubts)
-    weights, bent = at_reference(temperature, x, spread, reference)
-    change = np.eye(n) - weights
-    full = change @ spread @ change.T
-    log10_a = change @ x - bent
+    place = locate(temperature, x, spread, reference)
+    change = np.eye(n) - place.weights
+    full = change @ spread @ change.T + place.variance
+    log10_a = x - place.log10_a
+    change = np.eye(n) - place.near
     lift = change @ shifts.vertical()
     entropy = shifts.vertical()[:, shifts.slopes.stop]
-    curved = np.log(temperature[shifts.anchor] / reference) - weights @ entropy
+    curved = np.log(temperature[shifts.anchor] / reference) - place.near @ entropy
     ln_b = change @ y - p[shifts.slopes.stop] * curved
     std = np.sqrt(np.maximum(np.diag(lift @ covariance @ lift.T), 0.0))
     laws = fit_laws(temperature, log10_a, full, reference) if n >= 2 else {}
-    return AtReference(log10_a, full, ln_b, std, weights, laws)
+    return AtReference(log10_a, full, ln_b, std, place, laws)
 
 
 def curve(
@@ -97,16 +99,17 @@ def curve(
     p = shifts.posterior.mean
     x, by_x = shifts.horizontal(p)
     lift = shifts.vertical()
-    weights = reference.weights
+    weights, near = reference.place.weights, reference.place.near
     here = float(x[shifts.anchor] - reference.log10_a[shifts.anchor])
     level = float((lift @ p)[shifts.anchor] - reference.ln_b[shifts.anchor])
     at_anchor = log_rate + LN10 * here
     answer = shifts.predict(p, channel, at_anchor)
-    jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - weights @ lift
+    jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - near @ lift
     jacobian[:, shifts.spectrum] += answer.by_neighbours
     jacobian[:, shifts.equilibrium] += answer.by_equilibrium
     jacobian[:, shifts.places] += answer.by_place
     variance = np.einsum("ij,jk,ik->i", jacobian, shifts.posterior.covariance, jacobian)
+    variance += (LN10 * answer.by_rate) ** 2 * reference.place.variance
     for doubt in joint.doubts:
         along = doubt.size * ((at_anchor > doubt.between[0]) & (at_anchor < doubt.between[1]))
         variance += (LN10 * answer.by_rate * (weights @ doubt.by_isotherm - along)) ** 2

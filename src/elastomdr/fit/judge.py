@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 _NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms alone
 _WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
+_FAR = 0.3  # half a 95 % interval of an extrapolated shift above which it is no longer of much use [decades]
 _CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
 
 
@@ -82,11 +83,12 @@ def _details(master: "MasterCurve") -> Iterator[str]:
     if temperature.size == 1:
         yield "There is one temperature only: no shift law."
     elif not temperature.min() - 1.5 <= reference <= temperature.max() + 1.5:
+        half = master.state.place.half
         yield (
             f"The reference temperature, {reference - 273.15:.4g} degC, lies outside the data "
             f"({temperature.min() - 273.15:.4g} to {temperature.max() - 273.15:.4g} degC): it is reached by "
-            f"extrapolating "
-            "the shift law."
+            f"extrapolating the shift law, which knows that step to +- {half:.2g} decades (95 %). Every log10 a_T and "
+            f"the band contain that{'; give a reference within the data' if half > _FAR else ''}."
         )
     if temperature.size == 2:
         yield "There are two temperatures only: Arrhenius' law can be fitted, WLF and VFT cannot."
