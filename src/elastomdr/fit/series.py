@@ -19,6 +19,8 @@ from .data import KINDS
 from .findings import TWO_SIGMA, AbstractFindings
 from .isotherms import alike
 from .joint import AtReference, Joint, about
+from .judge import judge_level, judge_series
+from .level import slow_end
 from .master import MasterCurve
 from .posterior import one_thread
 from .shifting import join
@@ -27,7 +29,6 @@ from .terms import Data, choose_terms, most_terms
 
 TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
 _EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
-_POOR = 0.1  # relative residual worth a warning
 _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
     "where it is known, as poisson=0.4 (--poisson 0.4)."
@@ -47,7 +48,8 @@ class PronyFit(AbstractFindings):
     loss_residual: float
     relaxation_residual: float
     residuals: dict[str, Float[np.ndarray, " m"]]  # relative, per point, for "storage", "loss", "relaxation"
-    equilibrium_std: float  # [Pa]; 0 for a liquid
+    equilibrium_std: float  # [Pa]; 0 for a liquid. Where the interval is wider, that of an interval that holds it
+    equilibrium_interval: tuple[float, float]  # 95 %, with what may relax more slowly than the data reach [Pa]
     moduli_std: Float[np.ndarray, " n"]  # [Pa]
     times_std: Float[np.ndarray, " n"]  # [s]
     covariance: Float[np.ndarray, "p p"]  # of ln moduli, ln times and, for a solid, ln equilibrium
@@ -125,7 +127,8 @@ class PronyFit(AbstractFindings):
         level = float(self.material.equilibrium)
         slowest = float(self.material.times.max())
         none = "0: a liquid" if slowest * self.window[0] < 1 else "0: none is seen; the series flows beyond the data"
-        yield "equilibrium", f"{level:.4g} +- {TWO_SIGMA * self.equilibrium_std:.2g} Pa" if level else none
+        low, high = self.equilibrium_interval
+        yield "equilibrium", f"{level:.4g} Pa, {low:.4g} to {high:.4g} Pa with 95 %" if level else none
         for modulus, std, time in zip(self.material.moduli, self.moduli_std, self.material.times, strict=True):
             yield "term", f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- {TWO_SIGMA * std:.2g} Pa"
         for text in self.warnings:
@@ -209,13 +212,17 @@ def prony(
         level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
         name=name, citation=citation, range=_range(points, master),
     )  # fmt: skip
+    end = slow_end(points, noise)
+    half = TWO_SIGMA * level * float(std[-1]) if level else 0.0
+    interval = (max(min(level - half, end.low), 0.0), max(level + half, end.end)) if level else (0.0, 0.0)
     return PronyFit(
         material=material,
         storage_residual=rms["storage"],
         loss_residual=rms["loss"],
         relaxation_residual=rms["relaxation"],
         residuals={key: part for key, part in parts.items() if part.size},
-        equilibrium_std=found.equilibrium * float(std[-1]) if found.equilibrium else 0.0,
+        equilibrium_std=max(level - interval[0], interval[1] - level) / TWO_SIGMA,
+        equilibrium_interval=interval,
         moduli_std=moduli * std[:count],
         times_std=times * std[count : 2 * count],
         covariance=covariance,
@@ -226,33 +233,14 @@ def prony(
         relaxation=relaxation,
         kind=kind,
         warnings=(
-            *_judge(points, residuals, data, contradiction, found.posterior.converged),
+            *judge_series(points, residuals, data, contradiction, found.posterior.converged),
+            *judge_level(level, end, interval),
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
         ),
         converged=found.posterior.converged,
         joint=joint,
         master=master,
     )
-
-
-def _judge(points: Points, residuals: np.ndarray, data: Data, contradiction: bool, converged: bool) -> Iterator[str]:
-    """Warnings on what a series does not meet; single outliers are not held against it."""
-    if not converged:
-        yield "The refinement of the times did not converge: look at the figure before using the series."
-    for channel, key in enumerate(("storage", "loss", "relaxation")):
-        at = points.channel == channel
-        if not at.any():
-            continue
-        size = float(np.sqrt((data.weights * residuals**2)[at].sum() / data.weights[at].sum()))
-        if size <= _POOR:
-            continue
-        said = f"The {key} modulus is met to {100 * size:.2g} % rms only"
-        if contradiction:
-            yield f"{said}: storage and loss modulus contradict each other, no passive material comes closer to both."
-        elif size > 1.5 * data.noise[channel]:
-            yield f"{said}; more terms may help (terms=...)."
-        else:
-            yield f"{said}, by which the data scatter."
 
 
 def _range(points: Points, master: MasterCurve | None) -> Range:
