@@ -160,6 +160,19 @@ def test_a_plateau_is_not_told_apart():
     np.testing.assert_allclose(master.band(omega).storage, flat.at(293.15).storage(omega), rtol=0.2)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_constant_loss_tangent_is_not_told_apart(seed):
+    """The same without vertical shifts: small residuals do not make known what no data can show."""
+    tau = np.geomspace(1e-30, 1e40, 281)
+    flat = em.Prony(0.0, 5e4 * tau**-0.1, tau, shift=em.WLF(4.0, 110.0, 293.15))
+    rows = data(np.arange(20.0, 51.0, 10.0), material=flat, seed=seed)
+    master = em.fit.master_curve(rows, 293.15)
+    assert master.ambiguous.sum() == 3  # all but the anchor
+    assert any("Horizontal and vertical shift cannot be told apart" in text for text in master.warnings)
+    if seed == 0:
+        assert not em.fit.master_curve(rows, 293.15, vertical=False).ambiguous.any()
+
+
 def test_isotherms_that_do_not_overlap_are_named():
     master = em.fit.master_curve(data([-20.0, 20.0, 30.0], hertz=np.geomspace(1, 10, 12)), 293.15)
     assert any("do not overlap" in text and "-20 and 20 degC" in text for text in master.warnings)

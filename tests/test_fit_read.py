@@ -110,6 +110,7 @@ def test_bad_rows_are_counted_and_named(write):
         ("f [Hz],T [degC],G' [GPa],G'' [GPa]\n" + "1,20,2500,300\n2,20,2600,300\n", "implausibly high"),
         ("f [Hz],T [K],G' [Pa],G'' [Pa]\n" + "1,20,2e6,3e5\n2,20,2e6,3e5\n", "degC or K"),
         ("f [Hz],T [degC],G' [Pa],G'' [kPa]\n" + "1,20,2e6,3e5\n2,20,2e6,3e5\n", "units mixed up"),
+        ("f [Hz],T [degC],G' [MPa],G'' [kPa]\n" + "1,20,2,0.56\n2,20,2,0.6\n", "units mixed up"),
         ("f [Hz],w [rad/s],T [degC],G' [Pa],G'' [Pa]\n" + "1,1,20,2e6,3e5\n2,2,20,2e6,3e5\n", "Hz and rad/s mixed"),
         ("f [Hz],T [degC],G' [Pa],G'' [Pa],tan_delta\n" + "1,20,2e6,3e2,0.15\n2,20,2e6,3e2,0.15\n", "loss tangent"),
     ],
@@ -217,12 +218,12 @@ def test_titles_in_many_ways(write, header, kind):
 @pytest.mark.parametrize(
     ("rows", "storage"),
     [
-        ('0.5,20,"8,097.18",1', 8097.18e6),  # thousands with a point elsewhere
-        ('0.5,20,"8,097",1', 8097e6),
-        ("0,5;20;8.097,18;1", 8097.18e6),  # decimal commas with a point between thousands
-        ("0,5;20;8.097;1", 8097e6),
-        ("0.5;20;2\u00a0100;1", 2100e6),  # a blank between thousands
-        ("0.5\t20\t2e3\t1", 2e9),
+        ('0.5,20,"8,097.18",100', 8097.18e6),  # thousands with a point elsewhere
+        ('0.5,20,"8,097",100', 8097e6),
+        ("0,5;20;8.097,18;100", 8097.18e6),  # decimal commas with a point between thousands
+        ("0,5;20;8.097;100", 8097e6),
+        ("0.5;20;2\u00a0100;100", 2100e6),  # a blank between thousands
+        ("0.5\t20\t2e3\t100", 2e9),
     ],
 )
 def test_thousands_and_decimals(write, rows, storage):

@@ -10,8 +10,6 @@ from .laws import LawFit, fit_laws
 from .reference import Place, locate
 from .shifting import LN10, Shifts, guess_shifts, join
 
-_POOR = 0.12  # relative standard deviation of a step between neighbours above which it may not be told apart
-_EXCHANGED = 0.5  # part of its variance that is exchange with the vertical shifts
 _GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
 
@@ -114,27 +112,6 @@ def curve(
         along = doubt.size * ((at_anchor > doubt.between[0]) & (at_anchor < doubt.between[1]))
         variance += (LN10 * answer.by_rate * (weights @ doubt.by_isotherm - along)) ** 2
     return answer.log_value - level, np.sqrt(np.maximum(variance, 0.0))
-
-
-def told_apart(joint: Joint) -> np.ndarray:
-    """Whether the horizontal shift of an isotherm, from its neighbour on the anchor's side, is known apart from b_T.
-
-    It is not where its uncertainty is a fair part of it and would mostly be gone if the vertical shifts were known.
-    """
-    shifts, clear = joint.shifts, np.ones(joint.shifts.size, dtype=bool)
-    if shifts.size == 1:
-        return clear
-    x, by_x = shifts.horizontal(shifts.posterior.mean)
-    step_x, step_y = np.diff(by_x, axis=0), np.diff(shifts.vertical(), axis=0)
-    covariance = shifts.posterior.covariance
-    both = step_x @ covariance @ step_y.T
-    known = np.linalg.solve(step_y @ covariance @ step_y.T + 1e-12 * np.eye(len(step_y)), both.T)
-    variance = np.diag(step_x @ covariance @ step_x.T)
-    exchanged = np.einsum("ij,ji->i", both, known) / np.maximum(variance, 1e-300)
-    poor = (np.sqrt(variance) > _POOR * np.abs(np.diff(x))) & (exchanged > _EXCHANGED)
-    for i in np.flatnonzero(poor):
-        clear[i + 1 if i >= shifts.anchor else i] = False
-    return clear
 
 
 def _gaps(shifts: Shifts) -> Iterator[Doubt]:

@@ -1,13 +1,12 @@
 """What the slow end of the data says of the equilibrium modulus: how far the modulus may still fall below the window.
 
-Relaxation slower than the data shows at their slow end: it makes loss there, and keeps the modulus falling. A power law,
-as of a fractional element (spring-pot) beside a spring, carries the end on (omega: lowest angular frequency, t: longest
-time):
+Relaxation slower than the data shows at their slow end: it makes loss there, and keeps the modulus falling. A power
+law, as of a fractional element (spring-pot) beside a spring, carries the end on (omega: lowest angular frequency,
+t: longest time):
 
     G_eq = G' - G''/tan(m pi/2),  G'' ~ omega^m   or   G_eq = G - D/m,  D = -dG/d(ln t) ~ t^-m.
 
-m = 1 is the end of all relaxation, G' = G_eq; m -> 0, a loss as large at every frequency, leaves nothing of G' for sure.
-The lower limit of the interval takes the least m that the slowest decade of the data allows.
+m = 1 is the end of all relaxation, G' = G_eq; m -> 0, a loss as large at every frequency, leaves nothing for sure. The lower limit of the interval takes the least m that the slowest decade of the data allows.
 """
 
 from typing import NamedTuple

@@ -11,11 +11,12 @@ from jaxtyping import Bool, Float, Int
 
 from .._runtime import positive, scalar, significant
 from ..errors import InputError
+from .apart import told_apart
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import Dma
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import isotherms
-from .joint import AtReference, Joint, about, fit_jointly, told_apart
+from .joint import AtReference, Joint, about, fit_jointly
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
