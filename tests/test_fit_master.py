@@ -5,6 +5,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
+from elastomdr.fit.laws import fit_laws
 
 from .dma_files import measure
 
@@ -98,6 +99,19 @@ def test_the_laws(master):
     assert master.laws["WLF"].rms < 0.02 < master.laws["Arrhenius"].rms
     assert master.laws["WLF"].residuals.shape == master.temperature.shape
     np.testing.assert_allclose(master.vft.log10_a(263.15), master.wlf.log10_a(263.15), atol=0.02)
+
+
+def test_constants_that_the_data_do_not_determine_are_said_to_be_none():
+    """Shift factors of Arrhenius: no c1 and c2 make them better than larger ones of the same ratio would."""
+    kelvin = np.arange(273.15, 314.0, 10.0)
+    line = np.asarray(em.Arrhenius(9e4, 293.15).log10_a(kelvin))
+    laws = fit_laws(kelvin, line, 0.1**2 * np.eye(5), 293.15)
+    assert not laws["WLF"].determined
+    assert laws["WLF"].constants() == "c1 and c2 not determined by these data"
+    assert laws["Arrhenius"].determined
+    assert laws["Arrhenius"].constants().startswith("energy 9e+04 +- ")
+    curved = fit_laws(kelvin, np.asarray(LAW.log10_a(kelvin)), 0.002**2 * np.eye(5), 293.15)
+    assert all(law.determined for law in curved.values())
 
 
 def test_the_band_holds_the_true_moduli(master):

@@ -89,6 +89,11 @@ def test_terms_can_be_set():
         fit = em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01), terms=terms)
         assert fit.terms <= terms
     assert fit.terms >= 4
+    assert "asked" not in em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01), terms=3).summary()
+    many = em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01), terms=30)
+    assert many.terms < 30
+    assert f"{many.terms} over" in many.summary()
+    assert "30 were asked for" in many.summary()
 
 
 def test_passive_and_within_ten_per_cent_whatever_the_spectrum():
@@ -170,7 +175,10 @@ def test_refusals():
 def test_tables_and_figures(tmp_path):
     fit = em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01))
     fit.to_csv(tmp_path / "series.csv")
-    rows = [line for line in (tmp_path / "series.csv").read_text().splitlines() if not line.startswith("#")]
+    text = (tmp_path / "series.csv").read_text()
+    assert "+- is half a 95 % interval: 1.96 standard deviations; a column of standard deviations holds one" in text
+    assert fit.summary().startswith("intervals       +- is half a 95 % interval")
+    rows = [line for line in text.splitlines() if not line.startswith("#")]
     assert len(rows) == 2 + fit.terms
     assert "Pa" in fit.plot().get_ylabel()
     assert "residuals" in repr(fit)

@@ -103,6 +103,22 @@ def test_bad_rows_are_counted_and_named(write):
     assert "not above absolute zero" in dma.bad_rows[-1]
 
 
+def test_every_bad_row_is_in_the_table_of_the_master_curve(write, tmp_path):
+    """The warning names six; a person at the command line finds the others, with their file, in what was written."""
+    bad = [f"{k},20,none,1e5" for k in range(1, 10)]
+    good = [f"{f},20,{2e6 * f**0.05},{1e5 * f**0.1}" for f in (1, 2, 4, 8, 16, 32)]
+    first = write("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "\n".join(bad + good), "first.csv")
+    second = write("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "\n".join(bad[:1] + good), "second.csv")
+    with pytest.warns(FitWarning) as caught:
+        dma = em.fit.read_dma([first, second])
+    assert any("and 3 more, all of them in bad_rows" in str(warning.message) for warning in caught)
+    em.fit.master_curve(dma).to_csv(tmp_path / "master.csv")
+    named = [line for line in (tmp_path / "master.csv").read_text().splitlines() if "row left out" in line]
+    assert len(named) == 10
+    assert named[8].startswith("# row left out: first.csv: line 10: G' [Pa] is 'none'")
+    assert named[9].startswith("# row left out: second.csv: line 2: ")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -133,6 +133,6 @@ def judge_level(level: float, end: SlowEnd, interval: tuple[float, float]) -> It
     """Whether the data say where the equilibrium modulus is, or only where they end."""
     if level and end.open:
         yield (
-            f"The {end.kind} modulus still falls at the slow end of the data ({end.rate:.3g} rad/s): where they end sets the "
-            f"equilibrium modulus, {level:.4g} Pa; they allow {interval[0]:.3g} to {interval[1]:.3g} Pa."
+            f"The {end.kind} modulus still falls at the slow end of the data ({end.rate:.3g} rad/s): where they end "
+            f"sets the equilibrium modulus, {level:.4g} Pa; they allow {interval[0]:.3g} to {interval[1]:.3g} Pa."
         )

@@ -12,6 +12,7 @@ from ..material.shift import GAS_CONSTANT, VFT, WLF, Arrhenius
 _LN10 = float(np.log(10.0))
 _LEAST = 0.003  # standard deviation by which any such law may be off [decades]
 POLE = 1.0  # least distance of a law's pole below the data [K]
+_AT_BOUND = 0.01  # distance of a logarithm from its limit at which it is held by it
 _MISSES = 0.1  # error of its own above which a law is not that of the shift factors [decades]
 
 
@@ -21,6 +22,7 @@ class LawFit(NamedTuple):
     law: Any  # em.WLF, em.Arrhenius or em.VFT
     residuals: Float[np.ndarray, " n"]  # log10 a_T measured minus law [decades]
     std: dict[str, float]  # standard deviation of each constant, in its unit
+    bound: bool  # whether a constant is at the end of what the search allows, so that its uncertainty means nothing
     own: float  # how far the law is off beyond what the shift factors are known to, a standard deviation [decades]
 
     @property
@@ -33,9 +35,16 @@ class LawFit(NamedTuple):
         """Whether the shift factors follow the law, within what they are known to."""
         return self.own <= _MISSES
 
+    @property
+    def determined(self) -> bool:
+        """Whether the data know every constant better than by its own size."""
+        return all(1.96 * std < float(getattr(self.law, key)) for key, std in self.std.items()) and not self.bound
+
     def constants(self) -> str:
-        """The constants with their units and 95 % intervals, in one line."""
+        """The constants with their units and 95 % intervals, in one line, or that the data do not determine them."""
         units = {"c1": "", "c2": " K", "energy": " J/mol", "b": " K", "t0": " K"}
+        if not self.determined:
+            return f"{' and '.join(self.std)} not determined by these data"
         return ", ".join(
             f"{key} {float(getattr(self.law, key)):.4g} +- {1.96 * std:.2g}{units[key]}"
             for key, std in self.std.items()
@@ -67,7 +76,8 @@ def fit_laws(
         p, spread, own = fit_form(known[name], temperature, log10_a, covariance)
         law, by_p = known[name].constants(p)
         std = {key: float(abs(slope) * np.sqrt(spread[k, k])) for k, (key, slope) in enumerate(by_p.items())}
-        fits[name] = LawFit(law, log10_a - known[name].value(p, temperature), std, own)
+        residuals = log10_a - known[name].value(p, temperature)
+        fits[name] = LawFit(law, residuals, std, _at_bound(known[name], p), own)
     return fits
 
 
@@ -112,6 +122,11 @@ def forms(reference: float, lowest: float) -> dict[str, Form]:
         "WLF": Form(wlf, [2.0, 4.0], [(-4.0, 8.0), (-3.0, 9.0)], wlf_constants),
         "VFT": Form(vft, [7.0, 0.5], [(2.0, 14.0), (-8.0, 8.0)], vft_constants),
     }
+
+
+def _at_bound(form: Form, p: np.ndarray) -> bool:
+    low, high = np.array(form.limits).T
+    return bool(((p - low < _AT_BOUND) | (high - p < _AT_BOUND)).any())
 
 
 def fit_form(

@@ -6,7 +6,8 @@ t: longest time):
 
     G_eq = G' - G''/tan(m pi/2),  G'' ~ omega^m   or   G_eq = G - D/m,  D = -dG/d(ln t) ~ t^-m.
 
-m = 1 is the end of all relaxation, G' = G_eq; m -> 0, a loss as large at every frequency, leaves nothing for sure. The lower limit of the interval takes the least m that the slowest decade of the data allows.
+m = 1 is the end of all relaxation, G' = G_eq; m -> 0, a loss as large at every frequency, leaves nothing for sure. The
+lower limit of the interval takes the least m that the slowest decade of the data allows.
 """
 
 from typing import NamedTuple

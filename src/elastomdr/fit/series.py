@@ -61,6 +61,7 @@ class PronyFit(AbstractFindings):
     kind: str
     warnings: tuple[str, ...]
     converged: bool
+    asked: int | None  # number of terms asked for; None: the data chose. Terms without a modulus are left out
     joint: Joint  # the smooth spectrum whose intervals `band` uses
     master: MasterCurve | None
 
@@ -101,6 +102,12 @@ class PronyFit(AbstractFindings):
         return relaxation_band(self.joint, self._state, self.window, time, self.relaxation_at)
 
     @property
+    def _left_out(self) -> str:
+        if self.asked is None or self.asked == self.terms:
+            return ""
+        return f"; {self.asked} were asked for, the data give the others no modulus"
+
+    @property
     def _state(self) -> AtReference:
         return self.master.state if self.master is not None else about(self.joint, self.joint.shifts.temperature[0])
 
@@ -120,7 +127,7 @@ class PronyFit(AbstractFindings):
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the series, as pairs of a name and a text."""
         decades = np.log10(self.window[1] / self.window[0])
-        yield "terms", f"{self.terms} over {decades:.1f} decades ({self.kind} moduli)"
+        yield "terms", f"{self.terms} over {decades:.1f} decades ({self.kind} moduli){self._left_out}"
         sizes = (self.storage_residual, self.loss_residual, self.relaxation_residual)
         named = zip(("storage", "loss", "relaxation"), sizes, strict=True)
         yield "residuals", ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)) + " rms"
@@ -238,6 +245,7 @@ def prony(
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
         ),
         converged=found.posterior.converged,
+        asked=None if terms is None else int(terms),
         joint=joint,
         master=master,
     )
