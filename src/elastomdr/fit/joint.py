@@ -39,6 +39,7 @@ class AtReference(NamedTuple):
     ln_b: np.ndarray
     ln_b_std: np.ndarray
     place: Place  # of the reference temperature among the isotherms
+    level: np.ndarray  # takes the unknowns to ln b at the reference temperature
     laws: dict[str, LawFit]
 
 
@@ -73,20 +74,17 @@ def about(joint: Joint, reference: float) -> AtReference:
     p, n, temperature = shifts.posterior.mean, shifts.size, shifts.temperature
     covariance = shifts.posterior.covariance
     x, by_x = shifts.horizontal(p)
-    y = shifts.vertical() @ p
     spread = by_x @ covariance @ by_x.T + _outer(d.by_isotherm for d in joint.doubts)
     place = locate(temperature, x, spread, reference)
     change = np.eye(n) - place.weights
     full = change @ spread @ change.T + place.variance
     log10_a = x - place.log10_a
-    change = np.eye(n) - place.near
-    lift = change @ shifts.vertical()
-    entropy = shifts.vertical()[:, shifts.slopes.stop]
-    curved = np.log(temperature[shifts.anchor] / reference) - place.near @ entropy
-    ln_b = change @ y - p[shifts.slopes.stop] * curved
+    level = place.near @ shifts.vertical()  # of the reference: the free part is that of the isotherms nearby,
+    level[shifts.slopes.stop] = np.log(temperature[shifts.anchor] / reference)  # entropy elasticity its own
+    lift = shifts.vertical() - level
     std = np.sqrt(np.maximum(np.diag(lift @ covariance @ lift.T), 0.0))
     laws = fit_laws(temperature, log10_a, full, reference) if n >= 2 else {}
-    return AtReference(log10_a, full, ln_b, std, place, laws)
+    return AtReference(log10_a, full, lift @ p, std, place, level, laws)
 
 
 def curve(
@@ -96,13 +94,12 @@ def curve(
     shifts = joint.shifts
     p = shifts.posterior.mean
     x, by_x = shifts.horizontal(p)
-    lift = shifts.vertical()
-    weights, near = reference.place.weights, reference.place.near
+    weights = reference.place.weights
     here = float(x[shifts.anchor] - reference.log10_a[shifts.anchor])
-    level = float((lift @ p)[shifts.anchor] - reference.ln_b[shifts.anchor])
+    level = float(reference.level @ p)
     at_anchor = log_rate + LN10 * here
     answer = shifts.predict(p, channel, at_anchor)
-    jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - near @ lift
+    jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - reference.level
     jacobian[:, shifts.spectrum] += answer.by_neighbours
     jacobian[:, shifts.equilibrium] += answer.by_equilibrium
     jacobian[:, shifts.places] += answer.by_place
