@@ -84,7 +84,7 @@ def test_a_reference_further_than_the_law_carries():
     assert 0.02 < hot.log10_a_std.min() < 0.3
     assert (np.abs(hot.log10_a - truth) <= 3 * hot.log10_a_std).all()
     assert any("knows that step to +- 0." in text for text in hot.warnings)
-    for celsius, said in ((-150.0, "where it has its pole"), (-60.0, "decades only")):
+    for celsius, said in ((-150.0, "past its pole"), (-60.0, "decades only")):
         with pytest.raises(InputError, match=f"reference must be within reach of the data, 60 to 120 .*{said}"):
             hot.at_reference(celsius + 273.15)
 

@@ -161,6 +161,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
         (["two.csv", "--kind", "shearing"], "invalid choice"),
         (["two.csv", "--terms", "0"], "terms must be a whole number"),
         (["two.csv", "--law", "wolf"], "law must be one of"),
+        (["two.csv", "--reference", "-200degC"], "reference must be within reach of the data, -10 to 60 degC"),
         (["two.csv", "--name", "a/b"], "--name must be"),
         (["two.csv", "--column", "storage"], "--column must be"),
         (["two.csv", "--poisson", "0.9"], "poisson must be"),

@@ -17,6 +17,7 @@ from ..errors import InputError
 from .laws import POLE, Form, derivatives, fit_form, forms
 
 _FARTHEST = 2.0  # half a 95 % interval of an extrapolated log10 a_T above which it is refused [decades]
+_STRANGE = 100.0  # distance of a reference that makes one think of a unit mixed up [K]
 _USUAL_POLE = 150.0  # of rubbers, below the coldest of two isotherms, which leave it open [K]
 
 
@@ -36,13 +37,7 @@ def locate(temperature: np.ndarray, log10_a: np.ndarray, covariance: np.ndarray,
     Raises `InputError` for a reference temperature so far outside that the law cannot carry the isotherms there: at or
     below its pole, or where the step from the last isotherm is not known to a factor of 100.
     """
-    n = temperature.size
-    near = np.zeros(n)
-    place = np.interp(reference, temperature, np.arange(n))
-    low = min(int(place), max(n - 2, 0))
-    near[low] = 1 - (place - low)
-    if n > 1:
-        near[low + 1] = place - low
+    n, near = temperature.size, _interpolation(temperature, reference)
     centre = int(np.argmin(np.abs(temperature - reference)))
     distance = float(abs(temperature[centre] - reference))
     if n == 1 or distance < 1e-9:  # there is nothing to bend
@@ -82,14 +77,23 @@ def locate(temperature: np.ndarray, log10_a: np.ndarray, covariance: np.ndarray,
     half = 1.96 * float(np.sqrt(max(step @ covariance @ step, 0.0) + variance))
     pole = float(temperature[0]) - float(np.exp(p[1])) - POLE if n > 2 else 0.0
     if reference <= pole or not half < _FARTHEST:
-        why = (
-            f"where it has its pole ({pole - 273.15:.4g} degC)"
-            if reference <= pole
-            else f"to +- {half:.2g} decades only"
-        )
+        why = f"with +- {half:.2g} decades only" if reference > pole else f"past its pole, {pole - 273.15:.4g} degC"
         raise InputError(
             f"reference must be within reach of the data, {temperature[0] - 273.15:.4g} to "
             f"{temperature[-1] - 273.15:.4g} degC, got {reference - 273.15:.4g} degC: the law of the shift factors "
-            f"carries {distance:.3g} K beyond them {why}. Are the units of temperature right?"
+            f"would have to carry {distance:.3g} K beyond them {why}."
+            f"{' Are the units of temperature right?' if distance > _STRANGE else ''}"
         )
     return Place(at, weights, near, variance, half)
+
+
+def _interpolation(temperature: np.ndarray, reference: float) -> np.ndarray:
+    """Weights of linear interpolation between neighbours, all on the last isotherm beyond the ends."""
+    n = temperature.size
+    weights = np.zeros(n)
+    place = np.interp(reference, temperature, np.arange(n))
+    low = min(int(place), max(n - 2, 0))
+    weights[low] = 1 - (place - low)
+    if n > 1:
+        weights[low + 1] = place - low
+    return weights
