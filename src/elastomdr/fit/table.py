@@ -30,8 +30,9 @@ class Table(NamedTuple):
 def read_table(path: str | os.PathLike[str], what: str, is_unit: Callable[[str], bool]) -> Table:
     """The columns of a text file. Raises `InputError`, with the file's name.
 
-    The first row of two numbers or more begins the table, or those with holes right above it. Titles stand above it, a row of units may follow them, and
-    both may stand behind a #. Tab, semicolon, comma or blank separates; decimal commas and the encodings of `read_dma`.
+    The first row of two numbers or more begins the table, or those with holes right above it. Titles stand above it, a
+    row of units may follow them, and both may stand behind a #. Tab, semicolon, comma or blank separates; decimal
+    commas and the encodings of `read_dma`.
     """
     name = Path(path).name
     try:
