@@ -18,7 +18,7 @@ from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import KINDS
 from .findings import TWO_SIGMA, AbstractFindings
 from .isotherms import alike
-from .joint import AtReference, Joint, about
+from .joint import AtReference, Joint, about, curve
 from .judge import judge_level, judge_series
 from .level import slow_end
 from .master import MasterCurve
@@ -220,7 +220,10 @@ def prony(
         name=name, citation=citation, range=_range(points, master),
     )  # fmt: skip
     end = slow_end(points, noise)
-    half = TWO_SIGMA * level * float(std[-1]) if level else 0.0
+    state = master.state if master is not None else about(joint, joint.shifts.temperature[0])
+    at = np.array([np.log(end.rate)]), np.array([STORAGE if end.kind == "storage" else RELAXATION])
+    lifted = float(curve(joint, state, *at)[1][0])  # vertical shifts move all of the series, and its level
+    half = TWO_SIGMA * level * float(np.hypot(std[-1], lifted)) if level else 0.0
     interval = (max(min(level - half, end.low), 0.0), max(level + half, end.end)) if level else (0.0, 0.0)
     return PronyFit(
         material=material,
