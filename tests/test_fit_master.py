@@ -5,6 +5,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
+from elastomdr.fit.laws import fit_laws
 
 from .dma_files import measure
 
@@ -40,19 +41,52 @@ def test_shift_factors_are_found_within_their_intervals(master):
     assert master.noise["storage modulus"] == pytest.approx(0.005, rel=0.25)
 
 
-def test_intervals_hold_the_truth_as_often_as_they_say():
+@pytest.fixture(scope="module")
+def laboratories():
+    return [em.fit.master_curve(data(noise=0.02, seed=100 + seed), 293.15) for seed in range(12)]
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say(laboratories):
     """Of 72 shift factors, six each from twelve laboratories, 95 % intervals hold 62 at least: if neighbours miss in
     pairs, fewer are a chance of 1 %.
     """
     truth, held, scores = np.asarray(LAW.log10_a(CELSIUS + 273.15)), [], []
-    for seed in range(12):
-        found = em.fit.master_curve(data(noise=0.02, seed=100 + seed), 293.15)
+    for found in laboratories:
         away = np.abs(found.temperature - 293.15) > 0.1
         low, high = found.log10_a_interval[away].T
         held += ((low <= truth[away]) & (truth[away] <= high)).tolist()
         scores.append((((found.log10_a - truth)[away] / found.log10_a_std[away]) ** 2).mean())
     assert sum(held) >= 62
     assert np.mean(scores) > 0.2  # nor are they so wide that they could not miss
+
+
+@pytest.mark.parametrize("celsius", [-30.0, 55.0])
+def test_intervals_about_a_reference_outside_of_the_data_hold_the_truth(laboratories, celsius):
+    """The step to it is the law's, and as uncertain as the law: all shifts of a laboratory share its error."""
+    held, bands = [], []
+    for found in laboratories:
+        moved = found.at_reference(celsius + 273.15)
+        truth = np.asarray(LAW.at_reference(celsius + 273.15).log10_a(moved.temperature))
+        low, high = moved.log10_a_interval.T
+        held.append(((low <= truth) & (truth <= high)).mean())
+        omega = np.geomspace(*moved.window, 20)
+        band, g = moved.band(omega), np.asarray(RUBBER.at(celsius + 273.15).complex_modulus(omega))
+        bands.append(((band.loss_low <= g.imag) & (g.imag <= band.loss_high)).mean())
+    assert np.mean(held) > 0.85
+    assert np.mean(bands) > 0.85
+    assert 0.005 < moved.log10_a_std.min() < 0.05
+
+
+def test_a_reference_further_than_the_law_carries():
+    """60 to 120 degC: 20 degC is reached with an interval of a tenth of a decade, and the pole is no reference."""
+    hot = em.fit.master_curve(data(np.arange(60.0, 121.0, 10.0)), 293.15)
+    truth = np.asarray(LAW.log10_a(hot.temperature))
+    assert 0.02 < hot.log10_a_std.min() < 0.3
+    assert (np.abs(hot.log10_a - truth) <= 3 * hot.log10_a_std).all()
+    assert any("knows that step to +- 0." in text for text in hot.warnings)
+    for celsius, said in ((-150.0, "past its pole"), (-60.0, "decades only")):
+        with pytest.raises(InputError, match=f"reference must be within reach of the data, 60 to 120 .*{said}"):
+            hot.at_reference(celsius + 273.15)
 
 
 def test_the_laws(master):
@@ -65,6 +99,19 @@ def test_the_laws(master):
     assert master.laws["WLF"].rms < 0.02 < master.laws["Arrhenius"].rms
     assert master.laws["WLF"].residuals.shape == master.temperature.shape
     np.testing.assert_allclose(master.vft.log10_a(263.15), master.wlf.log10_a(263.15), atol=0.02)
+
+
+def test_constants_that_the_data_do_not_determine_are_said_to_be_none():
+    """Shift factors of Arrhenius: no c1 and c2 make them better than larger ones of the same ratio would."""
+    kelvin = np.arange(273.15, 314.0, 10.0)
+    line = np.asarray(em.Arrhenius(9e4, 293.15).log10_a(kelvin))
+    laws = fit_laws(kelvin, line, 0.1**2 * np.eye(5), 293.15)
+    assert not laws["WLF"].determined
+    assert laws["WLF"].constants() == "c1 and c2 not determined by these data"
+    assert laws["Arrhenius"].determined
+    assert laws["Arrhenius"].constants().startswith("energy 9e+04 +- ")
+    curved = fit_laws(kelvin, np.asarray(LAW.log10_a(kelvin)), 0.002**2 * np.eye(5), 293.15)
+    assert all(law.determined for law in curved.values())
 
 
 def test_the_band_holds_the_true_moduli(master):
@@ -125,6 +172,19 @@ def test_a_plateau_is_not_told_apart():
     assert master.log10_a_std.max() > 0.05
     omega = np.geomspace(*master.window, 20)  # whatever is exchanged, the curve passes through the data
     np.testing.assert_allclose(master.band(omega).storage, flat.at(293.15).storage(omega), rtol=0.2)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_constant_loss_tangent_is_not_told_apart(seed):
+    """The same without vertical shifts: small residuals do not make known what no data can show."""
+    tau = np.geomspace(1e-30, 1e40, 281)
+    flat = em.Prony(0.0, 5e4 * tau**-0.1, tau, shift=em.WLF(4.0, 110.0, 293.15))
+    rows = data(np.arange(20.0, 51.0, 10.0), material=flat, seed=seed)
+    master = em.fit.master_curve(rows, 293.15)
+    assert master.ambiguous.sum() == 3  # all but the anchor
+    assert any("Horizontal and vertical shift cannot be told apart" in text for text in master.warnings)
+    if seed == 0:
+        assert not em.fit.master_curve(rows, 293.15, vertical=False).ambiguous.any()
 
 
 def test_isotherms_that_do_not_overlap_are_named():

@@ -68,6 +68,8 @@ def test_round_trip_of_relaxation(tmp_path, truth):
         lines += [f"{a!r},{b / 1e6!r},{celsius}" for a, b in zip(t.tolist(), moduli.tolist(), strict=True)]
     (tmp_path / "relaxation.csv").write_text("\n".join(lines), encoding="cp949")
     fit = em.fit.material(em.fit.read_dma(tmp_path / "relaxation.csv"), 293.15)
+    assert 0.002 < fit.as_used["relaxation modulus"] < 0.006
+    assert "against the data as measured: relaxation modulus 0." in fit.summary()
     again = friction_at_reference(fit, tmp_path, VELOCITY[:6], temperature=293.15)
     np.testing.assert_allclose(again, truth.mu[1, :6], rtol=0.02)
     with pytest.warns(em.ExtrapolationWarning, match="1 of 8 points"):
@@ -128,6 +130,10 @@ def test_vertical_shifts_that_a_material_cannot_have_are_said():
     fit = em.fit.material(dma, 293.15)
     assert any("a material file has none" in text for text in fit.warnings)
     assert fit.as_used["storage modulus"] > 3 * fit.prony.storage_residual
+    said = fit.info()["source"]["moduli"]  # a file's residuals are those of the material that is in it
+    assert said["storage_residual"] == pytest.approx(fit.as_used["storage modulus"], rel=0.05)
+    assert said["loss_residual"] == pytest.approx(fit.as_used["loss modulus"], rel=0.05)
+    assert f"storage {100 * fit.prony.storage_residual:.2g} %" in said["note"]
 
 
 def test_command_line(tmp_path, monkeypatch, capsys):
@@ -155,6 +161,7 @@ def test_command_line(tmp_path, monkeypatch, capsys):
         (["two.csv", "--kind", "shearing"], "invalid choice"),
         (["two.csv", "--terms", "0"], "terms must be a whole number"),
         (["two.csv", "--law", "wolf"], "law must be one of"),
+        (["two.csv", "--reference", "-200degC"], "reference must be within reach of the data, -10 to 60 degC"),
         (["two.csv", "--name", "a/b"], "--name must be"),
         (["two.csv", "--column", "storage"], "--column must be"),
         (["two.csv", "--poisson", "0.9"], "poisson must be"),

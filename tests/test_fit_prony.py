@@ -53,11 +53,47 @@ def test_intervals_hold_the_truth():
     assert np.median(spreads) < 0.08  # twice 1.96 times 2 %, and less where points help each other
 
 
+def test_a_level_that_only_the_end_of_the_data_sets_is_open():
+    """G* ~ (i omega)^0.08 has no equilibrium modulus; whatever stands in its place may be anything below the data."""
+    tau = np.geomspace(1e-30, 1e40, 281)
+    storage, loss = moduli(em.Prony(0.0, 5e4 * tau**-0.08, tau), noise=0.01)
+    fit = em.fit.prony(OMEGA, storage, loss, equilibrium=True)
+    low, high = fit.equilibrium_interval
+    assert low < 0.1 * storage.min()
+    assert 0.95 * storage.min() < high < 1.1 * storage.min()
+    assert 1.96 * fit.equilibrium_std > 0.9 * float(fit.material.equilibrium)
+    assert any("where they end sets the equilibrium modulus" in text for text in fit.warnings)
+    assert "with 95 %" in fit.summary()
+
+
+def test_relaxation_below_the_window_is_within_the_interval():
+    slow = em.Prony(8e5, np.geomspace(8e6, 3e4, 11), np.geomspace(1e-5, 3e2, 11))
+    fit = em.fit.prony(OMEGA, *moduli(slow, noise=0.01))
+    t = np.geomspace(1e-3, 30.0, 50)
+    scatter = 1 + 0.01 * np.random.default_rng(0).normal(size=t.size)
+    for one in (fit, em.fit.prony(time=t, relaxation=np.asarray(slow.relaxation(t)) * scatter)):
+        low, high = one.equilibrium_interval
+        assert 4e5 < low < 8e5 < high < 1e6
+        assert any("still falls at the slow end" in text for text in one.warnings)
+
+
+def test_a_level_that_is_seen_stays_known():
+    fit = em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01))
+    low, high = fit.equilibrium_interval
+    assert 0.95e6 < low < 1e6 < high < 1.02e6
+    assert fit.warnings == ()
+
+
 def test_terms_can_be_set():
     for terms in (1, 3, 7):
         fit = em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01), terms=terms)
         assert fit.terms <= terms
     assert fit.terms >= 4
+    assert "asked" not in em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01), terms=3).summary()
+    many = em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01), terms=30)
+    assert many.terms < 30
+    assert f"{many.terms} over" in many.summary()
+    assert "30 were asked for" in many.summary()
 
 
 def test_passive_and_within_ten_per_cent_whatever_the_spectrum():
@@ -139,7 +175,10 @@ def test_refusals():
 def test_tables_and_figures(tmp_path):
     fit = em.fit.prony(OMEGA, *moduli(SOLID, noise=0.01))
     fit.to_csv(tmp_path / "series.csv")
-    rows = [line for line in (tmp_path / "series.csv").read_text().splitlines() if not line.startswith("#")]
+    text = (tmp_path / "series.csv").read_text()
+    assert "+- is half a 95 % interval: 1.96 standard deviations; a column of standard deviations holds one" in text
+    assert fit.summary().startswith("intervals       +- is half a 95 % interval")
+    rows = [line for line in text.splitlines() if not line.startswith("#")]
     assert len(rows) == 2 + fit.terms
     assert "Pa" in fit.plot().get_ylabel()
     assert "residuals" in repr(fit)

@@ -103,6 +103,22 @@ def test_bad_rows_are_counted_and_named(write):
     assert "not above absolute zero" in dma.bad_rows[-1]
 
 
+def test_every_bad_row_is_in_the_table_of_the_master_curve(write, tmp_path):
+    """The warning names six; a person at the command line finds the others, with their file, in what was written."""
+    bad = [f"{k},20,none,1e5" for k in range(1, 10)]
+    good = [f"{f},20,{2e6 * f**0.05},{1e5 * f**0.1}" for f in (1, 2, 4, 8, 16, 32)]
+    first = write("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "\n".join(bad + good), "first.csv")
+    second = write("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "\n".join(bad[:1] + good), "second.csv")
+    with pytest.warns(FitWarning) as caught:
+        dma = em.fit.read_dma([first, second])
+    assert any("and 3 more, all of them in bad_rows" in str(warning.message) for warning in caught)
+    em.fit.master_curve(dma).to_csv(tmp_path / "master.csv")
+    named = [line for line in (tmp_path / "master.csv").read_text().splitlines() if "row left out" in line]
+    assert len(named) == 10
+    assert named[8].startswith("# row left out: first.csv: line 10: G' [Pa] is 'none'")
+    assert named[9].startswith("# row left out: second.csv: line 2: ")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -110,6 +126,7 @@ def test_bad_rows_are_counted_and_named(write):
         ("f [Hz],T [degC],G' [GPa],G'' [GPa]\n" + "1,20,2500,300\n2,20,2600,300\n", "implausibly high"),
         ("f [Hz],T [K],G' [Pa],G'' [Pa]\n" + "1,20,2e6,3e5\n2,20,2e6,3e5\n", "degC or K"),
         ("f [Hz],T [degC],G' [Pa],G'' [kPa]\n" + "1,20,2e6,3e5\n2,20,2e6,3e5\n", "units mixed up"),
+        ("f [Hz],T [degC],G' [MPa],G'' [kPa]\n" + "1,20,2,0.56\n2,20,2,0.6\n", "units mixed up"),
         ("f [Hz],w [rad/s],T [degC],G' [Pa],G'' [Pa]\n" + "1,1,20,2e6,3e5\n2,2,20,2e6,3e5\n", "Hz and rad/s mixed"),
         ("f [Hz],T [degC],G' [Pa],G'' [Pa],tan_delta\n" + "1,20,2e6,3e2,0.15\n2,20,2e6,3e2,0.15\n", "loss tangent"),
     ],
@@ -217,12 +234,12 @@ def test_titles_in_many_ways(write, header, kind):
 @pytest.mark.parametrize(
     ("rows", "storage"),
     [
-        ('0.5,20,"8,097.18",1', 8097.18e6),  # thousands with a point elsewhere
-        ('0.5,20,"8,097",1', 8097e6),
-        ("0,5;20;8.097,18;1", 8097.18e6),  # decimal commas with a point between thousands
-        ("0,5;20;8.097;1", 8097e6),
-        ("0.5;20;2\u00a0100;1", 2100e6),  # a blank between thousands
-        ("0.5\t20\t2e3\t1", 2e9),
+        ('0.5,20,"8,097.18",100', 8097.18e6),  # thousands with a point elsewhere
+        ('0.5,20,"8,097",100', 8097e6),
+        ("0,5;20;8.097,18;100", 8097.18e6),  # decimal commas with a point between thousands
+        ("0,5;20;8.097;100", 8097e6),
+        ("0.5;20;2\u00a0100;100", 2100e6),  # a blank between thousands
+        ("0.5\t20\t2e3\t100", 2e9),
     ],
 )
 def test_thousands_and_decimals(write, rows, storage):

@@ -122,6 +122,7 @@ def join(*parts: Dma) -> Dma:
     def chain(name: str) -> np.ndarray:
         return np.concatenate([getattr(part, name) for part in parts])
 
+    several = len({part.source for part in parts}) > 1
     arrays = ("temperature", "frequency", "storage", "loss", "time", "relaxation", "time_temperature")
     return replace(
         parts[0],
@@ -131,9 +132,14 @@ def join(*parts: Dma) -> Dma:
             for key in dict.fromkeys(key for part in parts for key in part.units)
         },
         warnings=_each(part.warnings for part in parts),
-        bad_rows=_each(part.bad_rows for part in parts),
+        bad_rows=_each(_bad_rows(part, several) for part in parts),
         source=", ".join(_each((part.source,) for part in parts)),
     )
+
+
+def _bad_rows(part: Dma, several: bool) -> tuple[str, ...]:
+    """The rows left out, with their file where there are several."""
+    return tuple(f"{part.source}: {text}" if several and text.startswith("line ") else text for text in part.bad_rows)
 
 
 def _each(lists: Any) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from .laws import LawFit
 
+PLUS_MINUS = "+- is half a 95 % interval: 1.96 standard deviations"
 TWO_SIGMA = 1.96  # a 95 % interval is the value plus and minus this many standard deviations
 
 
@@ -18,8 +19,9 @@ class AbstractFindings(abc.ABC):
         """What a person needs to judge the result, as pairs of a name and a text."""
 
     def summary(self) -> str:
-        """All findings in a few lines; intervals are 95 %."""
-        return "\n".join(f"{name:<16}{text}" for name, text in self.findings())
+        """All findings in a few lines; intervals are 95 %, and the first line says so."""
+        lines = [f"{name:<16}{text}" for name, text in self.findings()]
+        return "\n".join([f"{'intervals':<16}{PLUS_MINUS}", *lines])
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}\n{self.summary()}"

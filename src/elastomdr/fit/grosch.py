@@ -12,8 +12,9 @@ from .._runtime import as_float64, positive, require, scalar
 from ..errors import InputError
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import alike, group
-from .laws import LawFit, at_reference, fit_laws
+from .laws import LawFit, fit_laws
 from .posterior import Posterior, Prior, infer, one_thread
+from .reference import locate
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
 from .spectrum import STORAGE, Points
 
@@ -233,9 +234,9 @@ def _assemble(
     flat = bool(np.ptp(basis @ posterior.mean[:count]) < _FLAT * np.median(error))
     if flat:  # noise alone makes curves fit each other; the shifts are then those expected beforehand
         spread = spread + np.outer(x, x)
-    weights, bent = at_reference(kelvin, x, spread, reference)
-    change = np.eye(kelvin.size) - weights
-    log10_a, covariance = change @ x - bent, change @ spread @ change.T
+    place = locate(kelvin, x, spread, reference)
+    change = np.eye(kelvin.size) - place.weights
+    log10_a, covariance = x - place.log10_a, change @ spread @ change.T + place.variance
     between = np.diff(np.eye(kelvin.size), axis=0)
     step = np.sqrt(np.maximum(np.diag(between @ spread @ between.T), 0.0))
     celsius = kelvin - 273.15
@@ -263,5 +264,5 @@ def _assemble(
         converged=posterior.converged,
         _posterior=posterior,
         _spline=spline,
-        _anchor=float(weights @ x + bent),
+        _anchor=place.log10_a,
     )

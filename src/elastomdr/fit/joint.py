@@ -6,11 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from .isotherms import Isotherms, alike, own_noise
-from .laws import LawFit, at_reference, fit_laws
+from .laws import LawFit, fit_laws
+from .reference import Place, locate
 from .shifting import LN10, Shifts, guess_shifts, join
 
-_POOR = 0.12  # relative standard deviation of a step between neighbours above which it may not be told apart
-_EXCHANGED = 0.5  # part of its variance that is exchange with the vertical shifts
 _GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
 
@@ -39,7 +38,8 @@ class AtReference(NamedTuple):
     covariance: np.ndarray  # of log10_a
     ln_b: np.ndarray
     ln_b_std: np.ndarray
-    weights: np.ndarray  # of the isotherms whose mean stands for the reference state
+    place: Place  # of the reference temperature among the isotherms
+    level: np.ndarray  # takes the unknowns to ln b at the reference temperature
     laws: dict[str, LawFit]
 
 
@@ -74,19 +74,17 @@ def about(joint: Joint, reference: float) -> AtReference:
     p, n, temperature = shifts.posterior.mean, shifts.size, shifts.temperature
     covariance = shifts.posterior.covariance
     x, by_x = shifts.horizontal(p)
-    y = shifts.vertical() @ p
     spread = by_x @ covariance @ by_x.T + _outer(d.by_isotherm for d in joint.doubts)
-    weights, bent = at_reference(temperature, x, spread, reference)
-    change = np.eye(n) - weights
-    full = change @ spread @ change.T
-    log10_a = change @ x - bent
-    lift = change @ shifts.vertical()
-    entropy = shifts.vertical()[:, shifts.slopes.stop]
-    curved = np.log(temperature[shifts.anchor] / reference) - weights @ entropy
-    ln_b = change @ y - p[shifts.slopes.stop] * curved
+    place = locate(temperature, x, spread, reference)
+    change = np.eye(n) - place.weights
+    full = change @ spread @ change.T + place.variance
+    log10_a = x - place.log10_a
+    level = place.near @ shifts.vertical()  # of the reference: the free part is that of the isotherms nearby,
+    level[shifts.slopes.stop] = np.log(temperature[shifts.anchor] / reference)  # entropy elasticity its own
+    lift = shifts.vertical() - level
     std = np.sqrt(np.maximum(np.diag(lift @ covariance @ lift.T), 0.0))
     laws = fit_laws(temperature, log10_a, full, reference) if n >= 2 else {}
-    return AtReference(log10_a, full, ln_b, std, weights, laws)
+    return AtReference(log10_a, full, lift @ p, std, place, level, laws)
 
 
 def curve(
@@ -96,42 +94,21 @@ def curve(
     shifts = joint.shifts
     p = shifts.posterior.mean
     x, by_x = shifts.horizontal(p)
-    lift = shifts.vertical()
-    weights = reference.weights
+    weights = reference.place.weights
     here = float(x[shifts.anchor] - reference.log10_a[shifts.anchor])
-    level = float((lift @ p)[shifts.anchor] - reference.ln_b[shifts.anchor])
+    level = float(reference.level @ p)
     at_anchor = log_rate + LN10 * here
     answer = shifts.predict(p, channel, at_anchor)
-    jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - weights @ lift
+    jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - reference.level
     jacobian[:, shifts.spectrum] += answer.by_neighbours
     jacobian[:, shifts.equilibrium] += answer.by_equilibrium
     jacobian[:, shifts.places] += answer.by_place
     variance = np.einsum("ij,jk,ik->i", jacobian, shifts.posterior.covariance, jacobian)
+    variance += (LN10 * answer.by_rate) ** 2 * reference.place.variance
     for doubt in joint.doubts:
         along = doubt.size * ((at_anchor > doubt.between[0]) & (at_anchor < doubt.between[1]))
         variance += (LN10 * answer.by_rate * (weights @ doubt.by_isotherm - along)) ** 2
     return answer.log_value - level, np.sqrt(np.maximum(variance, 0.0))
-
-
-def told_apart(joint: Joint) -> np.ndarray:
-    """Whether the horizontal shift of an isotherm, from its neighbour on the anchor's side, is known apart from b_T.
-
-    It is not where its uncertainty is a fair part of it and would mostly be gone if the vertical shifts were known.
-    """
-    shifts, clear = joint.shifts, np.ones(joint.shifts.size, dtype=bool)
-    if shifts.size == 1:
-        return clear
-    x, by_x = shifts.horizontal(shifts.posterior.mean)
-    step_x, step_y = np.diff(by_x, axis=0), np.diff(shifts.vertical(), axis=0)
-    covariance = shifts.posterior.covariance
-    both = step_x @ covariance @ step_y.T
-    known = np.linalg.solve(step_y @ covariance @ step_y.T + 1e-12 * np.eye(len(step_y)), both.T)
-    variance = np.diag(step_x @ covariance @ step_x.T)
-    exchanged = np.einsum("ij,ji->i", both, known) / np.maximum(variance, 1e-300)
-    poor = (np.sqrt(variance) > _POOR * np.abs(np.diff(x))) & (exchanged > _EXCHANGED)
-    for i in np.flatnonzero(poor):
-        clear[i + 1 if i >= shifts.anchor else i] = False
-    return clear
 
 
 def _gaps(shifts: Shifts) -> Iterator[Doubt]:

@@ -1,4 +1,4 @@
-"""What cannot be relied on in a master curve, in plain words."""
+"""What cannot be relied on in a master curve or a series, in plain words."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -6,12 +6,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .data import describe_list
+from .level import SlowEnd
+from .spectrum import Points
+from .terms import Data
 
 if TYPE_CHECKING:
     from .master import MasterCurve
 
 _NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms alone
 _WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
+_FAR = 0.3  # half a 95 % interval of an extrapolated shift above which it is no longer of much use [decades]
+_POOR = 0.1  # relative residual of a series worth a warning
 _CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
 
 
@@ -82,11 +87,12 @@ def _details(master: "MasterCurve") -> Iterator[str]:
     if temperature.size == 1:
         yield "There is one temperature only: no shift law."
     elif not temperature.min() - 1.5 <= reference <= temperature.max() + 1.5:
+        half = master.state.place.half
         yield (
             f"The reference temperature, {reference - 273.15:.4g} degC, lies outside the data "
             f"({temperature.min() - 273.15:.4g} to {temperature.max() - 273.15:.4g} degC): it is reached by "
-            f"extrapolating "
-            "the shift law."
+            f"extrapolating the shift law, which knows that step to +- {half:.2g} decades (95 %). Every log10 a_T and "
+            f"the band contain that{'; give a reference within the data' if half > _FAR else ''}."
         )
     if temperature.size == 2:
         yield "There are two temperatures only: Arrhenius' law can be fitted, WLF and VFT cannot."
@@ -98,4 +104,35 @@ def _details(master: "MasterCurve") -> Iterator[str]:
         yield (
             f"The WLF law misses the shift factors by {master.laws['WLF'].rms:.2f} decades rms, more than they are "
             "uncertain by: use the table of shift factors instead."
+        )
+
+
+def judge_series(
+    points: Points, residuals: np.ndarray, data: Data, contradiction: bool, converged: bool
+) -> Iterator[str]:
+    """Warnings on what a series does not meet; single outliers are not held against it."""
+    if not converged:
+        yield "The refinement of the times did not converge: look at the figure before using the series."
+    for channel, key in enumerate(("storage", "loss", "relaxation")):
+        at = points.channel == channel
+        if not at.any():
+            continue
+        size = float(np.sqrt((data.weights * residuals**2)[at].sum() / data.weights[at].sum()))
+        if size <= _POOR:
+            continue
+        said = f"The {key} modulus is met to {100 * size:.2g} % rms only"
+        if contradiction:
+            yield f"{said}: storage and loss modulus contradict each other, no passive material comes closer to both."
+        elif size > 1.5 * data.noise[channel]:
+            yield f"{said}; more terms may help (terms=...)."
+        else:
+            yield f"{said}, by which the data scatter."
+
+
+def judge_level(level: float, end: SlowEnd, interval: tuple[float, float]) -> Iterator[str]:
+    """Whether the data say where the equilibrium modulus is, or only where they end."""
+    if level and end.open:
+        yield (
+            f"The {end.kind} modulus still falls at the slow end of the data ({end.rate:.3g} rad/s): where they end "
+            f"sets the equilibrium modulus, {level:.4g} Pa; they allow {interval[0]:.3g} to {interval[1]:.3g} Pa."
         )

@@ -1,5 +1,6 @@
 """WLF, Arrhenius and VFT laws through measured shift factors."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,8 @@ from ..material.shift import GAS_CONSTANT, VFT, WLF, Arrhenius
 
 _LN10 = float(np.log(10.0))
 _LEAST = 0.003  # standard deviation by which any such law may be off [decades]
-_POLE = 1.0  # least distance of a law's pole below the data [K]
+POLE = 1.0  # least distance of a law's pole below the data [K]
+_AT_BOUND = 0.01  # distance of a logarithm from its limit at which it is held by it
 _MISSES = 0.1  # error of its own above which a law is not that of the shift factors [decades]
 
 
@@ -20,6 +22,7 @@ class LawFit(NamedTuple):
     law: Any  # em.WLF, em.Arrhenius or em.VFT
     residuals: Float[np.ndarray, " n"]  # log10 a_T measured minus law [decades]
     std: dict[str, float]  # standard deviation of each constant, in its unit
+    bound: bool  # whether a constant is at the end of what the search allows, so that its uncertainty means nothing
     own: float  # how far the law is off beyond what the shift factors are known to, a standard deviation [decades]
 
     @property
@@ -32,9 +35,16 @@ class LawFit(NamedTuple):
         """Whether the shift factors follow the law, within what they are known to."""
         return self.own <= _MISSES
 
+    @property
+    def determined(self) -> bool:
+        """Whether the data know every constant better than by its own size."""
+        return all(1.96 * std < float(getattr(self.law, key)) for key, std in self.std.items()) and not self.bound
+
     def constants(self) -> str:
-        """The constants with their units and 95 % intervals, in one line."""
+        """The constants with their units and 95 % intervals, in one line, or that the data do not determine them."""
         units = {"c1": "", "c2": " K", "energy": " J/mol", "b": " K", "t0": " K"}
+        if not self.determined:
+            return f"{' and '.join(self.std)} not determined by these data"
         return ", ".join(
             f"{key} {float(getattr(self.law, key)):.4g} +- {1.96 * std:.2g}{units[key]}"
             for key, std in self.std.items()
@@ -59,78 +69,82 @@ def fit_laws(
     out.
     """
     fits: dict[str, LawFit] = {}
-    distinct = np.abs(temperature - reference) > 1e-6
-    above = temperature - reference
-    lowest = min(temperature.min(), reference)
-
-    def wlf(p: np.ndarray) -> np.ndarray:
-        c2 = reference - lowest + _POLE + np.exp(p[1])
-        return -np.exp(p[0]) * above / (c2 + above)
-
-    def vft(p: np.ndarray) -> np.ndarray:
-        t0 = (lowest - _POLE) / (1 + np.exp(-p[1]))
-        return np.exp(p[0]) * (1 / (temperature - t0) - 1 / (reference - t0)) / _LN10
-
-    def arrhenius(p: np.ndarray) -> np.ndarray:
-        return np.exp(p[0]) / GAS_CONSTANT * (1 / temperature - 1 / reference) / _LN10
-
-    if distinct.sum() >= 1 and temperature.size >= 2:
-        p, spread, own = _fit(arrhenius, [np.log(1e5)], [(5.0, 16.0)], log10_a, covariance)
-        energy = float(np.exp(p[0]))
-        fits["Arrhenius"] = LawFit(
-            Arrhenius(energy, reference), log10_a - arrhenius(p), {"energy": energy * np.sqrt(spread[0, 0])}, own
-        )
-    if temperature.size >= 3:
-        p, spread, own = _fit(wlf, [2.0, 4.0], [(-4.0, 8.0), (-3.0, 9.0)], log10_a, covariance)
-        c1, gap = float(np.exp(p[0])), float(np.exp(p[1]))
-        std = {"c1": c1 * np.sqrt(spread[0, 0]), "c2": gap * np.sqrt(spread[1, 1])}
-        fits["WLF"] = LawFit(WLF(c1, reference - lowest + _POLE + gap, reference), log10_a - wlf(p), std, own)
-        p, spread, own = _fit(vft, [7.0, 0.5], [(2.0, 14.0), (-8.0, 8.0)], log10_a, covariance)
-        b, part = float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1])))
-        std = {"b": b * np.sqrt(spread[0, 0]), "t0": (lowest - _POLE) * part * (1 - part) * np.sqrt(spread[1, 1])}
-        fits["VFT"] = LawFit(VFT(b, (lowest - _POLE) * part, reference), log10_a - vft(p), std, own)
+    known = forms(reference, min(temperature.min(), reference))
+    if temperature.size < 2 or (np.abs(temperature - reference) > 1e-6).sum() < 1:
+        return fits
+    for name in ("Arrhenius", "WLF", "VFT") if temperature.size >= 3 else ("Arrhenius",):
+        p, spread, own = fit_form(known[name], temperature, log10_a, covariance)
+        law, by_p = known[name].constants(p)
+        std = {key: float(abs(slope) * np.sqrt(spread[k, k])) for k, (key, slope) in enumerate(by_p.items())}
+        residuals = log10_a - known[name].value(p, temperature)
+        fits[name] = LawFit(law, residuals, std, _at_bound(known[name], p), own)
     return fits
 
 
-def at_reference(
-    temperature: np.ndarray, log10_a: np.ndarray, covariance: np.ndarray, reference: float
-) -> tuple[np.ndarray, float]:
-    """Weights of the temperatures whose mean log10 a_T stands for that at `reference` [K], and what to add to it.
+class Form(NamedTuple):
+    """A law in parameters that may take any value."""
 
-    Weights are those of linear interpolation, or all on the last temperature beyond the ends; a law through the shift
-    factors bends away from the straight line by what is added [decades].
-    """
-    n = temperature.size
-    weights = np.zeros(n)
-    place = np.interp(reference, temperature, np.arange(n))
-    low = min(int(place), max(n - 2, 0))
-    weights[low] = 1 - (place - low)
-    if n == 1:
-        return weights, 0.0
-    weights[low + 1] = place - low
-    if np.abs(temperature - reference).min() < 1e-9:  # there is nothing between to bend
-        return weights, 0.0
-    centre = int(np.argmin(np.abs(temperature - reference)))
-    change = np.eye(n)
-    change[:, centre] -= 1
-    laws = fit_laws(temperature, change @ log10_a, change @ covariance @ change.T, float(temperature[centre]))
-    law = laws["WLF" if n > 2 else "Arrhenius"].law
-    return weights, float(law._log10_a(reference)) - float(weights @ np.asarray(law._log10_a(temperature)))
+    value: Callable[[np.ndarray, Any], Any]  # parameters, temperature [K] -> log10 a_T
+    start: list[float]
+    limits: list[tuple[float, float]]
+    constants: Callable[[np.ndarray], tuple[Any, dict[str, float]]]  # the law, d(constant)/d(its parameter) by name
 
 
-def _fit(
-    law: Any, start: list[float], limits: list[tuple[float, float]], value: np.ndarray, covariance: np.ndarray
+def forms(reference: float, lowest: float) -> dict[str, Form]:
+    """The laws about `reference` [K]; their poles are below `lowest` [K]."""
+    room = reference - lowest + POLE
+
+    def wlf(p: np.ndarray, temperature: Any) -> Any:
+        above = temperature - reference
+        return -np.exp(p[0]) * above / (room + np.exp(p[1]) + above)
+
+    def vft(p: np.ndarray, temperature: Any) -> Any:
+        t0 = (lowest - POLE) / (1 + np.exp(-p[1]))
+        return np.exp(p[0]) * (1 / (temperature - t0) - 1 / (reference - t0)) / _LN10
+
+    def arrhenius(p: np.ndarray, temperature: Any) -> Any:
+        return np.exp(p[0]) / GAS_CONSTANT * (1 / temperature - 1 / reference) / _LN10
+
+    def wlf_constants(p: np.ndarray) -> tuple[Any, dict[str, float]]:
+        c1, gap = float(np.exp(p[0])), float(np.exp(p[1]))
+        return WLF(c1, room + gap, reference), {"c1": c1, "c2": gap}
+
+    def vft_constants(p: np.ndarray) -> tuple[Any, dict[str, float]]:
+        b, part = float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1])))
+        return VFT(b, (lowest - POLE) * part, reference), {"b": b, "t0": (lowest - POLE) * part * (1 - part)}
+
+    def arrhenius_constants(p: np.ndarray) -> tuple[Any, dict[str, float]]:
+        energy = float(np.exp(p[0]))
+        return Arrhenius(energy, reference), {"energy": energy}
+
+    return {
+        "Arrhenius": Form(arrhenius, [float(np.log(1e5))], [(5.0, 16.0)], arrhenius_constants),
+        "WLF": Form(wlf, [2.0, 4.0], [(-4.0, 8.0), (-3.0, 9.0)], wlf_constants),
+        "VFT": Form(vft, [7.0, 0.5], [(2.0, 14.0), (-8.0, 8.0)], vft_constants),
+    }
+
+
+def _at_bound(form: Form, p: np.ndarray) -> bool:
+    low, high = np.array(form.limits).T
+    return bool(((p - low < _AT_BOUND) | (high - p < _AT_BOUND)).any())
+
+
+def fit_form(
+    form: Form, temperature: np.ndarray, value: np.ndarray, covariance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Generalised least squares, with the law's own error grown until chi squared matches the freedom left."""
-    own, p = _LEAST, np.array(start)
-    bounds = np.array(limits).T
+    """Generalised least squares, with the law's own error grown until chi squared matches the freedom left.
+
+    Returns the parameters, their covariance, and that error [decades].
+    """
+    own, p = _LEAST, np.array(form.start)
+    bounds = np.array(form.limits).T
     spread = np.eye(p.size)
     for _ in range(8):
         white = np.linalg.inv(np.linalg.cholesky(covariance + own**2 * np.eye(value.size)))
         answer = least_squares(
-            lambda p, white=white: white @ (value - law(p)),
+            lambda p, white=white: white @ (value - form.value(p, temperature)),
             p,
-            lambda p, white=white: -white @ _derivatives(law, p),  # pyright: ignore[reportArgumentType]
+            lambda p, white=white: -white @ derivatives(form, p, temperature),  # pyright: ignore[reportArgumentType]
             bounds=bounds,
             x_scale=1.0,
         )
@@ -143,7 +157,7 @@ def _fit(
     return p, spread, float(own)
 
 
-def _derivatives(law: Any, p: np.ndarray) -> np.ndarray:
+def derivatives(form: Form, p: np.ndarray, temperature: np.ndarray) -> np.ndarray:
     """The derivatives of a law with respect to its parameters, from a step along the imaginary axis: exact."""
     step = 1e-30
-    return np.stack([law(p + 1j * step * row).imag for row in np.eye(p.size)], axis=1) / step
+    return np.stack([form.value(p + 1j * step * row, temperature).imag for row in np.eye(p.size)], axis=1) / step

@@ -11,11 +11,12 @@ from jaxtyping import Bool, Float, Int
 
 from .._runtime import positive, scalar, significant
 from ..errors import InputError
+from .apart import told_apart
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import Dma
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import isotherms
-from .joint import AtReference, Joint, about, fit_jointly, told_apart
+from .joint import AtReference, Joint, about, fit_jointly
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
@@ -146,8 +147,9 @@ def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tole
     Storage and loss modulus (and relaxation, where there is any) of every isotherm share one non-negative smooth
     spectrum; horizontal shifts fall with temperature; vertical shifts are those of entropy elasticity, none, or what
     lies between, with a free part as wide as the data ask for (`vertical=False`: none). `reference` defaults to the
-    measured temperature nearest to 20 degC. Temperatures with no gap above `tolerance` [K] are one isotherm. Raises
-    `InputError` for anything but a `Dma` with temperatures, or a reference that is no temperature.
+    measured temperature nearest to 20 degC; outside the data it is reached by a shift law, whose uncertainty enters.
+    Temperatures with no gap above `tolerance` [K] are one isotherm. Raises `InputError` for anything but a `Dma` with
+    temperatures, or a reference that is no temperature or further outside than the law can carry the data.
     """
     if not isinstance(dma, Dma):
         raise InputError(f"dma must be a Dma, as em.fit.read_dma returns it, got {type(dma).__name__}.")

@@ -53,7 +53,8 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     kind = _kind(chosen, options)
     texts += implausible(arrays, {role: chosen[role].title for role in needed}, given, modulus_given(options))
     if bad:
-        more = f" and {len(bad) - _NAMED} more" if len(bad) > _NAMED else ""
+        more = f" and {len(bad) - _NAMED} more, all of them in bad_rows and in the master curve's table"
+        more = more if len(bad) > _NAMED else ""
         texts.append(f"{path.name}: {len(bad)} row{'s' * (len(bad) > 1)} left out: {'; '.join(bad[:_NAMED])}{more}.")
     n = len(values[needed[0]])
     temperature = arrays.get("temperature")

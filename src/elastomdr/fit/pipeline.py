@@ -57,8 +57,10 @@ class MaterialFit(AbstractFindings):
         master, fit = self.master, self.prony
         fitted = {"citation": f"{self.citation}, fitted by elastomdr {__version__} (em.fit)", "grade": "fitted here"}
         moduli: dict[str, Any] = fitted | {"note": self._note()}
-        moduli["storage_residual"] = _round(fit.storage_residual if fit.storage.size else fit.relaxation_residual, 2)
-        moduli["loss_residual"] = _round(fit.loss_residual if fit.loss.size else fit.relaxation_residual, 2)
+        own = {"storage": fit.storage_residual, "loss": fit.loss_residual, "relaxation": fit.relaxation_residual}
+        for name in ("storage", "loss"):  # of this material against the data, not of the series against shifted ones
+            of = name if fit.storage.size else "relaxation"
+            moduli[f"{name}_residual"] = _round(self.as_used.get(f"{of} modulus", own[of]), 2)
         sources = {
             "moduli": moduli,
             "shift": fitted | {"note": self._shift_note()},
@@ -79,9 +81,16 @@ class MaterialFit(AbstractFindings):
         parts = [f"{fit.terms} terms over {np.log10(fit.window[1] / fit.window[0]):.1f} decades."]
         if not fit.storage.size:
             parts.append("From relaxation; both residuals are of the relaxation modulus.")
-        for name, size in self.as_used.items():
-            parts.append(f"{name.capitalize()} as measured, by this file with its shift law: {100 * size:.2g} % rms.")
+        if self.as_used:
+            parts.append(f"Residuals are of the data as measured, by this file with its shift law; {self._own()}.")
         return " ".join([*parts, *self.warnings])
+
+    def _own(self) -> str:
+        """How close the series is to the shifted data, in words."""
+        fit = self.prony
+        sizes = {"storage": fit.storage_residual, "loss": fit.loss_residual, "relaxation": fit.relaxation_residual}
+        met = ", ".join(f"{name} {100 * size:.2g} %" for name, size in sizes.items() if np.isfinite(size))
+        return f"the master curve, with its vertical shifts, is met to: {met} rms"
 
     def _shift_note(self) -> str:
         master = self.master
@@ -158,7 +167,7 @@ def material(
         name=name,
         citation=citation,
     )
-    used = _as_used(fit.material, dma, master)
+    used = _as_used(fit.material, dma)
     texts = [*dma.warnings, *master.warnings, *fit.warnings]
     known = np.abs(master.log10_b) > TWO_SIGMA * master.log10_b_std
     lift = float(np.abs(np.expm1(np.log(10) * master.log10_b * known)).max())
@@ -201,22 +210,29 @@ def _table(master: MasterCurve) -> ShiftTable:
     return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))
 
 
-def _as_used(material: Prony, dma: Dma, master: MasterCurve) -> dict[str, float]:
+def _as_used(material: Prony, dma: Dma) -> dict[str, float]:
     """Relative rms residuals of a material at the measured temperatures, without any vertical shift."""
-    if material.shift is None or not dma.frequency.size:
+    if material.shift is None:
         return {}
-    law: Any = material.shift
-    try:
-        log10_a = np.asarray(law.log10_a(dma.temperature))
-    except InputError:  # a table ends at the mean of its last isotherm
-        low, high = (float(law.temperature[i]) for i in (0, -1))
-        log10_a = np.asarray(law.log10_a(np.clip(dma.temperature, low, high)))
-    x = dma.frequency[:, None] * (10**log10_a)[:, None] * np.asarray(material.times)
-    moduli = np.asarray(material.moduli)
-    storage = float(material.equilibrium) + (moduli * x / (x + 1 / x)).sum(axis=1)
-    loss = (moduli / (x + 1 / x)).sum(axis=1)
-    parts = {"storage modulus": storage / dma.storage - 1, "loss modulus": loss / dma.loss - 1}
+    times, moduli, level = np.asarray(material.times), np.asarray(material.moduli), float(material.equilibrium)
+    parts = {}
+    if dma.frequency.size:
+        x = (dma.frequency * _factor(material.shift, dma.temperature))[:, None] * times
+        parts["storage modulus"] = (level + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
+        parts["loss modulus"] = (moduli / (x + 1 / x)).sum(axis=1) / dma.loss - 1
+    if dma.time.size:
+        x = (dma.time / _factor(material.shift, dma.time_temperature))[:, None] / times
+        parts["relaxation modulus"] = (level + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
     return {name: float(np.sqrt(np.mean(part**2))) for name, part in parts.items()}
+
+
+def _factor(law: Any, temperature: np.ndarray) -> np.ndarray:
+    """a_T; a table ends at the mean of its last isotherm, and holds a little beyond."""
+    try:
+        return 10 ** np.asarray(law.log10_a(temperature))
+    except InputError:
+        low, high = (float(law.temperature[i]) for i in (0, -1))
+        return 10 ** np.asarray(law.log10_a(np.clip(temperature, low, high)))
 
 
 def _round(value: float, digits: int) -> float:

@@ -9,6 +9,8 @@ from .columns import convert, spelled
 _LARGEST = 3e10  # [Pa], above any polymer
 _SMALLEST = 1e3  # [Pa], below what the stiffest point of any solid polymer or melt in its plateau has
 _TEMPERATURES = (120.0, 700.0)  # [K]
+_LEAST_TANGENT = 3e-3  # of a polymer; a thousandth of what rubbers and melts have, 0.03 to 3, is below
+_LARGEST_TANGENT = 100.0  # in the median of a file: a melt in its terminal zone has more at its slow end only
 _HOT = 473.15  # coldest temperature of a file, if in degC, above which it may well be kelvins [K]
 
 
@@ -30,7 +32,7 @@ def implausible(
             )
     if "storage" in arrays and "loss" in arrays:
         ratio = float(np.median(arrays["loss"] / arrays["storage"]))
-        if ratio > 100 or ratio < 1e-4:
+        if not _LEAST_TANGENT < ratio < _LARGEST_TANGENT:
             yield (
                 f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is implausible: are "
                 "their units mixed up? Assumed are those of the file."

@@ -18,7 +18,9 @@ from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import KINDS
 from .findings import TWO_SIGMA, AbstractFindings
 from .isotherms import alike
-from .joint import AtReference, Joint, about
+from .joint import AtReference, Joint, about, curve
+from .judge import judge_level, judge_series
+from .level import slow_end
 from .master import MasterCurve
 from .posterior import one_thread
 from .shifting import join
@@ -27,7 +29,6 @@ from .terms import Data, choose_terms, most_terms
 
 TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
 _EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
-_POOR = 0.1  # relative residual worth a warning
 _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
     "where it is known, as poisson=0.4 (--poisson 0.4)."
@@ -47,7 +48,8 @@ class PronyFit(AbstractFindings):
     loss_residual: float
     relaxation_residual: float
     residuals: dict[str, Float[np.ndarray, " m"]]  # relative, per point, for "storage", "loss", "relaxation"
-    equilibrium_std: float  # [Pa]; 0 for a liquid
+    equilibrium_std: float  # [Pa]; 0 for a liquid. Where the interval is wider, that of an interval that holds it
+    equilibrium_interval: tuple[float, float]  # 95 %, with what may relax more slowly than the data reach [Pa]
     moduli_std: Float[np.ndarray, " n"]  # [Pa]
     times_std: Float[np.ndarray, " n"]  # [s]
     covariance: Float[np.ndarray, "p p"]  # of ln moduli, ln times and, for a solid, ln equilibrium
@@ -59,6 +61,7 @@ class PronyFit(AbstractFindings):
     kind: str
     warnings: tuple[str, ...]
     converged: bool
+    asked: int | None  # number of terms asked for; None: the data chose. Terms without a modulus are left out
     joint: Joint  # the smooth spectrum whose intervals `band` uses
     master: MasterCurve | None
 
@@ -99,6 +102,12 @@ class PronyFit(AbstractFindings):
         return relaxation_band(self.joint, self._state, self.window, time, self.relaxation_at)
 
     @property
+    def _left_out(self) -> str:
+        if self.asked is None or self.asked == self.terms:
+            return ""
+        return f"; {self.asked} were asked for, the data give the others no modulus"
+
+    @property
     def _state(self) -> AtReference:
         return self.master.state if self.master is not None else about(self.joint, self.joint.shifts.temperature[0])
 
@@ -118,14 +127,15 @@ class PronyFit(AbstractFindings):
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the series, as pairs of a name and a text."""
         decades = np.log10(self.window[1] / self.window[0])
-        yield "terms", f"{self.terms} over {decades:.1f} decades ({self.kind} moduli)"
+        yield "terms", f"{self.terms} over {decades:.1f} decades ({self.kind} moduli){self._left_out}"
         sizes = (self.storage_residual, self.loss_residual, self.relaxation_residual)
         named = zip(("storage", "loss", "relaxation"), sizes, strict=True)
         yield "residuals", ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)) + " rms"
         level = float(self.material.equilibrium)
         slowest = float(self.material.times.max())
         none = "0: a liquid" if slowest * self.window[0] < 1 else "0: none is seen; the series flows beyond the data"
-        yield "equilibrium", f"{level:.4g} +- {TWO_SIGMA * self.equilibrium_std:.2g} Pa" if level else none
+        low, high = self.equilibrium_interval
+        yield "equilibrium", f"{level:.4g} Pa, {low:.4g} to {high:.4g} Pa with 95 %" if level else none
         for modulus, std, time in zip(self.material.moduli, self.moduli_std, self.material.times, strict=True):
             yield "term", f"tau {significant(float(time)):>10} s   {float(modulus):10.4g} +- {TWO_SIGMA * std:.2g} Pa"
         for text in self.warnings:
@@ -209,13 +219,20 @@ def prony(
         level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
         name=name, citation=citation, range=_range(points, master),
     )  # fmt: skip
+    end = slow_end(points, noise)
+    state = master.state if master is not None else about(joint, joint.shifts.temperature[0])
+    at = np.array([np.log(end.rate)]), np.array([STORAGE if end.kind == "storage" else RELAXATION])
+    lifted = float(curve(joint, state, *at)[1][0])  # vertical shifts move all of the series, and its level
+    half = TWO_SIGMA * level * float(np.hypot(std[-1], lifted)) if level else 0.0
+    interval = (max(min(level - half, end.low), 0.0), max(level + half, end.end)) if level else (0.0, 0.0)
     return PronyFit(
         material=material,
         storage_residual=rms["storage"],
         loss_residual=rms["loss"],
         relaxation_residual=rms["relaxation"],
         residuals={key: part for key, part in parts.items() if part.size},
-        equilibrium_std=found.equilibrium * float(std[-1]) if found.equilibrium else 0.0,
+        equilibrium_std=max(level - interval[0], interval[1] - level) / TWO_SIGMA,
+        equilibrium_interval=interval,
         moduli_std=moduli * std[:count],
         times_std=times * std[count : 2 * count],
         covariance=covariance,
@@ -226,33 +243,15 @@ def prony(
         relaxation=relaxation,
         kind=kind,
         warnings=(
-            *_judge(points, residuals, data, contradiction, found.posterior.converged),
+            *judge_series(points, residuals, data, contradiction, found.posterior.converged),
+            *judge_level(level, end, interval),
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
         ),
         converged=found.posterior.converged,
+        asked=None if terms is None else int(terms),
         joint=joint,
         master=master,
     )
-
-
-def _judge(points: Points, residuals: np.ndarray, data: Data, contradiction: bool, converged: bool) -> Iterator[str]:
-    """Warnings on what a series does not meet; single outliers are not held against it."""
-    if not converged:
-        yield "The refinement of the times did not converge: look at the figure before using the series."
-    for channel, key in enumerate(("storage", "loss", "relaxation")):
-        at = points.channel == channel
-        if not at.any():
-            continue
-        size = float(np.sqrt((data.weights * residuals**2)[at].sum() / data.weights[at].sum()))
-        if size <= _POOR:
-            continue
-        said = f"The {key} modulus is met to {100 * size:.2g} % rms only"
-        if contradiction:
-            yield f"{said}: storage and loss modulus contradict each other, no passive material comes closer to both."
-        elif size > 1.5 * data.noise[channel]:
-            yield f"{said}; more terms may help (terms=...)."
-        else:
-            yield f"{said}, by which the data scatter."
 
 
 def _range(points: Points, master: MasterCurve | None) -> Range:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
+from .findings import PLUS_MINUS
 
 if TYPE_CHECKING:
     from .master import MasterCurve
@@ -31,7 +32,8 @@ def master_csv(master: "MasterCurve") -> str:
             f"relaxation modulus {symbol} times b_T [Pa]": master.relaxation[order],
             "isotherm [K]": master.temperature[master.time_isotherm[order]],
         }
-    return _csv("MasterCurve", master.findings(), columns)
+    left_out = (("row left out", text) for text in master.dma.bad_rows)
+    return _csv("MasterCurve", [*master.findings(), *left_out], columns)
 
 
 def shifts_csv(master: "MasterCurve") -> str:
@@ -61,7 +63,11 @@ def prony_csv(fit: "PronyFit") -> str:
 
 
 def _csv(what: str, findings: Iterable[tuple[str, str]], columns: Mapping[str, Any]) -> str:
-    lines = [f"# elastomdr {__version__}: {what}", "# units: SI, in brackets in the column titles"]
+    lines = [
+        f"# elastomdr {__version__}: {what}",
+        "# units: SI, in brackets in the column titles",
+        f"# intervals: {PLUS_MINUS}; a column of standard deviations holds one of them",
+    ]
     lines += [f"# {' '.join(f'{name.strip()}: {text}'.split())}" for name, text in findings]
     rows = zip(*(list(column) for column in columns.values()), strict=True)
     lines.append(",".join(columns))
