@@ -30,7 +30,6 @@ _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
 _LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
 _EDGES = 1.5  # over a first-order estimate: the edges lie anywhere between samples
-_JUMP = 1e-3  # of the stiffness of a step, from which a dashpot's part makes the force jump at the edges
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
 
@@ -150,7 +149,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     assert found is not None
     assert level is not None
     good = good & np.isfinite(fine.mu)
-    mu, error = _limit(mus, full, carried.viscosity / step * level.by.give > _JUMP)
+    mu, error = _limit(mus, full, carried.viscosity / step * level.by.give)
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)
     return Line._make((*(np.where(good, x, np.nan) for x in answer), sweeps, good)), found
 
@@ -161,18 +160,20 @@ def strides_of(n: int) -> list[int]:
     return [*coarse, 1]
 
 
-def _limit(mus: list[np.ndarray], full: np.ndarray, jumps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _limit(mus: list[np.ndarray], full: np.ndarray, jump: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """mu and its error from the sampling, from the mu of steps that are a quarter of the one before each.
 
     In full contact everything is smooth and the error falls as the square of the step: the limit is extrapolated, where
     the fall itself is as it should be. Otherwise the edges of contacts fall anywhere between samples: the last value
     stands, and its error is taken as of first order, a third of the last change where a 15th would be the second order.
     Where the force jumps at an edge, as a dashpot makes it, the error is of first order indeed, and the last change is
-    small by accident now and then: the changes before it bound it too.
+    small by accident now and then: the changes before it bound it too, in proportion to `jump`, what dashpots have of
+    the stiffness of a step.
     """
     fine, changes = mus[-1], [np.abs(b - a) for a, b in itertools.pairwise(mus[1:])][::-1]
     bounds = [change / (3 * 4.0**level) for level, change in enumerate(changes)]
-    error = np.where(jumps & ~full, _EDGES * np.max(bounds, axis=0), bounds[0])
+    jumping = _EDGES * np.max(bounds, axis=0)
+    error = np.where(full, bounds[0], jump * jumping + (1 - jump) * bounds[0])
     if len(changes) > 1:
         change, before = fine - mus[-2], mus[-2] - mus[-3]
         smooth = full & (np.abs(before - 16 * change) < 0.2 * np.abs(before))
