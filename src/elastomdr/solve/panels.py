@@ -22,8 +22,8 @@ _RATIO = 0.2  # of neighbouring panels within one that narrows
 _NARROWING = {1: 1, 2: 2, 3: 3}  # levels: how often their panels narrow
 _NARROWEST, _DEEP = 4, 13  # the same of higher levels, and of those that look for layers
 LAYERS = 7  # the level from which panels narrow that far
-_SEEN = 30.0  # widths of a layer in a panel up to which its coefficients tell of it (measured: to 80)
 _SAFETY = 2.0  # on the error of a power at the axis
+_CURVED = 1.1  # on that of a layer, which is wider than v tau/g' where the profile is curved
 
 
 def divided(edges: Float[Array, " m+1"], levels: int) -> Float[Array, " panels+1"]:
@@ -65,11 +65,11 @@ def missed(shares: Float[Array, " n"], edges: Float[Array, " panels+1"], disc: D
 def missed_layers(
     law: Relaxation, disc: Disc, time: Array, depth: Array, radius: Float[Array, " m"], levels: int
 ) -> Float[Array, " m"]:
-    """What the panels miss of layers at the edges of the contact: sum over E_k v tau_k w_k W(a), [N] at every instant.
+    """What the panels miss of layers at the edges: sum over W E_k v tau_k w_k r(q), [N] at every instant.
 
-    w_k = v tau_k/g'(a), or the mean speed of the edge times tau_k if that is more. A layer counts for every panel wider
-    than `_SEEN` w_k, by what is left of it there, and fades with its branch when the motion changes. Exact for rubber
-    that is touched for the first time; elsewhere an estimate.
+    w_k = v tau_k/g'(a) is the layer's width, W the weight at the edge, q the widths in a panel that ends there (less of
+    the layer is left in panels further in), r what the rule misses of an exponential over its integral. A layer fades
+    with its branch after its instant. Holds for rubber that is touched for the first time; elsewhere an estimate.
     """
     law, disc, time, depth, radius = jax.lax.stop_gradient((law, disc, time, depth, radius))
     h = jnp.diff(time)
@@ -78,12 +78,17 @@ def missed_layers(
     panel = jnp.diff(ends) * (float(_fractions(levels)[1]) if levels else 1.0)
     edge = radius[1:]
     slope = disc.slope(jnp.where(edge > 0, edge, 1.0))
-    pace = jnp.maximum(pressing / slope, jnp.diff(radius) / h)  # of the edge [m/s]
-    width = jnp.where(edge > 0, pace, 0.0)[:, None] * law.times  # (m-1, k)
+    width = jnp.where(edge > 0, pressing / slope, 0.0)[:, None] * law.times  # (m-1, k)
     behind = edge[:, None] - ends[1:]  # of every panel
-    seen = jnp.exp(-jnp.maximum(behind, 0.0)[:, None] / jnp.where(width > 0, width, 1.0)[..., None])
-    seen = jnp.where((behind >= 0)[:, None] & (panel > _SEEN * width[..., None]), seen, 0.0)
-    amount = disc.weight(edge)[:, None] * law.moduli * pressing[:, None] * law.times * width * jnp.max(seen, axis=-1)
+    fits = jnp.maximum(panel, 1e-300) / jnp.where(width > 0, width, 1.0)[..., None]
+    # From above within a factor of 15 for q from 5 on, of 2 from 60 on; r = 1 - (...)/q once no node sees the layer.
+    unseen = (
+        85 / fits * jnp.exp(-((fits / 80) ** 1.5))
+        + jnp.maximum(behind, 0.0)[:, None] / jnp.where(panel > 0, panel, 1.0) * fits
+    )
+    unseen = jnp.where((behind >= 0)[:, None] & (panel > 0), jnp.exp(-unseen), 0.0)
+    size = _CURVED * width * unseen.sum(-1)
+    amount = disc.weight(edge)[:, None] * law.moduli * pressing[:, None] * law.times * size
 
     def fading(left: Array, new: tuple[Array, Array]) -> tuple[Array, Array]:
         left = left * jnp.exp(-new[0] / law.times) + new[1]
