@@ -4,10 +4,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.special import dawsn
 
 import elastomdr as em
 from elastomdr.foundation.episode import follow, pressed
 from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
+from elastomdr.mapping.disc import Disc
+from elastomdr.solve.control import over_histories
+from elastomdr.solve.history import indent_by_depth
+from elastomdr.solve.panels import LAYERS
 
 
 @pytest.mark.parametrize("slowness", [1e8, 1e17])
@@ -55,3 +60,34 @@ def test_modes_of_nearly_equal_times(apart: float) -> None:
         m = to_modes(law, modes, jnp.ones(1), f)
         assert float(m.sum()) == pytest.approx(1.0, rel=1e-13)
         np.testing.assert_allclose(to_branches(law, modes, m), f, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(("levels", "missed"), [(1, 1e-2), (LAYERS, 1e-8)])
+def test_branch_far_faster_than_the_ramp(levels: int, missed: float) -> None:
+    """A Maxwell liquid under a paraboloid g = c x^2: q = E v tau (1 - exp(-(d - g)/(v tau))), a layer at the edge.
+
+    F = 2 E v tau (a - sqrt(v tau/c) D(sqrt(d/(v tau)))), D Dawson's integral; the first ramp of each history.
+    """
+    e, c, d = 2.0, 1.0, 0.5
+    ramp = 1 / np.array([3e-2, 1e-3, 1e-5, 5e-14])  # in relaxation times
+    time = ramp[:, None] * np.array([0.0, 1.0, 2.0, 3.0])
+    depth = np.broadcast_to(d * np.array([0.0, -0.6, 1.0, 0.2]), time.shape)
+    law = em.Foundation(0.0, [e], [1.0]).law()
+    with jax.enable_x64(True):
+        disc = Disc(em.Paraboloid(1 / c), "half-space")
+        found, _ = over_histories(indent_by_depth, law, recovery_modes(law), disc, time, depth, levels=levels)
+    reached = 1.6 * d / ramp  # v tau
+    exact = 2 * e * reached * (np.sqrt(d / c) - np.sqrt(reached / c) * dawsn(np.sqrt(d / reached)))
+    miss = np.abs(found.force[:, 2] - exact)
+    assert (miss <= found.error[:, 2] + 1e-13 * exact).all()
+    assert (miss <= missed * exact).all()
+    np.testing.assert_allclose(found.radius[:, 2], np.sqrt(d / c), rtol=1e-12)
+
+
+def test_power_that_is_not_whole_is_covered_by_its_error() -> None:
+    """Elastic, g = c r^1.5 kappa: F = 2 E int_0^a (d - g) dx = 2 E d a n/(n + 1), g(a) = d."""
+    shape = em.PowerLaw(1.5, 0.3)
+    found = em.indent(em.Foundation(5.0, [], []), shape, time=[0.0, 1.0, 2.0], depth=[0.0, 0.02, 0.01], rtol=1e-5)
+    exact = 2 * 5.0 * 0.02 * found.contact_radius[1] * 1.5 / 2.5
+    assert found.converged.all()
+    assert 0 < abs(found.force[1] / exact - 1) <= found.error[1]

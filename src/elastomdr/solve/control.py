@@ -14,10 +14,12 @@ from ..material.relaxation import Relaxation
 from .adhesion import Sticky, elastic, receding
 from .creep import Creep, creep, levels_for
 from .history import indent_by_depth, indent_by_growing_depth, indent_by_smooth_depth, padded
+from .panels import LAYERS
 from .steps import Marched, early_steps, extrapolated, limit, march, places, unaccounted
 
 _BATCH = 64  # histories computed at once
-_LEVELS = (1, 3, 6)  # of the panels, coarse to fine
+_LEVELS = (1, 3, 6, LAYERS)  # of the panels, coarse to fine
+_FEW = 8  # histories computed at once on the finest
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
 _ROUNDING = 1e-14
 _BLIND_STEPS = 8  # per interval, in the first of three marches whose values cannot be looked at
@@ -115,8 +117,8 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
     if not is_traced(frozen) and bool((np.diff(frozen[-1], axis=-1) >= 0).all()):
         solve = indent_by_growing_depth
     for levels in () if is_traced(frozen) else _LEVELS:
-        found, _ = over_histories(solve, *frozen, levels=levels)
-        if not (found.error > 0.1 * rtol * abs(found.force).max(axis=-1, keepdims=True)).any():
+        found, _ = over_histories(solve, *frozen, levels=levels, most=_FEW if levels == LAYERS else _BATCH)
+        if not (found.error > 0.5 * rtol * abs(found.force).max(axis=-1, keepdims=True)).any():
             break
     if found is None or is_traced(given):
         found, _ = over_histories(indent_by_smooth_depth, *given, levels=levels)
@@ -259,10 +261,12 @@ def refined(
     return time, np.asarray(_stepped(law, modes, disc, row, rtol, kept)[0][0])
 
 
-def over_histories(function: Any, law: Any, modes: Any, disc: Any, *histories: Any, levels: int) -> Any:
+def over_histories(
+    function: Any, law: Any, modes: Any, disc: Any, *histories: Any, levels: int, most: int = _BATCH
+) -> Any:
     """`function` for every history, in one compiled call; NumPy arrays unless traced."""
     count = histories[0].shape[0]
-    size = min(_BATCH, 1 << (count - 1).bit_length())
+    size = min(most, 1 << (count - 1).bit_length())
     more = -count % size
     traced = is_traced(law, modes, disc, *histories)
     numpy = jnp if traced else np

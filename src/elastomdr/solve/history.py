@@ -22,12 +22,12 @@ from ..foundation.episode import Touching, energies, follow, force, pressed
 from ..foundation.modes import Modes
 from ..mapping.disc import Disc, gauss
 from ..material.relaxation import Relaxation
+from .panels import NODES, divided, missed, missed_layers
 
 _COARSE = 49  # elements that bracket the edges
 _SEARCH = 8  # steps of that search
-NODES = 6  # per panel
+_FLAT = 1e-9  # change of a force, relative, below which it tells nothing of where the edge is
 _SIZES = (32, 64, 104, 208, 320, 512)  # numbers of instants that are compiled
-_RATIO = 0.2  # of neighbouring panels within one that narrows
 
 
 class History(NamedTuple):
@@ -66,17 +66,15 @@ def indent_by_depth(
     edges = divided(jnp.sort(jnp.append(radius, 0.0)), levels)
     x, dx = gauss(edges, *np.polynomial.legendre.leggauss(NODES))
     weight = disc.weight(x) * dx
-    spread = jnp.asarray(_spread())
 
     def measure(state: Touching, q: Array) -> tuple[Array, ...]:
         held, left = energies(law, modes, state)
         sums = [jnp.sum(weight * part) for part in (q, state.work, held, left, state.heat)]
-        # What Gauss' rule with n points misses is about the 2n-th Legendre coefficient, by geometric fall of the six.
-        size = jnp.abs((weight * q).reshape(-1, NODES) @ spread.T)
-        half, last = jnp.max(size[:, 1:3], axis=1), jnp.max(size[:, -2:], axis=1)
-        return *sums, jnp.sum(last * jnp.minimum(last / jnp.where(half > 0, half, 1.0), 1.0) ** 2)
+        return *sums, missed(weight * q, edges, disc)
 
     state, q, (total, work, stored, locked, heat, error) = _run(law, modes, disc.profile(x), time, depth, measure)
+    if law.moduli.size and not disc.flat:
+        error = error + missed_layers(law, disc, time, depth, radius, levels)
     rows = (-1, NODES)
     return History(total, radius, work, stored, locked, heat, error), Row(
         edges, x.reshape(rows), q.reshape(rows), state.u.reshape(rows)
@@ -172,7 +170,7 @@ def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array
 
     def secant(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
         rise = near[1] - far[1]
-        return near[0] - near[1] * (near[0] - far[0]) / jnp.where(rise == 0, jnp.inf, rise)
+        return near[0] - near[1] * (near[0] - far[0]) / jnp.where(_level(near, far), jnp.inf, rise)
 
     def search(_: Any, ends: tuple) -> tuple:
         inner, inner_far, outer, outer_far = ends
@@ -194,26 +192,12 @@ def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array
     ends = (pick(count - 1), pick(count - 2), pick(count), pick(count + 1))
     inner, inner_far, outer, outer_far = jax.lax.fori_loop(0, _SEARCH, search, ends)
     g, outside = secant(inner, inner_far), jnp.clip(secant(outer, outer_far), inner[0], outer[0])
-    # Where the force jumps at the edge, it does not tell where that is; the gap does.
+    # Where the force jumps at the edge, or falls within less than was looked at, it does not tell where; the gap does.
     other = jnp.where(inner[1] > -outer[1], outside, inner[0])
-    g = jnp.where((g >= inner[0]) & (g <= outer[0]), g, other)
+    g = jnp.where((g >= inner[0]) & (g <= outer[0]) & ~_level(inner, inner_far), g, other)
     return jnp.where(count > 0, disc.radius_of_depth(g), 0.0)
 
 
-def divided(edges: Array, levels: int) -> Array:
-    """Each panel divided: narrowing towards both ends, and from the second level on ever finer in between."""
-    if levels == 0:
-        return edges
-    left = 0.5 * _RATIO ** np.arange(min(levels, 4) - 1, -1.0, -1)
-    ends = np.concatenate([[0.0], left, 1 - left[-2::-1], [1.0]])
-    parts = 1 + levels // 2
-    fractions = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts).ravel()
-    inner = edges[:-1, None] + jnp.diff(edges)[:, None] * fractions
-    return jnp.append(inner.reshape(-1), edges[-1])
-
-
-@functools.cache
-def _spread() -> np.ndarray:
-    """From a panel's shares of an integral to the Legendre coefficients of its integrand, times the panel."""
-    nodes, _ = np.polynomial.legendre.leggauss(NODES)
-    return np.polynomial.legendre.legvander(nodes, NODES - 1).T * (2 * np.arange(NODES)[:, None] + 1)
+def _level(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
+    """Whether two elements carry the same but for rounding."""
+    return jnp.abs(near[1] - far[1]) <= _FLAT * jnp.abs(near[1])

@@ -16,7 +16,8 @@ from ..foundation.step import phi1
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
 from .control import over_histories
-from .history import NODES, divided, indent_by_depth, padded
+from .history import indent_by_depth, padded
+from .panels import NODES, divided
 
 _LEVELS = 1  # of the panels
 _POINTS, _WEIGHTS = legendre.leggauss(12)
