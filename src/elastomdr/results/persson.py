@@ -3,9 +3,9 @@
 from typing import Any, ClassVar
 
 import equinox as eqx
-import numpy as np
 from jaxtyping import Bool, Float
 
+from .._runtime import Array
 from .curve import AbstractCurve
 from .table import Column
 
@@ -17,14 +17,14 @@ class PerssonCurve(AbstractCurve):
     `temperature` is None where none was given.
     """
 
-    velocity: Float[np.ndarray, "..."]  # sliding velocity v [m/s]
-    mu: Float[np.ndarray, "..."]  # friction coefficient
-    area_ratio: Float[np.ndarray, "..."]  # real contact area over the nominal one, A/A_0, at q_high
-    spread: Float[np.ndarray, "..."]  # G at q_high
-    pressure: Float[np.ndarray, "..."]  # nominal [Pa]
-    error: Float[np.ndarray, "..."]  # estimated error of mu
-    converged: Bool[np.ndarray, "..."]
-    temperature: Float[np.ndarray, "..."] | None  # T [K]
+    velocity: Float[Array, "..."]  # sliding velocity v [m/s]
+    mu: Float[Array, "..."]  # friction coefficient
+    area_ratio: Float[Array, "..."]  # real contact area over the nominal one, A/A_0, at q_high
+    spread: Float[Array, "..."]  # G at q_high
+    pressure: Float[Array, "..."]  # nominal [Pa]
+    error: Float[Array, "..."]  # estimated error of mu
+    converged: Bool[Array, "..."]
+    temperature: Float[Array, "..."] | None  # T [K]
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
