@@ -188,12 +188,11 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     order = xp.argsort(xp.where(there, roots, xp.inf))
     roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
     near = near[:, 1:] if with_dashpot else near
-    if is_traced(there):
-        gaps = xp.where(there[:, None], near, roots[:, None] - law.times)
-    else:  # drop what is not there: the flow of a liquid, an empty branch
+    kept = slice(None) if is_traced(weights) else np.flatnonzero(np.asarray(moduli) > 0)
+    gaps = jnp.asarray(roots[:, None] - xp.asarray(law.times))
+    gaps = xp.asarray(gaps.at[:, kept].set(jnp.where(there[:, None], near, gaps[:, kept])))
+    if not is_traced(there):  # drop what is not there: the flow of a liquid, an empty branch
         order = order[: int(there.sum())]
-        gaps = roots[:, None] - np.asarray(law.times)
-        gaps[:, np.asarray(moduli) > 0] = near
     return KelvinChain(instantaneous, compliances[order], roots[order], fluidity), gaps[order]
 
 
