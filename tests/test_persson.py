@@ -1,6 +1,8 @@
 """Persson's theory against values computed apart from this code, and as a curve beside the line's."""
 
 import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.special import erf
 
 import elastomdr as em
 
@@ -25,3 +27,22 @@ def test_persson():
     assert len(axes.lines) >= 2
     assert "contact area over nominal area [-]" in got.csv()
     assert "gamma = 0.5" in got.summary()
+
+
+def test_light_contact():
+    """G leaves zero at once and P falls with it: mu and G by an adaptive integrator in log q, with S = 1."""
+    pressure, velocity = 1e3, 0.3
+    t = np.pi / 8000 * (np.arange(4000) + 0.5)  # a quarter of the circle
+
+    def rate(log_q, y):
+        q = np.exp(log_q)
+        modulus = RUBBER.complex_modulus(q * velocity * np.cos(t)) / pressure
+        c = q**4 * float(SURFACE.at(np.array([q]))[0]) * 4 * np.pi / 8000
+        share = erf(0.5 / np.sqrt(max(y[0], 1e-300)))
+        return [c / 8 * np.sum(np.abs(modulus) ** 2), 0.5 * c * share * np.sum(np.cos(t) * modulus.imag)]
+
+    ends = np.log([SURFACE.q_low, SURFACE.q_high])
+    exact = solve_ivp(rate, ends, [0.0, 0.0], rtol=1e-8, atol=1e-13, first_step=1e-12).y[:, -1]
+    got = em.reference.persson(RUBBER, SURFACE, pressure=pressure, velocity=velocity, gamma=1.0)
+    np.testing.assert_allclose([got.spread, got.mu], exact, rtol=1e-5)
+    assert got.error < 1e-5 * got.mu
