@@ -176,7 +176,7 @@ def _finished(suite: Suite, order: list[tuple[str, int]], seed: int, processes: 
                     with warnings.catch_warnings():
                         warnings.simplefilter("ignore")
                         found = suite.answer(batch)
-                except Exception:
+                except Exception:  # a crash is what the test looks for: counted, shown, and the exit status is 1
                     crash = traceback.format_exc(limit=-3)
                 took = time.perf_counter() - start
                 if crash:

@@ -61,8 +61,8 @@ def deflect(scene: Scene, course: Course, *, elements: int, steps: int, per_area
             state, speed, force = carry
             depth = _quintic(start, end, course.mass, (i + 1) / steps)
             following = functools.partial(_displacement, speed * h, force, 0.25 * h**2 / mass)
-            state, seen = step(scene, grid, normal, tangential, state, depth, following, False)
-            return (state, speed - 0.5 * h * (force + seen[0]) / mass, seen[0]), None
+            state, ((after, *_), _) = step(scene, grid, normal, tangential, state, depth, following, False)
+            return (state, speed - 0.5 * h * (force + after) / mass, after), None
 
         carry, _ = jax.lax.scan(advance, carry, jnp.arange(steps))
         return carry, (carry[1], carry[2], carry[0].slip_loss)

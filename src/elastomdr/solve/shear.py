@@ -54,9 +54,7 @@ class Sheared(NamedTuple):
     work: Float[Array, " times"]  # done by the tangential force [J]
     slip_loss: Float[Array, " times"]  # turned into heat by slip [J]
     stored: Float[Array, " times"]  # tangential elastic energy [J]
-    missed: Float[
-        Array, " times"
-    ]  # bound on what the sum over elements of equal width misses of the tangential force [N]
+    missed: Float[Array, " times"]  # bound on what a sum over equal elements misses of the tangential force [N]
 
 
 class State(NamedTuple):
@@ -104,13 +102,15 @@ def shear_history(scene: Scene, history: History, grid: Grid, *, steps: int, by_
             state, _ = carry
             return step(scene, grid, normal, tangential, state, v0 + (i + 1) * dv, ds, by_load), None
 
-        (state, seen), _ = jax.lax.scan(advance, (state, (jnp.zeros(()),) * 6), jnp.arange(steps))
-        return state, ((state.work, state.slip_loss, state.depth), seen)
+        none = jnp.zeros_like(grid.x)
+        (state, seen), _ = jax.lax.scan(advance, (state, ((jnp.zeros(()),) * 5, none)), jnp.arange(steps))
+        return state, ((state.work, state.slip_loss, state.depth), _measured(grid, state, seen, by_load))
 
     start, first = _start(scene, grid, history, by_load)
     before = tuple(x[:-1] for x in history)
     after = tuple(x[1:] for x in history)
     _, (states, seen) = jax.lax.scan(interval, start, (before, after))
+    first = _measured(grid, start, first, by_load)
     seen = tuple(jnp.concatenate([a[None], b]) for a, b in zip(first, seen, strict=True))
     work, loss, depth = (
         jnp.concatenate([getattr(start, name)[None], states[i]])
@@ -163,7 +163,7 @@ def _start(scene: Scene, grid: Grid, history: History, by_load: bool) -> tuple[S
     Dashpots carry what is put on at once without moving.
     """
     none, state = jnp.zeros(()), untouched(scene, grid)
-    still = state, (none, history.value[0] if by_load else none, none, none, none, none)
+    still = state, ((none, history.value[0] if by_load else none, none, none, none), state.u)
     normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
     put, _ = step(scene, grid, normal, tangential, state, history.value[0], none, by_load)
     moved = step(scene, grid, normal, tangential, put, history.value[0], history.displacement[0], by_load)
@@ -186,7 +186,7 @@ def _sudden(law: Relaxation) -> Coefficients:
 def step(
     scene: Scene, grid: Grid, cn: Coefficients, ct: Coefficients, state: State, value: Array, ds: Any, by_load: bool
 ) -> tuple[State, tuple]:
-    """One contact step: the state after it, and (F_x, F_N, contact radius, stick radius, stored energy, missed).
+    """One contact step: the state after it, (F_x, F_N, contact radius, stick radius, stored energy), and tau.
 
     `ds` is the body's tangential displacement in the step, or finds it from the force as a function of it.
     """
@@ -239,11 +239,16 @@ def step(
     )
     radius = _edge(grid, pushed - recovery)
     stick = jnp.minimum(_edge(grid, jnp.where(q > 0, limit - jnp.abs(trial), -1e-300)), radius)
-    force, normal_force = jnp.sum(grid.weight * tau), jnp.sum(grid.weight * q)
+    seen = (jnp.sum(grid.weight * tau), jnp.sum(grid.weight * q), radius, stick, jnp.sum(grid.weight * stored))
+    return after, (seen, tau)
+
+
+def _measured(grid: Grid, state: State, seen: tuple, by_load: bool) -> tuple:
+    """What a step has seen, and a bound on what its tangential force misses."""
+    (force, normal_force, *rest), tau = seen
     # Under a load the depth carries the error of the normal sum over to F_x, in proportion.
     ratio = jnp.abs(force) / jnp.where(normal_force > 0, normal_force, 1.0) if by_load else 0.0
-    missed = _missed(grid.weight * tau) + ratio * _missed(grid.weight * q)
-    return after, (force, normal_force, radius, stick, jnp.sum(grid.weight * stored), missed)
+    return force, normal_force, *rest, _missed(grid.weight * tau) + ratio * _missed(grid.weight * state.q)
 
 
 def _missed(parts: Array) -> Array:

@@ -1,0 +1,67 @@
+"""Impacts at the ends of what can be asked: far too fast, slow, soft, damped or deep."""
+
+import math
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+from .bouncing import DM, KELVIN_VOIGT, E, M, R, V, impact, kelvin_voigt
+
+
+def test_a_relaxation_time_far_below_the_step_is_a_dashpot():
+    tau = 1e-12
+    fast = impact(em.Foundation(E, [E * 0.5 * DM / V / tau], [tau]))
+    np.testing.assert_allclose(fast.restitution, KELVIN_VOIGT[0.5][0], rtol=1e-6)
+
+
+def test_and_one_far_above_is_a_spring():
+    slow = impact(em.Foundation(0.25 * E, [0.75 * E], [1e9]))
+    np.testing.assert_allclose([slow.restitution, slow.max_depth], [1, DM], rtol=1e-8)
+
+
+def test_very_slow():
+    """To first order in the loss a branch is a dashpot E_1 tau_1, and 1 - COR = 1.8917 beta."""
+    found = impact(em.Foundation(E, [3 * E], [1e-3]), velocity=1e-15)
+    depth = (15 * M * 1e-30 / (16 * E * math.sqrt(R))) ** 0.4
+    np.testing.assert_allclose(1 - found.restitution, 1.891705853511856 * 3e-3 * 1e-15 / depth, rtol=1e-2)
+
+
+def test_very_fast():
+    """The glassy modulus alone."""
+    found = impact(em.Foundation(E, [3 * E], [1e-3]), velocity=1e12)
+    depth = (15 * M * 1e24 / (64 * E * math.sqrt(R))) ** 0.4
+    np.testing.assert_allclose([found.restitution, found.max_depth / depth], 1, atol=5e-3)
+
+
+def test_a_liquid_that_does_not_throw_it_back():
+    """A dashpot alone stops the body at m v0 = eta A(d); so does a liquid that relaxes fast."""
+    eta = 100.0
+    depth = (0.75 * M * V / (eta * math.sqrt(R))) ** (2 / 3)
+    for liquid in (em.Foundation(0.0, [], [], eta), em.Foundation(0.0, [eta / 1e-7], [1e-7])):
+        found = impact(liquid)
+        assert found.stuck
+        assert found.converged
+        assert found.restitution == 0
+        assert found.duration == np.inf
+        np.testing.assert_allclose(found.max_depth, depth, rtol=1e-5)
+
+
+def test_strong_damping_leaves_little():
+    """beta -> inf: stopped at A = m v0/eta, then pushed out at d/tau: restitution -> d/(tau v0)."""
+    beta = 1e4
+    tau = beta * DM / V
+    found = impact(kelvin_voigt(beta), rtol=1e-5)
+    depth = (0.75 * M * V / (E * tau * math.sqrt(R))) ** (2 / 3)
+    assert not found.stuck
+    np.testing.assert_allclose(found.restitution, depth / (tau * V), rtol=2e-2)
+
+
+def test_a_body_that_would_sink_beyond_its_profile():
+    r = np.linspace(0, 2e-3, 30)
+    with pytest.warns(em.ConvergenceWarning, match="1 of 2 impacts"):
+        found = em.impact(em.Foundation(E, [], []), em.Profile(r, r**2 / (2 * R)), mass=M, velocity=[0.1, 30.0])
+    assert found.converged.tolist() == [True, False]
+    assert np.isnan(found.restitution[1])
+    np.testing.assert_allclose(found.max_depth[0], DM * (0.1 / V) ** 0.8, rtol=1e-6)
