@@ -63,7 +63,7 @@ class Fading(NamedTuple):
 
     seen: Array  # in the force on which Signorini's conditions are put
     mean: Array  # over the step
-    end: Array  # at its end
+    end: Array | None  # at its end, unless that is the first
 
 
 def rest(law: AbstractRelaxation, n: int) -> Elements:
@@ -118,7 +118,8 @@ def coefficients(law: AbstractRelaxation, h: Any, *, viscous: bool = True) -> Co
 
 def fade(c: Coefficients, f: Float[Array, "k n"]) -> Fading:
     """The sums over the branches that a step needs beforehand."""
-    return Fading(*(over_branches(share * f) for share in (c.seen, c.mean, c.decay)))
+    seen, mean = over_branches(c.seen * f), over_branches(c.mean * f)
+    return Fading(seen, mean, None if c.decay is c.seen else over_branches(c.decay * f))
 
 
 def advance(
@@ -172,7 +173,8 @@ def _integrals(
     bend = pushed - state.velocity * c.h
     bend = jnp.where(jnp.abs(bend) < jnp.abs(pushed), bend, 0.0)
     mean = c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed
-    last = c.equilibrium * u + fading.end + c.end * pushed + 0.5 * c.rate * bend
+    end = fading.seen if fading.end is None else fading.end
+    last = c.equilibrium * u + end + c.end * pushed + 0.5 * c.rate * bend
     first = jnp.maximum(2 * mean - last, 0.0)
     lost = ~free & (last < 0)
     kept = jnp.where(lost, first / jnp.where(lost, first - last, 1.0), jnp.where(free, 0.0, 1.0))

@@ -33,7 +33,7 @@ class Line(NamedTuple):
     u: Float[Array, " n"]  # [m]
     f: Float[Array, "k n"]  # [Pa m]
     q: Float[Array, " n"]  # [Pa m]
-    velocity: Float[Array, " n"]  # [m/s]
+    velocity: Float[Array, " n"] | None  # [m/s], which only a dashpot asks for
     stored: Float[Array, " n"]  # in the branches [Pa m^2]
     w: Float[Array, " n"]  # where the rigid surface is [m]
 
@@ -48,11 +48,11 @@ class Forces(NamedTuple):
     stored: Array  # in the elements [J]
 
 
-def untouched(law: Relaxation, surface: AbstractOverLine, position: Array) -> Line:
+def untouched(law: Relaxation, surface: AbstractOverLine, position: Array, *, viscous: bool = True) -> Line:
     """A line at rest, the body just above it."""
     rise = surface.rise(position)
-    zero = jnp.zeros_like(rise)
-    return Line(zero, jnp.zeros((law.moduli.shape[0], zero.size)), zero, zero, zero, rise - jnp.max(rise))
+    zero, f = jnp.zeros_like(rise), jnp.zeros((law.moduli.shape[0], rise.size))
+    return Line(zero, f, zero, zero if viscous else None, zero, rise - jnp.max(rise))
 
 
 def free(c: Coefficients, line: Line, fading: Fading) -> Float[Array, " n"]:
@@ -74,6 +74,7 @@ def lag(c: Coefficients) -> Array:
     return jnp.where(rate > 0, centre, 0.0)
 
 
+@jax.custom_jvp
 def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) -> Array:
     """The depth d at which spring d + sum slope max(0, d - level) = force, exactly, by Newton's method from above.
 
@@ -81,18 +82,6 @@ def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) 
     element is touched.
     """
     lowest = jnp.min(level)
-    given = level, lowest, slope, spring, force
-    fixed = jax.lax.stop_gradient(given)
-    fixed_level = fixed[0]
-
-    def newton(level, lowest, slope, spring, force, active):
-        """The next depth, and the stiffness of what is `active`."""
-        stiffness = spring + jnp.sum(jnp.where(active, slope, 0.0))
-        # Without a spring one element at least carries the load. (The place of the least level takes long to find.)
-        alone = slope if slope.ndim == 0 else jnp.max(jnp.where(level == lowest, slope, 0.0))
-        nobody = stiffness <= 0
-        load = force + jnp.where(nobody, alone * lowest, jnp.sum(jnp.where(active, slope * level, 0.0)))
-        return load / jnp.where(nobody, alone, stiffness), stiffness
 
     def again(state):
         _, stiffness, before, tries = state
@@ -101,11 +90,30 @@ def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) 
     def improve(state):
         # From above the elements in contact only become fewer: as stiff as before is the same ones.
         depth, before, _, tries = state
-        return *newton(*fixed, fixed_level < depth), before, tries + 1
+        return *_newton(level, lowest, slope, spring, force, level < depth), before, tries + 1
 
-    guess = jax.lax.stop_gradient(guess)
-    depth = jax.lax.while_loop(again, improve, (guess, -1.0, -2.0, 0))[0]
-    return newton(*given, fixed_level < depth)[0]
+    return jax.lax.while_loop(again, improve, (guess, -1.0, -2.0, 0))[0]
+
+
+@settle.defjvp
+def _(given: tuple, tangents: tuple) -> tuple[Array, Array]:
+    """The elements in contact stay the same ones."""
+    depth = settle(*given)
+
+    def moved(level: Array, slope: Array, spring: Any, force: Array) -> Array:
+        return _newton(level, jnp.min(level), slope, spring, force, given[0] < depth)[0]
+
+    return depth, jax.jvp(moved, given[:4], tangents[:4])[1]
+
+
+def _newton(level: Array, lowest: Array, slope: Array, spring: Any, force: Array, active: Array) -> tuple[Array, Array]:
+    """The depth at which those that are `active` carry the force, and their stiffness."""
+    stiffness = spring + total(slope, jnp.where(active, 1.0, 0.0))
+    # Without a spring one element at least carries the load. (The place of the least level takes long to find.)
+    alone = slope if slope.ndim == 0 else jnp.max(jnp.where(level == lowest, slope, 0.0))
+    nobody = stiffness <= 0
+    load = force + jnp.where(nobody, alone * lowest, total(slope, jnp.where(active, level, 0.0)))
+    return load / jnp.where(nobody, alone, stiffness), stiffness
 
 
 def kept(holds: Array, function: Callable[..., Any], *args: Any) -> Any:
@@ -125,61 +133,70 @@ def press(c: Coefficients, line: Line, fading: Fading, rise: Array, depth: Array
     zero = jnp.zeros_like(line.u)
     w = depth + rise
     # The integrals of `advance` count from zero in each step and are summed at once: an element carries few numbers.
-    before = Elements(line.u, line.f, line.q, line.velocity, zero, zero, zero, line.stored, zero)
+    velocity = zero if line.velocity is None else line.velocity
+    before = Elements(line.u, line.f, line.q, velocity, zero, zero, zero, line.stored, zero)
     after = advance(c, before, line.w, w, fading, functools.partial(kept, c.h[0] >= 0))
     work = after.inelastic + 0.5 * c.equilibrium * (after.u**2 - line.u**2)
-    return Line(after.u, after.f, after.q, after.velocity, after.stored, w), work
+    velocity = None if line.velocity is None else after.velocity
+    return Line(after.u, after.f, after.q, velocity, after.stored, w), work
 
 
 def energy(law: Relaxation, line: Line, weight: Array) -> Array:
     """Energy stored in the springs of all elements [J]."""
-    return jnp.sum(weight * (0.5 * law.equilibrium * line.u**2 + line.stored))
+    return total(weight, 0.5 * law.equilibrium * line.u**2 + line.stored)
+
+
+def total(weight: Array, part: Float[Array, " n"]) -> Array:
+    """The sum over all elements."""
+    return weight * jnp.sum(part) if weight.ndim == 0 else jnp.sum(weight * part)
 
 
 @functools.partial(jax.jit, static_argnames=("control", "viscous"))
 def march(
     law: Relaxation, surface: AbstractOverLine, steps: Steps, *, control: Control, viscous: bool = True
 ) -> tuple[Forces, Line]:
-    """All steps from an untouched line: the forces at the end of each, and the line at the end.
+    """All steps from an untouched line: the forces at the end of each, the work up to it, and the line at the end.
 
     `viscous=False` saves some work for a law whose viscosity is known to be zero.
     """
     weight = jnp.asarray(surface.weight)
 
-    def felt(state: Any) -> Forces:
-        line, slope, work, depth, _ = state
-        normal, drag = jnp.sum(weight * line.q), jnp.sum(weight * line.q * slope)
-        return Forces(depth, normal, drag, jnp.sum(weight * work), energy(law, line, weight))
+    def felt(line: Line, slope: Array, done: Array, depth: Array) -> tuple[Forces, Array]:
+        """The forces, and the depth once more: what needs that one comes after all that has been read here."""
+        normal, drag = total(weight, line.q), total(weight, line.q * slope)
+        return Forces(depth, normal, drag, total(weight, done), energy(law, line, weight)), depth
 
     def step(state: Any, now: Steps) -> tuple[Any, Forces]:
-        line, _, work, depth, before = state
+        line, last, guess, before = state  # forces at the end of the last step, a guess for this depth, and X
         c = coefficients(law, now.h, viscous=viscous)
         rise, slope = surface.rise_and_slope(now.position)
         if viscous:
             _, slope = surface.rise_and_slope(now.position - lag(c) * (now.position - before))
-        fading = kept(now.h >= 0, fade, c, line.f)
+        fading = kept(now.h >= 0, functools.partial(fade, c), line.f)
         if control == "load":
-            depth = settle(free(c, line, fading) - rise, weight * c.stiffness[0], 0.0, now.value, depth)
+            depth = settle(free(c, line, fading) - rise, weight * c.stiffness[0], 0.0, now.value, guess)
         else:
             depth = now.value
         line, done = press(c, line, fading, rise, depth)
-        # Sums of the step before: compiled sums over what is being computed take far longer than over what is kept.
-        return (line, slope, work + done, depth, now.position), felt(state)
+        # Sums of what is being computed take far longer than sums of what is there, and a line that something still
+        # reads is copied before the next one is put in its place: hence `kept`, and w last.
+        seen, depth = kept(now.h >= 0, felt, line._replace(f=None, w=None, velocity=None), slope, done, depth)
+        return (line._replace(w=depth + rise), seen, 2 * depth - last.depth, now.position), seen
 
     @jax.checkpoint
     def block(state: Any, part: Steps) -> tuple[Any, Forces]:
         def nothing(state: Any, part: Steps) -> tuple[Any, Forces]:
-            return state, Forces(*(jnp.full(_BLOCK, field) for field in felt(state)))
+            return state, Forces(*(jnp.full(_BLOCK, field) for field in state[1]._replace(work=0.0)))
 
         going = functools.partial(jax.lax.scan, step)
         return jax.lax.cond(part.h[0] > 0, going, nothing, state, part)
 
-    zero, line = jnp.zeros(()), untouched(law, surface, steps.position[0])
-    start = (line, 0 * line.u, 0 * line.u, zero, steps.position[0])
+    zero = jnp.zeros(())
+    start = (untouched(law, surface, steps.position[0], viscous=viscous), Forces(*[zero] * 5), zero, steps.position[0])
     blocks = jax.tree.map(lambda x: x.reshape(-1, _BLOCK), steps)
-    end, before = jax.lax.scan(block, start, blocks)
-    forces = jax.tree.map(lambda x, last: jnp.append(x.reshape(-1)[1:], last), before, felt(end))
-    return forces, end[0]
+    end, forces = jax.lax.scan(block, start, blocks)
+    forces = jax.tree.map(jnp.ravel, forces)
+    return forces._replace(work=jnp.cumsum(forces.work)), end[0]
 
 
 def padded(steps: Steps, most: int) -> Steps:
