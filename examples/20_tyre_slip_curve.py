@@ -1,21 +1,20 @@
 """20: from a DMA file and a road to the slip curve of a tyre.
 
-Teaches: the whole way in public calls. `em.fit.read_dma` and `em.fit.material` make a material of a laboratory's file;
-`em.friction` with a road gives mu(v, T, p), with and without flash temperature; `curve.law()` is that table as an
-`em.FrictionLaw`, which `to_csv` writes for any tyre model and `em.load_friction` reads; `em.traction` with the law as
-its `friction` is a viscoelastic brush. A wheel that brakes with slip s on a road at V rolls at v = (1 - s) V with the
-creep s/(1 - s), so that it slides at s V.
+Teaches: the whole way in public calls. `em.fit.read_dma` and `em.fit.material` make a material of a laboratory's file,
+`em.spectrum_from_file` a road of a table; `em.friction` gives mu(v, T, p), with and without flash temperature;
+`curve.law()` is that table as an `em.FrictionLaw`, which `to_csv` writes for any tyre model and `em.load_friction`
+reads; `em.traction` with the law as its `friction` and the `slip` of a wheel that brakes is a viscoelastic brush.
 
-Inputs: the DMA file is made here, from `tread-passenger-synthetic` of the library with 2 % noise: -50 to 60 degC,
-0.1 to 50 Hz. Road: self-affine, H = 0.8, rms slope 1.3, wavelengths 5 mm to 0.1 mm: assumed, as rough as asphalt may
-be, no particular road. Heat 0.25 W/(m K), 2 MJ/(m^3 K): assumed, as in example 19. Wheel: tread 8 mm thick and 0.16 m
-wide without a pattern, radius 0.3 m, and a structure of 80 MPa/m, which makes a contact 10 cm long at 4 kN: assumed.
-Only hysteresis is in mu, no adhesion: a dry tyre has more.
+Inputs: data/dma.csv and data/road.csv, made up with noise (data/README.md): tensile DMA, -20 to 60 degC, 0.2 to 100 Hz;
+spectrum of an asphalt-like surface, of which waves from 5 mm to 0.1 mm are kept: assumed, a rms slope of 0.68. Name
+your own files with --dma and --road. Heat 0.25 W/(m K), 2 MJ/(m^3 K): assumed, as in example 19. Wheel: tread 8 mm
+thick and 0.16 m wide without a pattern, radius 0.3 m, and a structure of 80 MPa/m, which makes a contact 10 cm long at
+4 kN: assumed. Only hysteresis is in mu, no adhesion: a dry tyre has more.
 
 Check: the table, read by numpy and interpolated by scipy, is the law to rounding; with an elastic tread the slip curve
 is the brush of tyre mechanics, mu F_N [1 - (1 - zeta)^3] with zeta = xi R G/(h k a mu), mu from that table.
 
-    python examples/20_tyre_slip_curve.py [--out DIR] [--table FILE]
+    python examples/20_tyre_slip_curve.py [--out DIR] [--table FILE] [--dma FILE] [--road FILE]
 """
 
 import argparse
@@ -29,7 +28,8 @@ from scipy.interpolate import RegularGridInterpolator
 import elastomdr as em
 
 REFERENCE = 293.15  # K
-ROAD = em.SelfAffine(0.8, rms_slope=1.3, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 1e-4)
+DATA = Path(__file__).parent / "data"
+WAVES = {"longest": 5e-3, "shortest": 1e-4}  # m
 HEAT = em.Heat(conductivity=0.25, heat_capacity=2e6)
 VELOCITY = np.geomspace(1e-2, 30.0, 12)  # sliding [m/s]
 KELVIN = np.array([258.15, 278.15, 298.15])
@@ -39,18 +39,16 @@ TYRE, STRUCTURE = em.Cylinder(radius=0.3, length=0.16), em.Foundation(8e7, [], [
 THICKNESS, SPEED = 8e-3, 25.0  # of the tread [m], of the road [m/s]
 LOAD = np.array([2e3, 4e3, 6e3])  # N
 SLIP = np.concatenate([np.linspace(0.002, 0.1, 17), np.geomspace(0.11, 0.99, 18)])
-WHEEL = {"velocity": (1 - SLIP) * SPEED, "creep": SLIP / (1 - SLIP), "load": LOAD[:, None], "rtol": 1e-4}
+WHEEL = {"velocity": SPEED, "slip": SLIP, "load": LOAD[:, None], "rtol": 1e-4}
 
 
-def main(out: Path, table: Path) -> None:
+def main(out: Path, table: Path, dma: Path, spectrum: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder:
-        dma = em.fit.read_dma(write_dma(Path(folder) / "DMA.csv"))
-    fit = em.fit.material(dma, REFERENCE, name="tread", citation="Made in examples/20", vertical=False)
-    tread = fit.material
+    fit = em.fit.material(em.fit.read_dma(dma), REFERENCE, name="tread", poisson=0.5, citation=dma.name)
+    tread, road = fit.material, em.spectrum_from_file(spectrum, convention="2d", **WAVES)
 
     curve = em.friction(
-        tread, ROAD, velocity=VELOCITY, temperature=KELVIN[:, None, None], pressure=PRESSURE[:, None], heat=HEAT,
+        tread, road, velocity=VELOCITY, temperature=KELVIN[:, None, None], pressure=PRESSURE[:, None], heat=HEAT,
         rtol=1e-3, skip=False,  # skipping costs more programs to compile here than it saves
     )  # fmt: skip
     print(curve.summary())
@@ -67,24 +65,10 @@ def main(out: Path, table: Path) -> None:
     for name, found in zip(laws, (warm, cold), strict=True):
         top = found.peak()
         for i, kelvin in enumerate(KELVIN):
-            slip = top.creep[i] / (1 + top.creep[i])
-            peaks = ", ".join(f"{mu:.3f} at {s:.0%}" for mu, s in zip(top.coefficient[i], slip, strict=True))
+            peaks = ", ".join(f"{mu:.3f} at {s:.0%}" for mu, s in zip(top.coefficient[i], top.slip[i], strict=True))
             slides = ", ".join(f"{mu:.3f}" for mu in found.coefficient[i, :, -1])
             print(f"{kelvin - 273.15:4.0f} degC, {name}: largest F_x/F_N {peaks} slip; sliding {slides} (2, 4, 6 kN)")
-    check(table, laws["with flash temperature"], float(tread.equilibrium))
-
-
-def write_dma(path: Path) -> Path:
-    """A laboratory's file: storage and loss modulus at each temperature, with 2 % noise."""
-    rng, omega = np.random.default_rng(20), 2 * np.pi * np.geomspace(0.1, 50.0, 8)
-    sample = em.load_material("tread-passenger-synthetic")
-    rows = ["Temperature [degC],Frequency [Hz],G' [MPa],G'' [MPa]"]
-    for celsius in range(-50, 61, 10):
-        moduli = np.asarray(sample.at(celsius + 273.15).complex_modulus(omega)) / 1e6
-        storage, loss = (part * (1 + 0.02 * rng.normal(size=omega.size)) for part in (moduli.real, moduli.imag))
-        rows += [f"{celsius},{w / 2 / np.pi:.6g},{g:.6g},{h:.6g}" for w, g, h in zip(omega, storage, loss, strict=True)]
-    path.write_text("\n".join(rows))
-    return path
+    check(table, laws["with flash temperature"], float(sheared.equilibrium) * THICKNESS)
 
 
 def draw(curve: em.FrictionCurve, warm: em.Traction, cold: em.Traction) -> plt.Figure:
@@ -131,7 +115,7 @@ def check(table: Path, law: em.FrictionLaw, modulus: float) -> None:
         tangential=em.layer(em.Prony(modulus, [], [], shift=em.WLF(8.86, 101.6, 293.15)), THICKNESS, tangential=True),
         **WHEEL,
     )  # fmt: skip
-    zeta = WHEEL["creep"] * TYRE.radius * modulus / (THICKNESS * 8e7 * half[:, None] * found)
+    zeta = SLIP / (1 - SLIP) * TYRE.radius * modulus / (THICKNESS * 8e7 * half[:, None] * found)
     brush = found * (1 - (1 - np.minimum(zeta, 1)) ** 3)
     gap = np.abs(elastic.coefficient / brush - 1).max()
     print(f"check     table read by numpy and scipy: off by {off:.0e}; elastic tread against the brush: {gap:.0e}")
@@ -143,6 +127,8 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=Path(), help="folder for the figure (default: this one)")
     parser.add_argument("--table", type=Path, help="where to keep the table mu(v, T, p), a CSV file")
+    parser.add_argument("--dma", type=Path, default=DATA / "dma.csv", help="storage and loss modulus of the tread")
+    parser.add_argument("--road", type=Path, default=DATA / "road.csv", help='spectrum C(q) of the road, convention "2d"')
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
-        main(given.out, given.table or Path(scratch) / "mu.csv")
+        main(given.out, given.table or Path(scratch) / "mu.csv", given.dma, given.road)

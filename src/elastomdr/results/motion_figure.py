@@ -86,12 +86,13 @@ def draw_shear(result: "Shear", ax: Any = None, title: str | None = None) -> Any
 
 
 def draw_traction(result: "Traction", ax: Any = None, title: str | None = None) -> Any:
-    """Traction coefficient against creep, one line per further index, full slip dashed."""
+    """Traction coefficient against creep or slip, as it was given, one line per further index, full slip dashed."""
     known = {column.key: value for column, value in result.fields().items()}
     lines = int(np.prod(known["creep"].shape[:-1]))
+    along = "slip" if "slip" in known else "creep"
     new = ax is None
     ax = _new_axes(lines > 1) if new else ax
-    x, y = (known[key].reshape(lines, -1) for key in ("creep", "coefficient"))
+    x, y = (known[key].reshape(lines, -1) for key in (along, "coefficient"))
     shown = np.unique(np.linspace(0, lines - 1, min(lines, _MOST)).round().astype(int))
     for i, colour in zip(shown, _colours(len(shown)), strict=True):
         order = np.argsort(x[i])
@@ -103,14 +104,14 @@ def draw_traction(result: "Traction", ax: Any = None, title: str | None = None) 
             ax.axhline(level, color="#888888", linewidth=0.9, linestyle="--", zorder=1)
     elif np.ptp(friction, axis=1).any():  # it depends on the sliding velocity: what a contact that slips all over has
         peak = result.peak()
-        top = [np.ravel(part) for part in peak[:3]]
+        top = [np.ravel(part) for part in (getattr(peak, along), peak.coefficient, peak.inside)]
         for i, colour in zip(shown, _colours(len(shown)), strict=True):
             order = np.argsort(x[i])
             full = np.where(x[i] == 0, np.nan, np.sign(x[i]) * friction[i])[order]
             ax.plot(100 * x[i][order], full, "--", color=colour, linewidth=0.9, zorder=1)
             if top[2][i]:
                 ax.plot(100 * top[0][i], top[1][i], "o", color=colour, markersize=5.5, zorder=4)
-    ax.set(xlabel="Creep [%]", ylabel="Traction coefficient $F_x/F_N$ [-]")
+    ax.set(xlabel=f"{along.capitalize()} [%]", ylabel="Traction coefficient $F_x/F_N$ [-]")
     _finish(ax)
     if len(shown) > 1:
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)

@@ -1,4 +1,4 @@
-"""Traction against creep: what `em.traction` returns."""
+"""Traction against creep or slip: what `em.traction` returns."""
 
 from collections.abc import Iterator
 from typing import Any, ClassVar, NamedTuple
@@ -19,6 +19,11 @@ class TractionPeak(NamedTuple):
     coefficient: Float[np.ndarray, "..."]  # F_x/F_N
     inside: Bool[np.ndarray, "..."]  # False at an end of the curve, beyond which it may grow
     place: tuple[np.ndarray, ...]  # of the point, an index into the fields
+
+    @property
+    def slip(self) -> Float[np.ndarray, "..."]:
+        """The same as a slip, s = xi/(1 + xi): the velocity of slip over that of the road."""
+        return self.creep / (1 + self.creep)
 
 
 class Traction(AbstractResult):
@@ -41,6 +46,7 @@ class Traction(AbstractResult):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    slip: Float[Array, "..."] | None = None  # s, of the velocity of the road, where the scene was given by it
 
     quantity: ClassVar[str] = "Traction"
 
@@ -49,6 +55,7 @@ class Traction(AbstractResult):
         return (
             Column("velocity", "velocity", "m/s"),
             Column("creep", "creep", "-"),
+            Column("slip", "slip", "-", optional=True),
             Column("friction", "Coulomb's friction coefficient", "-"),
             Column("temperature", "temperature", "K", optional=True),
             Column("coefficient", "traction coefficient", "-"),
@@ -80,7 +87,7 @@ class Traction(AbstractResult):
         return TractionPeak(creep[index], np.where(pulled[index] >= 0, coefficient, np.nan), inside, index)
 
     def plot(self, ax: Any = None, title: str | None = None) -> Any:
-        """Draws the traction coefficient against creep, one line per further index.
+        """Draws the traction coefficient against creep, or slip where that was given, one line per further index.
 
         Returns matplotlib Axes; with `ax=None` on a new figure, which is the `.figure` of the answer.
         """

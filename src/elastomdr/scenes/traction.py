@@ -1,5 +1,6 @@
 """Steady rolling with creep: traction, stick and slip, and the rolling loss beside it."""
 
+import dataclasses
 import warnings
 from typing import Any
 
@@ -7,7 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, require
+from .._runtime import as_float64, in_float64, is_traced, positive, require
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation, same_shift
 from ..mapping.lines import SingleLine
@@ -30,7 +31,8 @@ def traction(
     shape: Any,
     *,
     velocity: Any,
-    creep: Any,
+    creep: Any = None,
+    slip: Any = None,
     friction: Any,
     load: Any = None,
     depth: Any = None,
@@ -39,16 +41,20 @@ def traction(
     average: str | None = "direction",
     rtol: float = 1e-6,
 ) -> Traction:
-    """Tractive force of a body that rolls with a creep, and its rolling loss.
+    """Tractive force of a body that rolls with a creep, or brakes with a slip, and its rolling loss.
 
-    `creep` is the velocity of slip of the rigid body over the rolling velocity, its sign that of the traction;
+    `creep` is the velocity of slip of the rigid body over the rolling velocity, its sign that of the traction. In its
+    place `slip`, below 1, is that velocity over the speed of the road under the wheel, as tyre engineers count it:
+    then `velocity` is the road's, V, and a wheel that brakes with the slip s rolls at (1 - s) V with the creep
+    s/(1 - s), so that it slides at s V; one that drives has a negative slip.
+
     `friction` is Coulomb's coefficient, zero and infinity included, or an `em.FrictionLaw`: then it is that at the
     sliding velocity of the body, |creep| v, at `temperature`, and at the mean pressure of the contact (for a cylinder
     F_N over length and width of the contact, else over the circle as wide as the contact is long). That leaves out how
     the shear of the elements changes along the contact, with which those that slip are slower than the body near the
-    leading edge and faster near the trailing one. `velocity`, `creep`, `friction`, `load` (or
-    `depth`) and `temperature` broadcast. Traction is that of the MDR line (a half-space's elements also know of each
-    other sideways: its initial slope is lower, by 10 % for an elastic sphere with nu = 0.25, Kalker 1967); the rolling
+    leading edge and faster near the trailing one. `velocity`, `creep` or `slip`, `friction`, `load` (or `depth`) and
+    `temperature` broadcast. Traction is that of the MDR line (a half-space's elements also know of each other
+    sideways: its initial slope is lower, by 10 % for an elastic sphere with nu = 0.25, Kalker 1967); the rolling
     loss is that of `em.rolling` with the same `average`. A cylinder on an elastic half-space is Carter's problem,
     solved in closed form. The tangential law G* follows from a material; with a `Foundation` give it as `tangential`,
     whose shift law serves where `material` is elastic and has none, as under a tyre: its structure carries the load,
@@ -60,8 +66,7 @@ def traction(
     if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
         raise InputError(f"shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a {shape.label}.")
     law = friction if isinstance(friction, FrictionLaw) else None
-    creep, velocity = as_float64("creep", creep), as_float64("velocity", velocity)
-    require("creep", creep, "finite", np.isfinite)
+    velocity, creep, slip, road = _kinematics(velocity, creep, slip)
     friction = 0.0 if law is not None else as_float64("friction", friction)
     require("friction", friction, "zero or positive, infinity included", lambda x: x >= 0)
     foundation = as_foundation(material)
@@ -73,7 +78,8 @@ def traction(
     xp = jnp if is_traced(velocity, creep, friction) else np
     velocity = xp.broadcast_to(velocity, together)
     if isinstance(shape, Cylinder) and foundation.per_area is False:
-        return _carter(foundation, shape, velocity, creep, friction if law is None else law, load, depth, temperature)
+        found = _carter(foundation, shape, velocity, creep, friction if law is None else law, load, depth, temperature)
+        return _braked(found, slip, road)
     normal, sheared = _laws(material, tangential)
     if temperature is not None:
         normal = _shifted(normal, sheared)
@@ -121,7 +127,7 @@ def traction(
     force = xp.where(good, xp.sign(creep) * pulled.force, xp.nan)
     inputs = list(scene.inputs)
     inputs[-1:-1] = _said(creep, friction, law)
-    return Traction(
+    answer = Traction(
         velocity=found.velocity,
         creep=xp.broadcast_to(creep, scene.shape),
         friction=xp.broadcast_to(friction, scene.shape),
@@ -140,6 +146,41 @@ def traction(
         plan=scene.plan,
         inputs=tuple(inputs),
     )
+    return _braked(answer, slip, road)
+
+
+def _kinematics(velocity: Any, creep: Any, slip: Any) -> tuple[Any, Any, Any, Any]:
+    """Rolling velocity and creep, and where a slip was given that slip and the velocity of the road, else None."""
+    if (creep is None) == (slip is None):
+        got = "neither" if creep is None else "both"
+        raise InputError(f"creep or slip must be given, and only one of them, got {got}.")
+    velocity = as_float64("velocity", velocity)
+    if slip is None:
+        creep = as_float64("creep", creep)
+        require("creep", creep, "finite", np.isfinite)
+        return velocity, creep, None, None
+    slip = as_float64("slip", slip)
+    accepted = "finite and below 1, a part of the road's velocity (a locked wheel slides: em.friction)"
+    require("slip", slip, accepted, lambda s: np.isfinite(s) & (s < 1))
+    positive("velocity", velocity)
+    try:
+        np.broadcast_shapes(np.shape(velocity), np.shape(slip))
+    except ValueError as error:
+        raise InputError(
+            f"velocity and slip must broadcast, got shapes {np.shape(velocity)} and {np.shape(slip)}."
+        ) from error
+    return (1 - slip) * velocity, slip / (1 - slip), slip, velocity
+
+
+def _braked(found: Traction, slip: Any, road: Any) -> Traction:
+    """The answer with the slip that was asked for, if one was."""
+    if slip is None:
+        return found
+    said = [pair for pair in found.inputs if pair[0] != "creep"]
+    place = next(i for i, pair in enumerate(said) if pair[0] == "velocity")
+    said[place : place + 1] = [("velocity of the road", brief(road, "m/s")), ("slip", brief(slip, "").strip())]
+    xp = jnp if is_traced(slip) else np
+    return dataclasses.replace(found, slip=xp.broadcast_to(slip, np.shape(found.force)), inputs=tuple(said))
 
 
 def _said(creep: Any, friction: Any, law: FrictionLaw | None) -> list[tuple[str, str]]:
