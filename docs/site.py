@@ -17,8 +17,9 @@ from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).parents[1]
 GROUPS = {
-    "Friction and rolling": ("friction", "rolling", "plan", "line_contact", "friction_bands", "dissipation", "warming"),
-    "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount"),
+    "Friction and rolling": ("friction", "rolling", "plan", "line_contact", "friction_bands", "dissipation", "warming",
+                             "conveyor", "Idlers"),
+    "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount", "stability"),
     "Materials": (
         "Prony", "KelvinVoigt", "Maxwell", "StandardSolid", "WLF", "Arrhenius", "VFT", "ShiftTable", "materials",
         "load_material", "save_material",

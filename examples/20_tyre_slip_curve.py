@@ -128,7 +128,9 @@ if __name__ == "__main__":
     parser.add_argument("--out", type=Path, default=Path(), help="folder for the figure (default: this one)")
     parser.add_argument("--table", type=Path, help="where to keep the table mu(v, T, p), a CSV file")
     parser.add_argument("--dma", type=Path, default=DATA / "dma.csv", help="storage and loss modulus of the tread")
-    parser.add_argument("--road", type=Path, default=DATA / "road.csv", help='spectrum C(q) of the road, convention "2d"')
+    parser.add_argument(
+        "--road", type=Path, default=DATA / "road.csv", help='spectrum C(q) of the road, convention "2d"'
+    )
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         main(given.out, given.table or Path(scratch) / "mu.csv", given.dma, given.road)

@@ -1,8 +1,9 @@
 """23: what the indentation of its covers costs a belt conveyor: resistance, and power per kilometre.
 
-Teaches: one call of `em.rolling` over speeds, temperatures and loads, for a cover with a whole spectrum; then idlers
-are counted. A small loss tangent gives the formula of the conveyor literature, f = (3/pi) tan(delta) a/D, which is
-shown beside it (derived in docs/belt.md). One idler in detail is example 04.
+Teaches: `em.conveyor` counts the idlers of both sides, each roll at its own load, over speeds, temperatures and goods,
+for covers with a whole spectrum; `em.rolling` is one roll of it. A small loss tangent gives the formula of the conveyor
+literature, f = (3/pi) tan(delta) a/D, in `em.reference.small_damping`, shown beside it. One idler in detail is example
+04.
 
 Inputs: `epdm-70` of the library, fitted to shear DMA at 0.15 % strain (EPDM is used for hot goods; by the Payne effect
 a cover at 3 % is softer than this). Covers 6 mm below and 8 mm above, steel idlers of 159 mm, troughs of three rolls
@@ -10,7 +11,8 @@ every 1.2 m with 20, 60 and 20 % of the load, return rolls every 3 m, 28 kg/m of
 chosen here, of the usual size. The covers are springs side by side, 4 G/h, free to slip on the carcass: an assumption.
 
 Check: pressure behind the leading edge of a Winkler cover in closed form, forces by quadrature, for three parameters
-(Lodewijks 1995) and for the whole spectrum (Rudolphi & Reicks 2006, Rubber Chem. Technol. 79); the limit of small
+(Lodewijks 1995) and for the whole spectrum (Rudolphi & Reicks 2006, Rubber Chem. Technol. 79), one roll and the sum
+over all rolls of the belt; the limit of small
 damping by an integral over the autocorrelation of the elastic contact; and for a constant tan(delta) the formula above.
 
     python examples/23_belt_conveyor.py [--out DIR]
@@ -30,36 +32,36 @@ RUBBER = em.load_material("epdm-70")
 BELOW, ABOVE = (em.layer(RUBBER, h, bonded=False) for h in (6e-3, 8e-3))  # the covers that meet carry and return rolls
 DIAMETER, WIDTH = 0.159, 1.2  # m
 TROUGH, SINGLE = em.Cylinder(DIAMETER / 2, WIDTH / 3), em.Cylinder(DIAMETER / 2, WIDTH)
-CARRY, RETURN = 1.2, 3.0  # distance of idlers [m]
-ROLLS, SHARES = np.array([2, 1]), np.array([0.2, 0.6])  # of a trough, side and middle: how many, share of load of each
-BELT, GOODS, GRAVITY = 28.0, 120.0, 9.81  # kg/m, kg/m, m/s^2
+CARRY = em.Idlers(BELOW, TROUGH, spacing=1.2, shares=[0.2, 0.6, 0.2])
+RETURN = em.Idlers(ABOVE, SINGLE, spacing=3.0)
+BELT, GOODS = 28.0, np.array([0.0, 120.0, 240.0])  # kg/m
 VELOCITY = np.geomspace(0.5, 10.0, 13)  # m/s
 KELVIN = 273.15 + np.array([0.0, 10.0, 20.0, 40.0])
-WARMER = RUBBER.shift.a(KELVIN)  # shift factors a_T
+MIDDLE = 0.6 * (BELT + GOODS[1]) * 9.81 * 1.2  # load of the middle roll of a trough [N]
 AT = 10  # of the velocities, for the table
 
 
 def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    goods = np.array([0.0, GOODS, 2 * GOODS])[:, None, None, None]
-    load = SHARES * (BELT + goods) * GRAVITY * CARRY  # N; axes goods, temperature, velocity, roll
-    carry = em.rolling(BELOW, TROUGH, velocity=VELOCITY[:, None], load=load, temperature=KELVIN[:, None, None])
-    back = em.rolling(ABOVE, SINGLE, velocity=VELOCITY, load=BELT * GRAVITY * RETURN, temperature=KELVIN[:, None])
-    per_km = 1e3 / CARRY * (carry.power @ ROLLS) + 1e3 / RETURN * back.power  # W; goods, temperature, velocity
-    table(carry, back, per_km)
+    cost = em.conveyor(
+        CARRY, RETURN, velocity=VELOCITY, belt=BELT, goods=GOODS[:, None, None], temperature=KELVIN[:, None]
+    )
+    print(cost.summary())
+    table(cost)
+    at = {"velocity": VELOCITY, "load": MIDDLE, "temperature": KELVIN[:, None]}
+    roll, small = em.rolling(BELOW, TROUGH, **at), em.reference.small_damping(BELOW, TROUGH, **at)
 
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(12.6, 4.3), layout="constrained")
     for i, (kelvin, colour) in enumerate(zip(KELVIN, ("#1f3d7a", "#3a7fb5", "#d08a2e", "#a03030"), strict=True)):
         label = f"{kelvin - 273.15:g} °C"
-        left.semilogx(VELOCITY, carry.coefficient[1, i, :, 1], color=colour, label=label)
-        small = small_damping(BELOW, VELOCITY * WARMER[i], load[1, 0, 0, 1])
-        left.semilogx(VELOCITY, small, "--", color=colour, linewidth=1)
-        middle.plot(VELOCITY, 1e-3 * per_km[1, i], color=colour, label=label)
-        right.plot(BELT + goods.ravel(), 1e-3 * per_km[:, i, AT], "o-", color=colour, label=label)
+        left.semilogx(VELOCITY, roll.coefficient[i], color=colour, label=label)
+        left.semilogx(VELOCITY, small[i], "--", color=colour, linewidth=1)
+        middle.plot(VELOCITY, cost.power[1, i], color=colour, label=label)  # W/m is kW/km
+        right.plot(BELT + GOODS, cost.power[:, i, AT], "o-", color=colour, label=label)
     left.set(xlabel="Belt speed [m/s]", ylabel="Resistance of the middle roll / its load [-]", ylim=(0, None))
-    left.set_title(f"One roll, {load[1, 0, 0, 1] / TROUGH.length:.0f} N/m (dashed: small damping)", fontsize=10)
+    left.set_title(f"One roll, {MIDDLE / TROUGH.length:.0f} N/m (dashed: small damping)", fontsize=10)
     middle.set(xlabel="Belt speed [m/s]", ylabel="Power per kilometre [kW]", xlim=(0, None), ylim=(0, None))
-    middle.set_title(f"Carry and return side, {GOODS:g} kg/m of goods", fontsize=10)
+    middle.set_title(f"Carry and return side, {GOODS[1]:g} kg/m of goods", fontsize=10)
     right.set(xlabel="Mass of belt and goods [kg/m]", ylabel="Power per kilometre [kW]", xlim=(0, None), ylim=(0, None))
     right.set_title(f"Against the load, at {VELOCITY[AT]:.2g} m/s", fontsize=10)
     for ax in (left, middle, right):
@@ -69,26 +71,16 @@ def main(out: Path) -> None:
     figure.savefig(out / "23_belt_conveyor.png", dpi=150)
     plt.close(figure)
 
-    check(carry, load)
+    check(roll, cost)
 
 
-def table(carry: em.RollingCurve, back: em.RollingCurve, per_km: np.ndarray) -> None:
-    print(f"at {VELOCITY[AT]:.2f} m/s with {GOODS:g} kg/m of goods; f of the whole belt: resistance over weight")
+def table(cost: em.Conveyor) -> None:
+    print(f"at {VELOCITY[AT]:.2f} m/s with {GOODS[1]:g} kg/m of goods; f of the whole belt: resistance over weight")
     print("T [degC]   carry [kW/km]   return [kW/km]   f [-]")
-    weight = 1e3 * (2 * BELT + GOODS) * GRAVITY
     for i, kelvin in enumerate(KELVIN):
-        returning = 1e3 / RETURN * back.power[i, AT]
-        total = per_km[1, i, AT]
-        f = total / VELOCITY[AT] / weight
-        print(f"{kelvin - 273.15:8.0f}   {1e-3 * (total - returning):13.3f}   {1e-3 * returning:14.3f}   {f:.5f}")
-
-
-def small_damping(cover: em.Foundation, velocity: np.ndarray, load: float) -> np.ndarray:
-    """f = (3/pi) tan(delta) a/D, moduli at the frequency 2 v/a at which a passage dissipates most; v times a_T."""
-    a = np.full(np.shape(velocity), 5e-3)
-    for _ in range(12):
-        a = (0.75 * DIAMETER * load / TROUGH.length / cover.storage(2 * velocity / a)) ** (1 / 3)
-    return 3 / np.pi * cover.loss_tangent(2 * velocity / a) * a / DIAMETER
+        there = (1, i, AT)
+        sides = f"{VELOCITY[AT] * cost.carry[there]:13.3f}   {VELOCITY[AT] * cost.back[there]:14.3f}"
+        print(f"{kelvin - 273.15:8.0f}   {sides}   {cost.coefficient[there]:.5f}")
 
 
 def winkler(cover: em.Foundation, velocity: float, load_per_width: float) -> float:
@@ -131,20 +123,24 @@ def first_order(cover: em.Foundation, velocity: float, load_per_width: float) ->
     return total / load_per_width
 
 
-def check(carry: em.RollingCurve, load: np.ndarray) -> None:
-    three = em.layer(em.load_material("conveyor-cover"), 6e-3)
-    force = float(load[1, 0, 0, 1])
-    line = force / TROUGH.length
+def check(roll: em.RollingCurve, cost: em.Conveyor) -> None:
+    three, force, line = em.layer(em.load_material("conveyor-cover"), 6e-3), MIDDLE, MIDDLE / TROUGH.length
     for name, cover, computed in (
         ("three parameters", three, em.rolling(three, TROUGH, velocity=5.2, load=force).coefficient),
-        ("whole spectrum", em.layer(RUBBER.at(KELVIN[2]), 6e-3, bonded=False), carry.coefficient[1, 2, AT, 1]),
+        ("whole spectrum", em.layer(RUBBER.at(KELVIN[2]), 6e-3, bonded=False), roll.coefficient[2, AT]),
     ):
         velocity = 5.2 if cover is three else VELOCITY[AT]
         expected = winkler(cover, velocity, line)
         print(f"check     {name}: f = {computed:.9f}, closed form {expected:.9f}")
         assert np.isclose(computed, expected, rtol=2e-6), "the closed form of a Winkler cover"
 
-    full = em.layer(RUBBER.at(KELVIN[2]), 6e-3, bonded=False)
+    full, upper = (em.layer(RUBBER.at(KELVIN[2]), h, bonded=False) for h in (6e-3, 8e-3))
+    side, idle = MIDDLE / 3, BELT * 9.81 * 3.0  # loads of a side roll and of a return roll [N]
+    carried = [n * f * winkler(full, VELOCITY[AT], f / TROUGH.length) for n, f in ((2, side), (1, MIDDLE))]
+    expected = VELOCITY[AT] * (sum(carried) / 1.2 + idle * winkler(upper, VELOCITY[AT], idle / WIDTH) / 3.0)
+    print(f"check     whole belt: {cost.power[1, 2, AT]:.6f} kW/km, rolls in closed form, summed: {expected:.6f} kW/km")
+    assert np.isclose(cost.power[1, 2, AT], expected, rtol=2e-6), "the sum of rolls in closed form"
+
     off = []
     for part in (1e-3, 1e-4):  # of the branches
         weak = em.Foundation(full.equilibrium, part * full.moduli, full.times)
@@ -156,7 +152,8 @@ def check(carry: em.RollingCurve, load: np.ndarray) -> None:
 
     flat = em.Foundation(1e9, np.full(16, 1e5), np.geomspace(10**-6.65, 10**0.85, 16))  # two to a decade: E'' constant
     computed = em.rolling(flat, TROUGH, velocity=5.0, load=force).coefficient
-    expected = float(small_damping(flat, np.array(5.0), force))
+    tangent = np.pi / 2 * 1e5 / np.log(10**0.5) / 1e9  # of branches evenly on the axis of ln tau
+    expected = 3 / np.pi * tangent * (0.75 * line / (1e9 * DIAMETER**2)) ** (1 / 3)
     print(f"check     constant tan(delta): f = {computed:.6e}, (3/pi) tan(delta) a/D = {expected:.6e}")
     assert np.isclose(computed, expected, rtol=5e-3), "the formula of the literature, for small damping"
 

@@ -14,6 +14,7 @@ from elastomdr.cli.history import read_history
 from elastomdr.cli.main import main
 from elastomdr.cli.scene import read_scene
 from elastomdr.cli.stages import read_stages
+from elastomdr.cli.wheel import read_wheel
 from elastomdr.errors import ConvergenceWarning
 from elastomdr.mapping.shapes import AbstractShape
 
@@ -279,14 +280,21 @@ def test_files_are_looked_for_beside_the_scene(place, monkeypatch):
     "scene", sorted((Path(__file__).parents[1] / "examples" / "scenes").glob("*.toml")), ids=lambda p: p.stem
 )
 def test_shipped_scenes_can_be_read(scene):
-    for key, read in (("[history]", read_history), ("[[stage]]", read_stages)):
+    for key, read, argument in (
+        ("[history]", read_history, "time"),
+        ("[[stage]]", read_stages, "time"),
+        ("slip =", read_wheel, "slip"),
+    ):
         if key in scene.read_text():
-            assert read(str(scene)).arguments["time"].size >= 3
+            assert read(str(scene)).arguments[argument].size >= 3
             return
     shipped = read_scene(str(scene))
     assert shipped.title
     if not isinstance(shipped.shape, AbstractShape):
-        assert shipped.arguments["pressure"] > 0  # a surface
+        assert np.all(shipped.arguments["pressure"] > 0)  # a surface
+        return
+    if shipped.further is not None:
+        assert shipped.further.name in ("warming", "conveyor")
         return
     verb = "rolling" if shipped.shape.rolling_radius is not None else "friction"
     assert em.plan(shipped.material, shipped.shape, **shipped.arguments, quantity=verb).points >= 3

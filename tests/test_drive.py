@@ -49,6 +49,30 @@ def test_rigid_drive_under_a_load_is_em_slide():
     np.testing.assert_allclose(drive.depth[2:], slide.depth[2:], rtol=1e-2)
 
 
+def test_swing_of_a_body_without_friction():
+    """X' = V (1 - cos wt) without a damper: 2 in each period. With one the rest of it dies as exp(-c t/2m)."""
+    mass, k, speed = 0.5, 800.0, 0.03
+    period = 2 * np.pi * np.sqrt(mass / k)
+    time = period * np.arange(4 * 48 + 1) / 48
+
+    def pulled(c):
+        found = em.drive(
+            em.Foundation.kelvin(1e4, 1.0), FLAT, time=time, position=speed * time, load=1.0, rtol=1e-1,
+            tangential=em.Mount(mass, k, c),
+        )  # fmt: skip
+        return found.swing(period)
+
+    np.testing.assert_allclose(pulled(0.0), 2.0, rtol=1e-2)
+    swing = jax.vmap(pulled)(jnp.array([0.0, 4.0]))  # zeta = 0.1
+    np.testing.assert_allclose(swing[0], 2.0, rtol=1e-2)
+    fade = np.exp(-2 * np.pi * 0.1 / np.sqrt(1 - 0.1**2))
+    np.testing.assert_allclose(swing[1, 2:] / swing[1, 1:-1], fade, rtol=3e-2)
+    found = em.drive(RUBBER, FLAT, time=time[:9], position=speed * time[:9], load=1.0, tangential=em.Mount(mass, k))
+    for wrong in (0.0, 1e-9, period):
+        with pytest.raises(em.InputError, match="period must"):
+            found.swing(wrong)
+
+
 @pytest.mark.slow
 def test_stiff_spring_drags_the_body_and_no_contact_leaves_it_free():
     time = np.linspace(0, 0.01, 9)

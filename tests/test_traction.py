@@ -174,3 +174,55 @@ def test_table_and_figure():
     assert "traction coefficient [-]" in found.csv()
     assert "8, all converged" in found.summary()
     assert found.plot().get_xlabel() == "Creep [%]"
+
+
+class TestSlip:
+    """A wheel that brakes with the slip s on a road at V rolls at (1 - s) V with the creep s/(1 - s)."""
+
+    SLIP = np.array([0.0, 0.05, 0.3, 0.9, -0.2])
+
+    def test_is_the_creep_of_the_same_motion(self):
+        braked = em.traction(RUBBER, BALL, velocity=2.0, slip=self.SLIP, friction=0.8, load=5.0)
+        rolled = em.traction(
+            RUBBER, BALL, velocity=2.0 * (1 - self.SLIP), creep=self.SLIP / (1 - self.SLIP), friction=0.8, load=5.0
+        )
+        np.testing.assert_allclose(braked.force, rolled.force, rtol=1e-12)
+        np.testing.assert_allclose(braked.velocity, rolled.velocity, rtol=1e-15)
+        np.testing.assert_allclose(braked.slip, self.SLIP, rtol=1e-15)
+        np.testing.assert_allclose(np.abs(braked.creep * braked.velocity), 2.0 * np.abs(self.SLIP), rtol=1e-14)
+        np.testing.assert_allclose(braked.slip_power, np.abs(braked.force) * 2.0 * np.abs(self.SLIP), rtol=1e-12)
+        assert rolled.slip is None
+        assert braked.peak().slip == pytest.approx(self.SLIP[np.argmax(np.abs(braked.coefficient))])
+
+    def test_brush(self):
+        """F_x/(mu F_N) = 1 - (1 - zeta)^3 with zeta of s/(1 - s), by hand; Carter's half-plane likewise."""
+        slip = np.array([0.02, 0.1, 0.5])
+        zeta = np.minimum(slip / (1 - slip) * R * G / (2 * A * MU * E), 1)
+        found = elastic(creep=None, slip=slip)
+        np.testing.assert_allclose(found.coefficient, MU * (1 - (1 - zeta) ** 3), rtol=1e-10)
+        plane = em.traction(
+            em.half_space(em.Prony(E / 4, [], [])), em.Cylinder(R, 0.7), velocity=1.0, slip=[0.05 / 1.05, 0.5],
+            friction=MU, load=np.pi * E * A**2 / (4 * R) * 0.7,
+        )  # fmt: skip
+        np.testing.assert_allclose(plane.coefficient / MU, [0.75, 1.0], rtol=1e-10)
+
+    def test_table_and_figure(self):
+        found = elastic(creep=None, slip=np.array([0.05, 0.1]))
+        assert "slip [-]" in found.csv()
+        assert "velocity of the road" in found.summary()
+        assert found.plot().get_xlabel() == "Slip [%]"
+
+    @pytest.mark.parametrize(
+        ("changes", "message"),
+        [
+            ({"slip": 0.1}, "only one of them, got both"),
+            ({"creep": None}, "got neither"),
+            ({"creep": None, "slip": 1.0}, "slip must be finite and below 1"),
+            ({"creep": None, "slip": np.nan}, "slip must be finite"),
+            ({"creep": None, "slip": 0.1, "velocity": 0.0}, "velocity must be positive"),
+            ({"creep": None, "slip": [0.1, 0.2], "velocity": [1.0, 2.0, 3.0]}, "velocity and slip must broadcast"),
+        ],
+    )
+    def test_bad_input(self, changes, message):
+        with pytest.raises(em.InputError, match=message):
+            elastic(**changes)

@@ -47,13 +47,13 @@ def main(out: Path) -> None:
     period = 2 * np.pi * np.sqrt(MASS / SPRING)
     time = period * np.arange(10 * 24 + 1) / 24
 
-    def drawn(c: jax.Array) -> jax.Array:
+    def drawn(c: jax.Array) -> tuple[jax.Array, jax.Array]:
         mount = em.Mount(MASS, SPRING, c)
-        return em.drive(RUBBER, SLIDER, time=time, position=V * time, load=LOAD, tangential=mount).velocity
+        driven = em.drive(RUBBER, SLIDER, time=time, position=V * time, load=LOAD, tangential=mount)
+        return driven.velocity, driven.swing(period)
 
     with jax.enable_x64(True):
-        velocity = np.asarray(jax.vmap(drawn)(damping))
-    swing = np.ptp(velocity[:, 1:].reshape(damping.size, 10, 24), axis=-1) / V  # in each period
+        velocity, swing = (np.asarray(x) for x in jax.vmap(drawn)(damping))
     rate = np.polyfit(period * np.arange(4), np.log(swing[-1, -4:]), 1)[0]
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained")

@@ -16,8 +16,11 @@ from .scene import Scene, in_file
 
 def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> int:
     """Computes, prints and writes; returns the exit status. Nothing is written before everything is computed."""
-    if scene.rough and verb != "friction":
+    if scene.rough and verb not in ("friction", "slide"):
         raise InputError(f"{scene.path.name}: a [surface] has friction, no {verb}: use elastomdr friction.")
+    if scene.further is not None:
+        no_other_verb(scene, verb)
+        verb, call = scene.further.name, scene.further.call
     folder = _folder(out)
     parts, bar = Parts(folder / f".{scene.path.stem}-{verb}.parts"), Bar()
     enable_cache()
@@ -25,7 +28,7 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         warnings.simplefilter("always", ConvergenceWarning)
         warnings.simplefilter("always", ExtrapolationWarning)
         with in_file(scene.path):
-            if scene.rough:
+            if scene.rough and verb == "friction":
                 try:
                     curve = call(scene.material, scene.shape, **scene.arguments, progress=bar, store=parts)
                 finally:
@@ -39,7 +42,7 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         folder / f"{stem}.csv": curve.csv(notes).encode(),
         folder / f"{stem}.png": curve.png(scene.title, **points),
     }
-    if scene.rough and curve.rough is not None and curve.converged.any():
+    if scene.rough and verb == "friction" and curve.converged.any():
         contact = _contact(scene, curve)
         files |= {} if contact is None else {folder / f"{stem}-contact.png": contact}
     _write(folder, files)
@@ -53,6 +56,15 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
             print(f"elastomdr: warning: {scene.measured.source}: {text}", file=sys.stderr)
     say(said)
     return DONE if curve.converged.all() else NOT_CONVERGED
+
+
+def no_other_verb(scene: Scene, verb: str) -> None:
+    """Raises `InputError` where a scene with a [warming] or a [conveyor] is given to another verb than theirs."""
+    if scene.further is not None and verb != scene.further.verb:
+        raise InputError(
+            f"{scene.path.name}: [{scene.further.name}] belongs to elastomdr {scene.further.verb}, not to elastomdr "
+            f"{verb}."
+        )
 
 
 def _contact(scene: Scene, curve: Any) -> bytes | None:

@@ -66,16 +66,24 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"elastomdr {__version__}")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
-    for verb, what in (("friction", "friction"), ("rolling", "rolling resistance")):
-        words = f"{what} against velocity: writes NAME-{verb}.csv and NAME-{verb}.png"
+    for verb, what, also in (
+        ("friction", "friction", ""),
+        (
+            "rolling",
+            "rolling resistance",
+            "; with [warming] its temperature, with [conveyor] the power of a whole belt",
+        ),
+    ):
+        words = f"{what} against velocity: writes NAME-{verb}.csv and NAME-{verb}.png{also}"
         command = verbs.add_parser(verb, help=words, description=words[0].upper() + words[1:] + ".")
         command.add_argument("scene", metavar="SCENE.toml", help="the scene to compute")
         command.add_argument("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
-    for verb, what in (
-        ("indent", "indentation under a history of depth or load"),
-        ("slide", "sliding through stages of rest, speed and load"),
+    for verb, what, also in (
+        ("indent", "indentation under a history of depth or load", ""),
+        ("slide", "sliding through stages of rest, speed and load", "; with [drive] through a spring: stick-slip"),
+        ("traction", "traction of a wheel or ball against slip or creep", ""),
     ):
-        words = f"{what}: writes NAME-{verb}.csv and NAME-{verb}.png"
+        words = f"{what}: writes NAME-{verb}.csv and NAME-{verb}.png{also}"
         command = verbs.add_parser(verb, help=words, description=words[0].upper() + words[1:] + ".")
         command.add_argument("scene", metavar="SCENE.toml", help="the scene to compute")
         command.add_argument("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")

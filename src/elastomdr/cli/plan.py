@@ -4,7 +4,7 @@ import argparse
 import warnings
 
 from .cache import enable_cache
-from .curve import say
+from .curve import no_other_verb, say
 from .main import DONE
 from .scene import in_file, read_scene
 
@@ -12,6 +12,7 @@ from .scene import in_file, read_scene
 def run(arguments: argparse.Namespace) -> int:
     """Prints the plan of a scene; returns the exit status."""
     scene = read_scene(arguments.scene)
+    no_other_verb(scene, "plan")
     enable_cache()
     from .. import plan
 

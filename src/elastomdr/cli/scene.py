@@ -9,6 +9,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..files import read_bytes
+from .further import TABLES, Further, read_further
 from .indenter import read_indenter
 from .keys import Keys, choice, flag, one, one_or_more, positive_number, text
 from .measured import read_measured
@@ -30,6 +31,7 @@ class Scene:
     arguments: dict[str, Any]  # keyword arguments: velocity, load or depth, temperature, average, rtol
     rough: bool = False  # whether the scene has a [surface]
     measured: Any = None  # points to draw, `fit.friction_file.MeasuredFriction`
+    further: Further | None = None  # what a [warming] or a [conveyor] computes in place of the rolling resistance
 
 
 @contextlib.contextmanager
@@ -59,18 +61,19 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 def _scene(path: Path, content: dict[str, Any]) -> Scene:
     keys = ("title", "material", "other", "temperature", "measured", "indenter", "surface", "layer", "contact", "heat",
-            "numerics")  # fmt: skip
+            "numerics", *TABLES)  # fmt: skip
     top = Keys(content, "", keys)
     title = top.get("title", text) if "title" in top else None
     if "indenter" in top and "surface" in top:
         raise InputError("[indenter] and [surface] exclude each other.")
     rough = "surface" in top
+    table = _further(top, rough)
     if (not rough and "indenter" not in top) or "contact" not in top:
         missing = "contact" if rough or "indenter" in top else "indenter"
         raise InputError(
             f"[{missing}] is missing: a scene has a material, an [indenter] or a [surface], and a [contact]."
         )
-    arguments = _contact(top.get("contact", lambda _, value: value), rough)
+    arguments = _contact(top.get("contact", lambda _, value: value), rough, table)
     if "temperature" in top:
         arguments["temperature"] = top.get("temperature", one_or_more(TEMPERATURE))
     arguments |= _numerics(content.get("numerics", {}))
@@ -83,7 +86,42 @@ def _scene(path: Path, content: dict[str, Any]) -> Scene:
         shape = read_indenter(content["indenter"], path.parent)
     material = read_material(top, content.get("layer"), shape, path.parent, arguments)
     measured = read_measured(path.parent / top.get("measured", text)) if "measured" in top else None
-    return Scene(path, title, material, shape, _on_axes(arguments), rough, measured)
+    further = None
+    if table is not None:
+        if table == "conveyor" and arguments.get("average", "direction") != "direction":
+            raise InputError("[numerics] average has no meaning with a [conveyor]: its covers are layers.")
+        further = _read_further(top, table, content, shape, path.parent, arguments)
+    return Scene(path, title, material, shape, _on_axes(arguments), rough, measured, further)
+
+
+def _further(top: Keys, rough: bool) -> str | None:
+    """Which of [warming] and [conveyor] the scene has, if any. Raises `InputError` for what does not go with it."""
+    given = [name for name in TABLES if name in top]
+    if not given:
+        return None
+    if len(given) > 1:
+        raise InputError(f"[{given[0]}] and [{given[1]}] exclude each other.")
+    for name in ("surface", "heat", "measured"):
+        if name in top:
+            raise InputError(f"[{given[0]}] and {name} exclude each other: it is about a body that rolls.")
+    if given[0] == "warming" and "temperature" in top:
+        raise InputError("temperature must be left out with [warming], which has an ambient, and finds the rest.")
+    return given[0]
+
+
+def _read_further(top: Keys, table: str, content: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Further:
+    from .. import Cylinder
+
+    layer = content.get("layer")
+
+    def on_layer(thickness: float) -> Any:
+        return read_material(top, {**layer, "thickness": f"{thickness!r} m"}, shape, folder, arguments)
+
+    known = isinstance(layer, dict) and isinstance(shape, Cylinder)
+    thickness = Keys(layer, "layer", ("thickness", "bonded")).get("thickness", one(LENGTH)) if known else None
+    found = read_further(table, content[table], on_layer, shape, thickness)
+    arguments |= found.arguments
+    return found
 
 
 def read_material(top: Keys, layer: Any, shape: Any, folder: Path, arguments: dict[str, Any]) -> Any:
@@ -134,7 +172,11 @@ def _two_bodies(material: Any, other: Any, arguments: dict[str, Any]) -> Any:
     )  # fmt: skip
 
 
-def _contact(content: Any, rough: bool = False) -> dict[str, Any]:
+def _contact(content: Any, rough: bool = False, table: str | None = None) -> dict[str, Any]:
+    if table is not None:
+        keys = Keys(content, "contact", ("velocity",) if table == "conveyor" else ("load", "velocity"))
+        given: dict[str, Any] = {"velocity": keys.get("velocity", _velocity)}
+        return given if table == "conveyor" else given | {"load": keys.get("load", one_or_more(FORCE))}
     kinds = {"pressure": PRESSURE, "load": LINE_LOAD, "depth": LENGTH} if rough else {"load": FORCE, "depth": LENGTH}
     keys = Keys(content, "contact", (*kinds, "velocity"))
     if rough:
@@ -184,11 +226,11 @@ def _numerics(content: Any) -> dict[str, Any]:
 
 
 def _on_axes(arguments: dict[str, Any]) -> dict[str, Any]:
-    """Gives each list an axis of its own: temperature first, then load or depth, velocity last."""
+    """Gives each list an axis of its own: temperature first, then load or depth or goods, velocity last."""
     import numpy as np
 
     shaped, after = dict(arguments), 0
-    for name in ("velocity", "pressure", "load", "depth", "temperature"):
+    for name in ("velocity", "slip", "creep", "pressure", "load", "depth", "goods", "ambient", "temperature"):
         if np.ndim(arguments.get(name, 0.0)) == 1:
             shaped[name] = np.asarray(arguments[name]).reshape(-1, *[1] * after)
             after += 1

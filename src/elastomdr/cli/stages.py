@@ -1,19 +1,23 @@
-"""The scene file of `elastomdr slide`: an indenter, a material and [[stage]] after [[stage]] of rest and sliding.
+"""The scene file of `elastomdr slide`: an indenter or a surface, a material, and [[stage]] after [[stage]].
 
 A stage lasts a `duration` at rest, or at a `velocity` (of either sign) for a `duration` or along a `way`. Its `load` or
 `depth` is put on at its beginning, at once, or with `ramp = true` grows to that value over the stage; a stage without
-one keeps that of the stage before.
+one keeps that of the stage before. With a [surface], of which one line is taken, a load is per length of line, and a
+nominal `pressure` may stand in its place, turned into that load as `elastomdr friction` does it. With a [drive] the
+stages are the way of a drive that pulls the body through a spring and a damper.
 """
 
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from .further import read_drive
 from .history import whole
 from .indenter import read_indenter
 from .keys import Keys, flag, one, positive_number, text
 from .scene import Scene, in_file, read_material, read_toml
-from .units import DEPTH, DURATION, LENGTH, PUSH, SPEED, TEMPERATURE
+from .surface import read_surface
+from .units import DEPTH, DURATION, LENGTH, LINE_PUSH, PUSH, PUSH_PRESSURE, SPEED, TEMPERATURE
 
 _MOST_POINTS = 2000
 _POINTS = 60  # instants of a stage, unless said otherwise
@@ -27,42 +31,69 @@ def read_stages(path: str) -> Scene:
 
 
 def _scene(path: Path, content: dict[str, Any]) -> Scene:
-    top = Keys(content, "", ("title", "material", "other", "temperature", "indenter", "layer", "stage", "numerics"))
+    keys = ("title", "material", "other", "temperature", "indenter", "surface", "layer", "stage", "drive", "numerics")
+    top = Keys(content, "", keys)
     title = top.get("title", text) if "title" in top else None
-    if "indenter" not in top or "stage" not in top:
-        missing = "[indenter]" if "indenter" not in top else "[[stage]]"
-        raise InputError(f"{missing} is missing: a scene has a material, an [indenter] and one [[stage]] or more.")
+    rough = "surface" in top
+    if rough and ("indenter" in top or "layer" in top):
+        raise InputError(f"[{'indenter' if 'indenter' in top else 'layer'}] and [surface] exclude each other.")
+    if not (rough or "indenter" in top) or "stage" not in top:
+        missing = "[[stage]]" if rough or "indenter" in top else "[indenter]"
+        raise InputError(
+            f"{missing} is missing: a scene has a material, an [indenter] or a [surface], and one [[stage]] or more."
+        )
     numerics = Keys(content.get("numerics", {}), "numerics", ("rtol", "points"))
     points = _POINTS
     if "points" in numerics:
         points = numerics.get("points", lambda name, value: whole(name, value, 2, _MOST_POINTS))
-    arguments = _history(content["stage"], points)
+    shape, length = _line(content["surface"], path.parent) if rough else (None, None)
+    arguments = _history(content["stage"], points, length)
     if "rtol" in numerics:
         arguments["rtol"] = numerics.get("rtol", positive_number)
     if "temperature" in top:
         arguments["temperature"] = top.get("temperature", one(TEMPERATURE))
-    shape = read_indenter(content["indenter"], path.parent)
+    shape = shape if rough else read_indenter(content["indenter"], path.parent)
     material = read_material(top, content.get("layer"), shape, path.parent, arguments)
-    return Scene(path, title, material, shape, arguments)
+    further = read_drive(content["drive"], arguments, rough) if "drive" in top else None
+    arguments |= {} if further is None else further.arguments
+    return Scene(path, title, material, shape, arguments, rough, further=further)
 
 
-def _history(stages: Any, points: int) -> dict[str, Any]:
-    """time, position, and load or depth, from the stages; two equal instants are a jump."""
+def _line(content: Any, folder: Path) -> tuple[Any, float]:
+    """One line of a surface, and the length that turns a pressure into its load [m]."""
+    surface, more = read_surface(content, folder, one_line=True)
+    length = more.pop("equivalent_length", 6.283185307179586 / float(surface.q_low))
+    length = surface.full_contact_length if isinstance(length, str) else length
+    try:
+        return surface.line(**more), float(length)
+    except InputError as error:
+        raise InputError(f"[surface] {error}") from error
+
+
+def _history(stages: Any, points: int, length: float | None = None) -> dict[str, Any]:
+    """time, position, and load or depth, from the stages; two equal instants are a jump.
+
+    With the `length` of a surface the loads are per length of line, or pressures.
+    """
     import numpy as np
+
+    kinds = {"load": PUSH if length is None else LINE_PUSH, "depth": DEPTH}
+    kinds |= {} if length is None else {"pressure": PUSH_PRESSURE}
 
     if not isinstance(stages, list) or not stages:
         raise InputError("[[stage]] must be a list of tables, written [[stage]] with two brackets.")
     time, position, values = [0.0], [0.0], []
     name = ""
     for i, content in enumerate(stages, start=1):
-        keys = Keys(content, f"stage {i}", ("duration", "way", "velocity", "load", "depth", "ramp"))
+        keys = Keys(content, f"stage {i}", ("duration", "way", "velocity", *kinds, "ramp"))
         duration, moved = _motion(keys)
-        given = [key for key in ("load", "depth") if key in keys]
+        given = [key for key in kinds if key in keys]
         if len(given) > 1 or (given and name and given[0] != name) or not (given or name):
             got = " and ".join(given) or "neither"
-            raise InputError(f"[stage {i}] the stages must have loads, or depths, from the first one on, got {got}.")
+            what = "loads, or depths" if length is None else "loads, or depths, or pressures"
+            raise InputError(f"[stage {i}] the stages must have {what}, from the first one on, got {got}.")
         name = name or given[0]
-        new = keys.get(name, one(PUSH if name == "load" else DEPTH)) if given else values[-1]
+        new = keys.get(name, one(kinds[name])) if given else values[-1]
         ramp = "ramp" in keys and keys.get("ramp", flag)
         if not values:
             values.append(0.0 if ramp else new)
@@ -77,7 +108,10 @@ def _history(stages: Any, points: int) -> dict[str, Any]:
         time.extend(start + duration * part)
         position.extend(at + moved * part)
         values.extend(before + (new - before) * part)
-    return {"time": np.array(time), "position": np.array(position), name: np.array(values)}
+    loads = np.array(values)
+    if name == "pressure":
+        name, loads = "load", loads * length
+    return {"time": np.array(time), "position": np.array(position), name: loads}
 
 
 def _motion(keys: Keys) -> tuple[float, float]:

@@ -17,12 +17,16 @@ _KEYS = {
 _LINES = ("equivalent_length", "seeds", "periods", "samples")
 
 
-def read_surface(content: Any, folder: Path) -> tuple[Any, dict[str, Any]]:
-    """A surface from its table, and seeds, periods, samples, equivalent_length. Raises `InputError`."""
-    every = ("shape", *dict.fromkeys(key for keys in _KEYS.values() for key in keys), *_LINES)
+def read_surface(content: Any, folder: Path, one_line: bool = False) -> tuple[Any, dict[str, Any]]:
+    """A surface from its table, and seeds, periods, samples, equivalent_length. Raises `InputError`.
+
+    For `one_line` of it, as `em.slide` takes, `seed` stands in the place of seeds.
+    """
+    lines = tuple("seed" if name == "seeds" and one_line else name for name in _LINES)
+    every = ("shape", *dict.fromkeys(key for keys in _KEYS.values() for key in keys), *lines)
     shape = Keys(content, "surface", every).get("shape", choice(*_KEYS))
-    keys = Keys(content, "surface", ("shape", *_KEYS[shape], *_LINES))
-    more: dict[str, Any] = {name: keys.get(name, _whole) for name in ("seeds", "periods", "samples") if name in keys}
+    keys = Keys(content, "surface", ("shape", *_KEYS[shape], *lines))
+    more: dict[str, Any] = {name: keys.get(name, _whole) for name in lines[1:] if name in keys}
     if "equivalent_length" in keys:
         more["equivalent_length"] = keys.get("equivalent_length", _equivalent)
     from .. import SelfAffine, surface_from_file

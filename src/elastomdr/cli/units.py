@@ -29,6 +29,8 @@ INSTANT = Kind("a time", "s", "10 s", _TIMES, "of any sign")
 DEPTH = Kind("a length", "m", "0.1 mm", _LENGTHS, "of any sign")
 PUSH = Kind("a force", "N", "10 N", FORCE.usual, "of any sign")
 SPEED = Kind("a velocity", "m/s", "0.1 m/s", VELOCITY.usual, "of any sign")
+LINE_PUSH = Kind("a force per length", "N/m", "5 N/m", "N/m N/mm kN/m", "of any sign")
+PUSH_PRESSURE = Kind("a pressure", "Pa", "0.3 MPa", "Pa kPa MPa GPa bar psi", "of any sign")
 FREQUENCY = Kind("a frequency", "Hz", "10 Hz", "Hz kHz mHz hertz")
 ADHESION = Kind("an energy per area", "J/m^2", "50 mJ/m^2", "J/m^2 mJ/m^2 N/m mN/m")
 
@@ -36,6 +38,14 @@ PRESSURE = Kind("a pressure", "Pa", "0.3 MPa", "Pa kPa MPa GPa bar psi")
 LINE_LOAD = Kind("a force per length", "N/m", "1 N/mm", "N/m N/mm kN/m")
 CONDUCTIVITY = Kind("a thermal conductivity", "W/(m*K)", "0.2 W/(m*K)", "W/(m*K) W/m/K mW/m/K")
 HEAT_CAPACITY = Kind("a heat capacity per volume", "J/(m^3*K)", "2e6 J/(m^3*K)", "J/(m^3*K) J/m^3/K MJ/m^3/K")
+MASS = Kind("a mass", "kg", "5 kg", "kg g t")
+STIFFNESS = Kind("a stiffness", "N/m", "5 kN/m", "N/m N/mm kN/m")
+DAMPING = Kind("a damping", "N*s/m", "20 N*s/m", "N*s/m N*s/mm kN*s/m")
+CONDUCTANCE = Kind("a thermal conductance", "W/K", "1.2 W/K", "W/K kW/K mW/K")
+CAPACITY = Kind("a heat capacity", "J/K", "1 kJ/K", "J/K kJ/K")
+LINE_MASS = Kind("a mass per length", "kg/m", "28 kg/m", "kg/m t/m g/m")
+LOADED_MASS = LINE_MASS._replace(example="120 kg/m", accepted="of any sign")  # an empty belt has none
+AREA_STIFFNESS = Kind("a stiffness per area", "Pa/m", "80 MPa/m", "Pa/m MPa/m N/m^3 N/mm^3")
 WAVE_NUMBER = Kind("a wave number", "1/m", "1e3 1/m", "1/m 1/mm 1/um rad/m")
 
 _LARGEST = 1e100  # in SI units: products of such numbers stay within float64

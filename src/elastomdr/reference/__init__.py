@@ -1,8 +1,9 @@
-"""Slow truths, to check the fast ones against: contacts in two and three dimensions, solved without reduction."""
+"""What to check the fast answers against: contacts in two and three dimensions, without reduction; closed forms."""
 
 from ..mapping.synthesis import rough_map
 from .half_plane import half_plane_sliding
 from .half_space import half_space_sliding
 from .persson import persson
+from .small_damping import small_damping
 
-__all__ = ["half_plane_sliding", "half_space_sliding", "persson", "rough_map"]
+__all__ = ["half_plane_sliding", "half_space_sliding", "persson", "rough_map", "small_damping"]

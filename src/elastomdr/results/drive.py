@@ -1,15 +1,19 @@
 """Coupled dynamics: what `em.drive` returns."""
 
+import itertools
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
 import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .._runtime import Array, significant
+from .._runtime import Array, is_traced, plain, positive, significant
 from ..errors import InputError
 from .table import AbstractResult, Column
+
+_LATE = 0.8  # part of the time from which on a summary looks at the velocity
 
 
 class Drive(AbstractResult):
@@ -64,6 +68,29 @@ class Drive(AbstractResult):
             Column("converged", "converged", ""),
         )
 
+    def swing(self, period: float) -> Float[Array, " periods"]:
+        """(max X' - min X')/|mean D'| in each whole `period` [s] since the start: 0 when the body follows the drive.
+
+        It dies out where the drive damps; a body that sticks and slips swings on, by more than 1 as a rule. Take the
+        period of the mass on its spring, 2 pi sqrt(m/k), and instants enough to see it. NaN in a period with an
+        instant that did not converge. Works under `jax.vmap` over what is driven. Raises `InputError`.
+        """
+        length, time = plain("period", period), np.asarray(self.time)
+        positive("period", length)
+        number = np.ceil((time - time[0]) / length * (1 - 1e-12)).astype(int)  # 1 for the first, its end included
+        count = int((time[-1] - time[0]) / length * (1 + 1e-12))
+        if count < 1 or min(int((number == j).sum()) for j in range(1, count + 1)) < 2:
+            raise InputError(
+                f"period must leave two instants or more in each, and be no longer than the motion, got {length:g} s."
+            )
+        ends = [np.flatnonzero(number <= j)[-1] for j in range(count + 1)]
+        found = []
+        for first, last in itertools.pairwise(ends):
+            speed = (self.drive[last] - self.drive[first]) / (time[last] - time[first])
+            part = self.velocity[first + 1 : last + 1]
+            found.append((part.max() - part.min()) / abs(speed))
+        return jnp.stack(found) if is_traced(found) else np.array(found)
+
     def findings(self) -> Iterator[tuple[str, str]]:
         """Inputs, model, ranges of friction and normal force, the energy balance, how many points failed."""
         yield "quantity", self.quantity
@@ -79,6 +106,12 @@ class Drive(AbstractResult):
             last, joule = good[-1], "J/m" if self.per_length else "J"
             names = ("given", "kinetic", "stored", "dissipated", "imbalance")
             yield "energy", ", ".join(f"{k} {significant(getattr(self, k)[last])} {joule}" for k in names)
+        late = np.flatnonzero(self.converged & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0])))
+        if late.size > 1 and (speed := np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]])):
+            low, high = (
+                significant(float(x) / speed, 3) for x in (self.velocity[late].min(), self.velocity[late].max())
+            )
+            yield "velocity", f"{low} to {high} times the drive's in the last fifth of the time"
         yield "points", self.reached("error of mu")
 
     def plot(self, ax: Any = None, *, show: str = "pull", title: str | None = None, label: str | None = None) -> Any:

@@ -98,8 +98,13 @@ def draw(
 
 def png(result: "AbstractCurve", title: str | None = None, measured: Any = None) -> bytes:
     """The figure of a result as a PNG image, 200 dots per inch."""
+    return saved(draw(result, title=title, measured=measured))
+
+
+def saved(ax: Any) -> bytes:
+    """The figure that the axes belong to as a PNG image, 200 dots per inch."""
     buffer = io.BytesIO()
-    draw(result, title=title, measured=measured).figure.savefig(buffer, format="png", dpi=_DPI)
+    ax.figure.savefig(buffer, format="png", dpi=_DPI)
     return buffer.getvalue()
 
 

@@ -1,11 +1,10 @@
 """Figures of histories: a friction coefficient, or forces and motion, against time."""
 
-import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .figure import _DPI, _new_axes, _write_title
+from .figure import _new_axes, _write_title, saved
 
 if TYPE_CHECKING:
     from .drive import Drive
@@ -38,10 +37,8 @@ def draw_slide(result: "Slide", ax: Any, against: str, title: str | None, label:
 
 def png(result: "Slide", title: str | None = None) -> bytes:
     """The figure of a sliding history as a PNG image: against position, since a rest may take most of the time."""
-    buffer = io.BytesIO()
     against = "position" if np.ptp(result.position) > 0 else "time"
-    draw_slide(result, None, against, title, None).figure.savefig(buffer, format="png", dpi=_DPI)
-    return buffer.getvalue()
+    return saved(draw_slide(result, None, against, title, None))
 
 
 def draw_history(result: "Drive", ax: Any, show: str, title: str | None, label: str | None) -> Any:

@@ -1,12 +1,11 @@
 """Figures of an indentation: depth, force and contact radius against time, and the force against the depth."""
 
-import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .axes import in_words
-from .figure import _DPI, _colours, _named, _write_title
+from .figure import _colours, _named, _write_title, saved
 
 if TYPE_CHECKING:
     from .indentation import Indentation
@@ -64,9 +63,7 @@ def draw(result: "Indentation", ax: Any = None, title: str | None = None, label:
 
 def png(result: "Indentation", title: str | None = None) -> bytes:
     """The figure of a result as a PNG image, 200 dots per inch."""
-    buffer = io.BytesIO()
-    draw(result, title=title).figure.savefig(buffer, format="png", dpi=_DPI)
-    return buffer.getvalue()
+    return saved(draw(result, title=title))
 
 
 def _curves(ax: Any, x: np.ndarray, y: np.ndarray, labels: list[str], keep_colours: bool) -> None:

@@ -8,7 +8,8 @@ Per length of cord of diameter d, squeezed by the part C of d, free to bulge, in
 
 In "hertz" s = (a/d)^2. With u = ln(4/s) - 1 it is u - ln u = ln(4/C) - 1, solved by Newton's method. Lindley's load is
 0.74 of it at C = 0.08 and 0.86 at C = 0.2. Sources: P. B. Lindley, J. Inst. Rubber Ind. 1 (1967) 209 (recalled, not
-compared with the paper); K. L. Johnson, Contact Mechanics (1985), section 5.6.
+compared with the paper; Kim et al., Eng. Failure Anal. 14 (2007) 1680: near to finite elements, below what they
+measured); K. L. Johnson, Contact Mechanics (1985), section 5.6.
 """
 
 from typing import Any, NamedTuple

@@ -1,0 +1,157 @@
+"""The command line's tables of applications: [warming], [conveyor], traction, a rough line that slides."""
+
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.main import main
+from elastomdr.cli.stages import read_stages
+
+from .cli_cases import (
+    BAD_BELTS,
+    BAD_ROUGH_SLIDES,
+    BAD_WARMINGS,
+    BAD_WHEELS,
+    BELT,
+    MATERIAL,
+    ROUGH_SLIDE,
+    SCENE,
+    WARMING,
+    WHEEL,
+)
+
+LAW = em.FrictionLaw([0.01, 1.0, 30.0], np.array([[[0.5, 0.8, 0.6]], [[0.6, 0.9, 0.7]]]), [270.0, 300.0], [2e5])
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path, monkeypatch):
+    (tmp_path / "rubber.toml").write_text(MATERIAL)
+    (tmp_path / "no-shift.toml").write_text(MATERIAL[: MATERIAL.index("[shift]")])
+    law = em.FrictionLaw(LAW.velocity, LAW.mu[:, 0], LAW.temperature)
+    law.to_csv(tmp_path / "mu.csv")
+    monkeypatch.chdir(tmp_path)
+    for verb in ("curve", "plan"):
+        monkeypatch.setattr(f"elastomdr.cli.{verb}.enable_cache", lambda: None)
+    return tmp_path
+
+
+def write(text: str, *changes: tuple[str, str]) -> str:
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new)
+    Path("scene.toml").write_text(text)
+    return "scene.toml"
+
+
+def written(capsys, verb: str, scene: str, stem: str, title: str) -> pd.DataFrame:
+    """Runs what must succeed, into a new folder: a summary, one table and one figure; returns the table."""
+    assert main([verb, scene, "--out", "out"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.startswith(f"{title}\n")
+    assert f"out/{stem}.csv" in out.replace(os.sep, "/")
+    assert sorted(p.name for p in Path("out").iterdir()) == [f"{stem}.csv", f"{stem}.png"]
+    assert Path(f"out/{stem}.png").read_bytes().startswith(b"\x89PNG")
+    return pd.read_csv(f"out/{stem}.csv", comment="#")
+
+
+def tyre():
+    return em.layer(em.load_material("rubber.toml"), 15e-3, bonded=False)
+
+
+def test_warming(capsys):
+    table = written(capsys, "rolling", write(WARMING), "scene-warming", "Warms up")
+    warm = em.warming(tyre(), em.Cylinder(0.1, 0.05), velocity=[1.0, 2.0], load=800.0, ambient=273.15, conductance=20.0,
+                      hottest=373.15, rtol=1e-4)  # fmt: skip
+    np.testing.assert_allclose(table["steady temperature [K]"], warm.steady, rtol=1e-12)
+
+
+def test_warming_over_time(capsys):
+    text = 'capacity = "2 kJ/K"\nduration = "10 min"\npoints = 5\nhottest'
+    table = written(capsys, "rolling", write(WARMING, ("hottest", text)), "scene-warming", "Warms up")
+    np.testing.assert_allclose(table["time [s]"], np.tile(np.linspace(0, 600, 5), 2))
+    cold = table["temperature [K]"].to_numpy().reshape(2, 5)
+    np.testing.assert_allclose(cold[:, 0], 273.15, atol=1e-9)
+    assert (np.diff(cold) > 0).all()
+
+
+def test_conveyor(capsys):
+    table = written(capsys, "rolling", write(BELT), "scene-conveyor", "Belt")
+    below, above = (em.layer(em.load_material("rubber.toml"), h, bonded=False) for h in (6e-3, 8e-3))
+    carry = em.Idlers(below, em.Cylinder(0.08, 0.4), spacing=1.2, shares=[0.2, 0.6, 0.2])
+    back = em.Idlers(above, em.Cylinder(0.08, 1.2), spacing=3.0)  # as long as three rolls
+    found = em.conveyor(carry, back, velocity=[1.0, 5.0], belt=28.0, goods=np.array([[0.0], [120.0]]),
+                        temperature=np.array([[[273.15]], [[293.15]]]))  # fmt: skip
+    np.testing.assert_allclose(table["power [W/m]"], found.power.ravel(), rtol=1e-12)
+    np.testing.assert_allclose(table["temperature [K]"], found.temperature.ravel(), rtol=1e-12)
+
+
+@pytest.mark.parametrize("friction", ['"mu.csv"', "0.8"])
+def test_traction(capsys, friction):
+    table = written(capsys, "traction", write(WHEEL, ('"mu.csv"', friction)), "scene-traction", "Brakes")
+    slip, kelvin = np.geomspace(0.01, 0.9, 5), np.array([273.15, 293.15])[:, None, None]
+    found = em.traction(
+        em.Foundation(8e7, [], []), em.Cylinder(0.3, 0.16), velocity=25.0, slip=slip, temperature=kelvin,
+        load=np.array([[2e3], [4e3]]), friction=em.load_friction("mu.csv") if "csv" in friction else 0.8,
+        tangential=em.layer(em.load_material("rubber.toml"), 8e-3, tangential=True), rtol=1e-4,
+    )  # fmt: skip
+    np.testing.assert_allclose(table["traction coefficient [-]"], found.coefficient.ravel(), rtol=1e-12)
+    np.testing.assert_allclose(table["slip [-]"], np.tile(slip, 4), rtol=1e-12)
+
+
+def test_traction_of_a_ball(capsys):
+    wheel = WHEEL[WHEEL.index("[indenter]") : WHEEL.index("[contact]")]
+    ball = '[indenter]\nshape = "paraboloid"\nradius = "5 mm"\n\n'
+    slip = "slip = { from = 0.01, to = 0.9, points = 5 }"
+    scene = write(WHEEL, (wheel, ball), ('"mu.csv"', "0.5"), (slip, "creep = [0.01, 0.1]"),
+                  ('load = ["2 kN", "4 kN"]', 'load = "5 N"'))  # fmt: skip
+    table = written(capsys, "traction", scene, "scene-traction", "Brakes")
+    found = em.traction(em.load_material("rubber.toml"), em.Paraboloid(5e-3), velocity=25.0, creep=[0.01, 0.1], load=5,
+                        friction=0.5, temperature=np.array([[273.15], [293.15]]), rtol=1e-4)  # fmt: skip
+    np.testing.assert_allclose(table["tractive force [N]"], found.force.ravel(), rtol=1e-12)
+
+
+def test_rough_slide(capsys):
+    table = written(capsys, "slide", write(ROUGH_SLIDE), "scene-slide", "Started on a rough line")
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-4, q_high=2 * np.pi / 25e-6)
+    load = 5e5 * surface.full_contact_length
+    np.testing.assert_allclose(table["normal force [N/m]"], load, rtol=1e-9)
+    history = read_stages("scene.toml").arguments
+    again = em.slide(em.load_material("rubber.toml"), surface.line(seed=2, samples=64), temperature=293.15,
+                     rtol=5e-2, **{k: history[k] for k in ("time", "position", "load")})  # fmt: skip
+    np.testing.assert_allclose(table["friction coefficient [-]"], again.mu, rtol=1e-12)
+    rule = read_stages(write(ROUGH_SLIDE, ('equivalent_length = "full contact"\n', ""))).arguments["load"]
+    np.testing.assert_allclose(rule, 5e5 * 1e-4, rtol=1e-12)  # p times the longest wave
+    per_length = read_stages(write(ROUGH_SLIDE, ('pressure = "0.5 MPa"', 'load = "3 N/m"'))).arguments["load"]
+    np.testing.assert_array_equal(per_length, 3.0)
+
+
+CASES = {
+    **{f"warming: {name}": ("rolling", WARMING, *case) for name, case in BAD_WARMINGS.items()},
+    **{f"belt: {name}": ("rolling", BELT, *case) for name, case in BAD_BELTS.items()},
+    **{f"traction: {name}": ("traction", WHEEL, *case) for name, case in BAD_WHEELS.items()},
+    **{f"slide: {name}": ("slide", ROUGH_SLIDE, *case) for name, case in BAD_ROUGH_SLIDES.items()},
+    "friction of a warming": ("friction", WARMING, ("Warms", "Warms"), "belongs to elastomdr rolling"),
+    "plan of a belt": ("plan", BELT, ("Belt", "Belt"), "belongs to elastomdr rolling"),
+    "traction of a slider": ("traction", SCENE, ("Slider", "Slider"), "slip"),
+    "rolling of a wheel that brakes": ("rolling", WHEEL, ("Brakes", "Brakes"), "not known"),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_refuses(capsys, name):
+    verb, text, change, message = CASES[name]
+    scene = write(text, change)
+    before = set(Path().iterdir())
+    assert main([verb, scene]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("elastomdr: error: scene.toml: ")
+    assert err.count("\n") == 1
+    assert re.search(re.escape(message), err), err
+    assert set(Path().iterdir()) == before

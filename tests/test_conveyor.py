@@ -1,0 +1,147 @@
+"""`em.conveyor` against sums written out over the idlers, closed forms of small damping, and its refusals."""
+
+import jax
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+ROLL, WIDE = em.Cylinder(0.08, 0.4), em.Cylinder(0.08, 1.2)
+# Two branches to a decade, so wide that the loss modulus does not depend on frequency: tan(delta) near 3e-4.
+FLAT = em.Foundation(1e9, np.full(16, 1e5), np.geomspace(10**-6.65, 10**0.85, 16))
+RUBBER = em.StandardSolid(2e6, 1e6, 1e-2, shift=em.WLF(8.86, 101.6, 293.15))
+SHARES = [0.2, 0.6, 0.2]
+GRAVITY = 9.81
+
+
+def sides(cover=FLAT, shares=SHARES):
+    return em.Idlers(cover, ROLL, spacing=1.2, shares=shares), em.Idlers(cover, WIDE, spacing=3.0)
+
+
+def test_sum_over_the_idlers():
+    """Every roll by itself, at its own load, counted per length of belt."""
+    below, above = (em.layer(RUBBER, h, bonded=False) for h in (6e-3, 8e-3))
+    carry, back = em.Idlers(below, ROLL, spacing=1.2, shares=SHARES), em.Idlers(above, WIDE, spacing=3.0)
+    goods, kelvin, velocity = np.array([0.0, 120.0]), np.array([[283.15], [303.15]]), 4.0
+    found = em.conveyor(carry, back, velocity=velocity, belt=28.0, goods=goods, temperature=kelvin)
+    assert found.power.shape == (2, 2)
+    for i, t in enumerate(kelvin.ravel()):
+        for j, mass in enumerate(goods):
+            loads = [s * (28.0 + mass) * GRAVITY * 1.2 for s in SHARES]
+            at = {"velocity": velocity, "temperature": t}
+            loaded = sum(float(em.rolling(below, ROLL, load=f, **at).resistance) for f in loads) / 1.2
+            empty = float(em.rolling(above, WIDE, load=28.0 * GRAVITY * 3.0, **at).resistance) / 3.0
+            np.testing.assert_allclose([found.carry[i, j], found.back[i, j]], [loaded, empty], rtol=1e-9)
+            np.testing.assert_allclose(found.power[i, j], velocity * (loaded + empty), rtol=1e-9)
+            weight = (2 * 28.0 + mass) * GRAVITY
+            np.testing.assert_allclose(found.coefficient[i, j], (loaded + empty) / weight, rtol=1e-9)
+    assert found.converged.all()
+    assert (found.error < 1e-6 * found.coefficient).all()
+
+
+def closed(load, roll):
+    """f F = (3/pi) tan(delta) (3/4 W/(L K' D^2))^(1/3) W, with E'' = (pi/2) E_k/ln(ratio of the times)."""
+    ratio = np.log(FLAT.times[1] / FLAT.times[0])
+    tangent = 0.5 * np.pi * 1e5 / ratio / 1e9
+    return 3 / np.pi * tangent * (0.75 * load / (roll.length * 1e9 * (2 * roll.radius) ** 2)) ** (1 / 3) * load
+
+
+def test_small_damping_of_a_whole_belt():
+    """Of first order in the loss: 5e-3, as the storage modulus, here 1e9, grows by 1e-3 over the branches."""
+    belt, goods = 28.0, np.array([0.0, 120.0, 400.0])
+    found = em.conveyor(*sides(), velocity=5.0, belt=belt, goods=goods)
+    carried = sum(closed(s * (belt + goods) * GRAVITY * 1.2, ROLL) for s in SHARES) / 1.2
+    np.testing.assert_allclose(found.carry, carried, rtol=5e-3)
+    np.testing.assert_allclose(found.back, closed(belt * GRAVITY * 3.0, WIDE) / 3.0, rtol=5e-3)
+    spread = em.conveyor(*sides(shares=[1 / 3, 1 / 3, 1 / 3]), velocity=5.0, belt=belt, goods=goods)
+    worse = np.sum(np.array(SHARES) ** (4 / 3)) * 3 ** (1 / 3)  # 1.07
+    np.testing.assert_allclose(found.carry / spread.carry, worse, rtol=1e-3)
+
+
+def test_reference():
+    """The closed form in the package is that written out here, and the limit of `em.rolling`."""
+    load = np.array([100.0, 1000.0])
+    found = em.reference.small_damping(FLAT, ROLL, velocity=5.0, load=load)
+    np.testing.assert_allclose(found, closed(load, ROLL) / load, rtol=5e-3)
+    np.testing.assert_allclose(found, em.rolling(FLAT, ROLL, velocity=5.0, load=load).coefficient, rtol=5e-3)
+    cover = em.layer(RUBBER, 6e-3, bonded=False)
+    shifted = em.reference.small_damping(cover, ROLL, velocity=2.0, load=300.0, temperature=303.15)
+    factor = float(RUBBER.shift.a(303.15))
+    same = em.reference.small_damping(em.layer(RUBBER.at(293.15), 6e-3, bonded=False), ROLL, velocity=2.0 * factor,
+                                      load=300.0)  # fmt: skip
+    np.testing.assert_allclose(shifted, same, rtol=1e-12)
+    with jax.enable_x64(True):
+        slope = jax.grad(lambda f: em.reference.small_damping(FLAT, ROLL, velocity=5.0, load=f))(300.0)
+    np.testing.assert_allclose(slope, float(closed(300.0, ROLL)) / 300.0 / 3 / 300.0, rtol=5e-3)
+
+
+@pytest.mark.slow
+def test_gradient():
+    """By the goods: the power 4/3 of small damping, and a finite difference."""
+
+    def power(goods):
+        return em.conveyor(*sides(), velocity=5.0, belt=28.0, goods=goods).carry
+
+    with jax.enable_x64(True):
+        value, slope = power(120.0), jax.grad(power)(120.0)
+    np.testing.assert_allclose(slope, 4 / 3 * value / 148.0, rtol=1e-3)
+    np.testing.assert_allclose(slope, (power(121.0) - power(119.0)) / 2, rtol=1e-4)
+
+
+def test_table_summary_and_figure(tmp_path):
+    found = em.conveyor(*sides(), velocity=np.array([1.0, 5.0]), belt=28.0, goods=np.array([[0.0], [120.0]]))
+    found.to_csv(tmp_path / "belt.csv")
+    text = (tmp_path / "belt.csv").read_text()
+    for said in ("power [W/m]", "mass of the goods [kg/m]", "3 rolls every 1.2 m", "thin layer"):
+        assert said in text
+    assert "kW per km of belt" in found.summary()
+    assert found.plot().get_ylabel() == "Power per kilometre of belt [kW]"
+    assert found.png().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"carry": FLAT}, "carry must be em.Idlers"),
+        ({"goods": -1.0}, "goods must be zero or positive"),
+        ({"belt": 0.0}, "belt must be positive"),
+        ({"velocity": [1.0, 2.0], "goods": [1.0, 2.0, 3.0]}, "must broadcast"),
+        ({"temperature": 293.15}, "no shift law"),
+    ],
+)
+def test_refusals(change, words):
+    carry, back = sides()
+    scene = {"carry": carry, "back": back, "velocity": 1.0, "belt": 28.0, "goods": 0.0} | change
+    with pytest.raises(em.InputError, match=words):
+        em.conveyor(scene.pop("carry"), scene.pop("back"), **scene)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"cover": RUBBER}, "cover must be a layer"),
+        ({"roll": em.Sphere(0.1)}, r"roll must be an em\.Cylinder"),
+        ({"shares": [0.5, 0.4]}, "sum of the shares must be 1"),
+        ({"shares": [1.5, -0.5]}, "shares must be positive"),
+        ({"shares": 1.0}, "one share for each roll"),
+        ({"spacing": 0.0}, "spacing must be positive"),
+    ],
+)
+def test_bad_idlers(arguments, words):
+    given = {"cover": FLAT, "roll": ROLL, "spacing": 1.2} | arguments
+    with pytest.raises(em.InputError, match=words):
+        em.Idlers(given.pop("cover"), given.pop("roll"), **given)
+
+
+def test_bad_reference():
+    for arguments, words in (
+        ({"cover": RUBBER}, "cover must be a layer"),
+        ({"roll": em.Sphere(0.1)}, "Cylinder"),
+        ({"load": -1.0}, "load must be positive"),
+        ({"temperature": 293.15}, "no shift law"),
+        ({"velocity": [1.0, 2.0], "load": [1.0, 2.0, 3.0]}, "must broadcast"),
+        ({"cover": em.Foundation(0.0, [1e9], [1.0])}, "equilibrium modulus"),
+    ):
+        given = {"cover": FLAT, "roll": ROLL, "velocity": 1.0, "load": 1.0} | arguments
+        with pytest.raises(em.InputError, match=words):
+            em.reference.small_damping(given.pop("cover"), given.pop("roll"), **given)

@@ -1,0 +1,66 @@
+"""`em.stability` against closed forms of the slope, a drive that grows and decays, and its refusals."""
+
+import jax
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+MOUNT = em.Mount(2.0, 8e4, 5.0)
+K, TAU, HIGH = 2e3 * np.pi, 2e-3, 31.4  # 1/m, s, N: one wave in full contact, F = HIGH x/(1 + x^2), x = K v TAU
+SPEED = np.geomspace(0.01, 1.0, 81)
+
+
+def force(v):
+    return HIGH * K * v * TAU / (1 + (K * v * TAU) ** 2)
+
+
+def test_slope_of_a_wave_in_full_contact():
+    """F' in closed form; central differences in ln v leave h^2/6 of the third derivative, h = 0.058, at most 1e-3 F."""
+    x = K * SPEED * TAU
+    exact = HIGH * K * TAU * (1 - x**2) / (1 + x**2) ** 2
+    found = em.stability(MOUNT, velocity=SPEED, force=force(SPEED), wavelength=1e-3)
+    assert (np.abs(found.slope - exact) < 2e-3 * force(SPEED) / SPEED).all()
+    np.testing.assert_allclose(found.ratio, (5.0 + found.slope) / (2 * np.sqrt(8e4 * 2.0)), rtol=1e-14)
+    np.testing.assert_allclose(found.slowest, 1e-3 * 200.0, rtol=1e-14)
+    np.testing.assert_array_equal(found.follows, SPEED > 0.2)
+    fine = np.geomspace(0.01, 1.0, 161)
+    other = em.stability(MOUNT, velocity=fine, force=force(fine), wavelength=1e-3).slope[::2]
+    off, less = (np.abs(y - exact)[1:-1].max() for y in (found.slope, other))
+    assert 1.8 < np.log2(off / less) < 2.2
+
+
+def test_uneven_velocities_and_more_curves():
+    """Exact for F = a + b ln v + c ln^2 v, ends included, whatever the spacing."""
+    at = np.array([-3.0, -2.5, -1.0, -0.9, 0.7])
+    drags = np.array([1.0 + 0.3 * at, 2.0 - 0.2 * at + 0.1 * at**2])
+    found = em.stability(MOUNT, velocity=np.exp(at), force=drags, wavelength=1e-3)
+    np.testing.assert_allclose(found.slope * np.exp(at), [0.3 + 0 * at, -0.2 + 0.2 * at], atol=1e-13)
+    assert found.ratio.shape == found.velocity.shape == found.follows.shape == (2, 5)
+
+
+def test_gradient():
+    """d zeta/d k = -zeta/2k."""
+    with jax.enable_x64(True):
+        slope = jax.grad(
+            lambda k: em.stability(em.Mount(2.0, k, 5.0), velocity=SPEED, force=force(SPEED), wavelength=1e-3).ratio[9]
+        )(8e4)
+    expected = em.stability(MOUNT, velocity=SPEED, force=force(SPEED), wavelength=1e-3).ratio[9]
+    np.testing.assert_allclose(slope, -expected / 1.6e5, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"mount": 3.0}, "mount must be an em.Mount"),
+        ({"mount": em.Mount(1.0)}, "mount stiffness must be positive"),
+        ({"velocity": [1.0, 2.0], "force": [1.0, 2.0]}, "three values or more"),
+        ({"velocity": SPEED[::-1]}, "velocity must be ascending"),
+        ({"force": 1.0}, "one value for each of the 81"),
+        ({"wavelength": 0.0}, "wavelength must be positive"),
+    ],
+)
+def test_refusals(change, words):
+    given = {"mount": MOUNT, "velocity": SPEED, "force": force(SPEED), "wavelength": 1e-3} | change
+    with pytest.raises(em.InputError, match=words):
+        em.stability(given.pop("mount"), **given)
