@@ -38,7 +38,7 @@ PRESSURE = np.array([1.2e5, 2.1e5, 3.6e5])  # Pa
 TYRE, STRUCTURE = em.Cylinder(radius=0.3, length=0.16), em.Foundation(8e7, [], [])  # m; Pa/m
 THICKNESS, SPEED = 8e-3, 25.0  # of the tread [m], of the road [m/s]
 LOAD = np.array([2e3, 4e3, 6e3])  # N
-SLIP = np.concatenate([np.linspace(0.002, 0.1, 17), np.geomspace(0.11, 0.99, 18)])
+SLIP = np.concatenate([np.geomspace(4e-4, 0.02, 12), np.linspace(0.025, 0.1, 10), np.geomspace(0.11, 0.99, 16)])
 WHEEL = {"velocity": SPEED, "slip": SLIP, "load": LOAD[:, None], "rtol": 1e-4}
 
 

@@ -385,3 +385,18 @@ BAD_WHEELS = {
     ),
     "outside of the table": (('velocity = "25 m/s"', 'velocity = "250 m/s"'), "within the friction law"),
 }
+
+_TABLE = '[drive]\nmass = "1 kg"\nstiffness = "1 kN/m"\nnormal_force = "10 N"\n\n[[stage]]\nvelocity = "5 mm/s"'
+DRIVE = ROUGH_SLIDE.replace('[[stage]]\nduration = "2 ms"', _TABLE + '\nduration = "2 ms"').replace(
+    '[[stage]]\nvelocity = "50 mm/s"\nway = "0.1 mm"\n', ""
+)
+
+BAD_DRIVES = {
+    "unknown key": (("stiffness", "stifness"), "Did you mean 'stiffness'"),
+    "no mass": (('mass = "1 kg"\n', ""), "[drive] mass is missing"),
+    "a mass that is a force": (('"1 kg"', '"1 N"'), "a mass"),
+    "no force on the whole body": (('normal_force = "10 N"\n', ""), "normal_force must be given"),
+    "a depth": (('pressure = "0.5 MPa"', 'depth = "1 um"'), "stages with a load"),
+    "no load": (('pressure = "0.5 MPa"', 'pressure = "0 MPa"'), "a load above zero"),
+    "a jump of the load": (("[numerics]", '[[stage]]\nduration = "1 ms"\npressure = "1 MPa"\n[numerics]'), "no jumps"),
+}

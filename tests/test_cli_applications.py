@@ -14,10 +14,12 @@ from elastomdr.cli.stages import read_stages
 
 from .cli_cases import (
     BAD_BELTS,
+    BAD_DRIVES,
     BAD_ROUGH_SLIDES,
     BAD_WARMINGS,
     BAD_WHEELS,
     BELT,
+    DRIVE,
     MATERIAL,
     ROUGH_SLIDE,
     SCENE,
@@ -131,10 +133,23 @@ def test_rough_slide(capsys):
     np.testing.assert_array_equal(per_length, 3.0)
 
 
+def test_drive(capsys):
+    table = written(capsys, "slide", write(DRIVE), "scene-drive", "Started on a rough line")
+    history = read_stages("scene.toml").arguments
+    part = float(history["load"][0]) / 10.0
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-4, q_high=2 * np.pi / 25e-6)
+    given = {k: history[k] for k in ("time", "position", "load", "temperature", "rtol")}
+    line = surface.line(seed=2, samples=64)
+    again = em.drive(em.load_material("rubber.toml"), line, tangential=em.Mount(part, 1e3 * part), **given)
+    np.testing.assert_allclose(table["pull of the drive [N/m]"], again.pull, rtol=1e-12)
+    assert "times the drive's in the last fifth" in again.summary()
+
+
 CASES = {
     **{f"warming: {name}": ("rolling", WARMING, *case) for name, case in BAD_WARMINGS.items()},
     **{f"belt: {name}": ("rolling", BELT, *case) for name, case in BAD_BELTS.items()},
     **{f"traction: {name}": ("traction", WHEEL, *case) for name, case in BAD_WHEELS.items()},
+    **{f"drive: {name}": ("slide", DRIVE, *case) for name, case in BAD_DRIVES.items()},
     **{f"slide: {name}": ("slide", ROUGH_SLIDE, *case) for name, case in BAD_ROUGH_SLIDES.items()},
     "friction of a warming": ("friction", WARMING, ("Warms", "Warms"), "belongs to elastomdr rolling"),
     "plan of a belt": ("plan", BELT, ("Belt", "Belt"), "belongs to elastomdr rolling"),

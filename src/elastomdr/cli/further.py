@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from ..errors import InputError
-from .history import whole
-from .keys import Keys, numbers, one, one_or_more
+from .keys import Keys, numbers, one, one_or_more, whole
 from .units import (
     CAPACITY,
     CONDUCTANCE,

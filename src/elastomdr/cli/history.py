@@ -5,7 +5,7 @@ from typing import Any
 
 from ..errors import InputError
 from .indenter import read_indenter
-from .keys import Keys, choice, one, one_or_more, positive_number, text
+from .keys import Keys, choice, one, one_or_more, positive_number, text, whole
 from .scene import Scene, in_file, read_material, read_toml
 from .units import ADHESION, DEPTH, DURATION, FORCE, FREQUENCY, INSTANT, LENGTH, PUSH, TEMPERATURE
 
@@ -157,10 +157,3 @@ def _points(name: str, value: Any) -> int:
 
 def _count(name: str, value: Any) -> int:
     return whole(name, value, 1, 1000)
-
-
-def whole(name: str, value: Any, least: int, most: int) -> int:
-    """A whole number within limits."""
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise InputError(f"{name} must be a whole number from {least} to {most}, got {value!r}.")
-    return value

@@ -66,6 +66,13 @@ def positive_number(name: str, value: Any) -> float:
     return float(value)
 
 
+def whole(name: str, value: Any, least: int, most: int) -> int:
+    """A whole number within limits."""
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise InputError(f"{name} must be a whole number from {least} to {most}, got {value!r}.")
+    return value
+
+
 def numbers(name: str, value: Any) -> list[float]:
     """A list of plain numbers."""
     if not isinstance(value, list):

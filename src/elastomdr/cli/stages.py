@@ -12,9 +12,8 @@ from typing import Any
 
 from ..errors import InputError
 from .further import read_drive
-from .history import whole
 from .indenter import read_indenter
-from .keys import Keys, flag, one, positive_number, text
+from .keys import Keys, flag, one, positive_number, text, whole
 from .scene import Scene, in_file, read_material, read_toml
 from .surface import read_surface
 from .units import DEPTH, DURATION, LENGTH, LINE_PUSH, PUSH, PUSH_PRESSURE, SPEED, TEMPERATURE
