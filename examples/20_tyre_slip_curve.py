@@ -31,7 +31,7 @@ REFERENCE = 293.15  # K
 DATA = Path(__file__).parent / "data"
 WAVES = {"longest": 5e-3, "shortest": 1e-4}  # m
 HEAT = em.Heat(conductivity=0.25, heat_capacity=2e6)
-VELOCITY = np.geomspace(1e-2, 30.0, 12)  # sliding [m/s]
+VELOCITY = np.geomspace(1e-2, 30.0, 10)  # sliding [m/s]
 KELVIN = np.array([258.15, 278.15, 298.15])
 PRESSURE = np.array([1.2e5, 2.1e5, 3.6e5])  # Pa
 

@@ -20,6 +20,7 @@ from .units import DEPTH, DURATION, LENGTH, LINE_PUSH, PUSH, PUSH_PRESSURE, SPEE
 
 _MOST_POINTS = 2000
 _POINTS = 60  # instants of a stage, unless said otherwise
+_FEWEST = 64  # samples of a rough line, as for em.friction
 _FIRST = 1e-4  # of a rest: the first instant looked at after its beginning
 
 
@@ -61,6 +62,8 @@ def _scene(path: Path, content: dict[str, Any]) -> Scene:
 def _line(content: Any, folder: Path) -> tuple[Any, float]:
     """One line of a surface, and the length that turns a pressure into its load [m]."""
     surface, more = read_surface(content, folder, one_line=True)
+    if more.get("samples", _FEWEST) < _FEWEST:
+        raise InputError(f"[surface] samples must be a whole number, {_FEWEST} or more, got {more['samples']}.")
     length = more.pop("equivalent_length", 6.283185307179586 / float(surface.q_low))
     length = surface.full_contact_length if isinstance(length, str) else length
     try:
