@@ -175,8 +175,8 @@ def _two_bodies(material: Any, other: Any, arguments: dict[str, Any]) -> Any:
 def _contact(content: Any, rough: bool = False, table: str | None = None) -> dict[str, Any]:
     if table is not None:
         keys = Keys(content, "contact", ("velocity",) if table == "conveyor" else ("load", "velocity"))
-        given: dict[str, Any] = {"velocity": keys.get("velocity", _velocity)}
-        return given if table == "conveyor" else given | {"load": keys.get("load", one_or_more(FORCE))}
+        speed: dict[str, Any] = {"velocity": keys.get("velocity", _velocity)}
+        return speed if table == "conveyor" else speed | {"load": keys.get("load", one_or_more(FORCE))}
     kinds = {"pressure": PRESSURE, "load": LINE_LOAD, "depth": LENGTH} if rough else {"load": FORCE, "depth": LENGTH}
     keys = Keys(content, "contact", (*kinds, "velocity"))
     if rough:

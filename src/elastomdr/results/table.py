@@ -71,14 +71,15 @@ class AbstractResult(eqx.Module):
         return text
 
     @abc.abstractmethod
-    def plot(self, ax: Any = None, *, title: str | None = None) -> Any:
+    def plot(self, ax: Any = None) -> Any:
         """Draws the result and returns the matplotlib Axes; with `ax=None` on a new figure, its `.figure`."""
 
     def png(self, title: str | None = None) -> bytes:
         """The figure as a PNG image, 200 dots per inch."""
         from .figure import saved
 
-        return saved(self.plot(title=title))
+        plot: Any = self.plot  # every result's own has a title
+        return saved(plot(title=title))
 
     def summary(self) -> str:
         """What went in and what came out, in a few lines of text."""
