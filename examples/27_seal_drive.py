@@ -30,10 +30,10 @@ SHAFT = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / LONGEST, q_high=2 * 
 LINE = SHAFT.line(seed=2, periods=1, samples=128)
 VELOCITY = np.geomspace(1e-4, 0.1, 13)  # m/s
 MASS, STIFFNESS, DAMPING, STIFF = 5.0, 5e3, 20.0, 1e5  # kg, N/m, N s/m, N/m
-TIME, DRAWN = np.linspace(0, 4.0, 961), 0.05  # s; in which the drive is drawn until its spring holds the friction
+TIME, DRAWN = np.linspace(0, 3.0, 561), 0.05  # s; in which the drive is drawn until its spring holds the friction
 PERIOD = 2 * np.pi * np.sqrt(MASS / STIFFNESS)  # of the drive by itself [s]
 # Which rubber, speed of the drive [m/s], its stiffness [N/m].
-CASES = [(0, v, STIFFNESS) for v in (1e-4, 3e-4, 1e-3, 2.5e-3)] + [(1, 3e-4, STIFFNESS), (0, 3e-4, STIFF)]
+CASES = [(0, v, STIFFNESS) for v in (1e-4, 3e-4, 1e-3)] + [(1, 3e-4, STIFFNESS), (0, 3e-4, STIFF)]
 
 
 def main(out: Path) -> None:
@@ -58,20 +58,20 @@ def main(out: Path) -> None:
             kept.append(value)
 
     moved = driven(rubbers, np.array(loads), np.array(normals), curves)
-    after = moved["swing"][:, PERIOD * np.arange(moved["swing"].shape[1]) > 2.0]  # s
+    after = moved["swing"][:, PERIOD * np.arange(moved["swing"].shape[1]) > 1.5]  # s
     swings = np.nanmax(after, axis=1)  # a period with an instant that did not converge is NaN:
     assert ((swings > 0.5) | np.isfinite(after).all(axis=1)).all(), "a no needs all of them"
     for (which, speed, stiffness), swing, velocity, colour in zip(
         CASES,
         swings,
         moved["velocity"],
-        ("#0b2540", "#3a7fb5", "#3a8a4d", "#c98a1b", "#a03030", "#888888"),
+        ("#0b2540", "#3a7fb5", "#3a8a4d", "#a03030", "#888888"),
         strict=True,
     ):
         answer = "yes" if swing > 0.5 else "no"
         what = f"{NAMES[which]}, {1e3 * speed:g} mm/s" + (", stiff" if stiffness == STIFF else "")
         said = "STICKS AND SLIPS" if swing > 0.5 else "slides steadily"
-        print(f"{what}: it {said}, velocity swings by {swing:.2f} of the drive's after 2 s")
+        print(f"{what}: it {said}, velocity swings by {swing:.2f} of the drive's after 1.5 s")
         seen = np.isfinite(velocity)
         if stiffness == STIFFNESS:
             right.plot(TIME[seen], velocity[seen] / speed, color=colour, linewidth=1.2, label=f"{what}: {answer}")
@@ -79,7 +79,7 @@ def main(out: Path) -> None:
     left.axvline(slowest, color="#888888", linestyle="--", linewidth=1)
     left.set(xlabel="Speed of the drive [m/s]", ylabel="Damping ratio of drive and seal [-]", ylim=(-0.5, 0.2))
     left.set_title("Stick-slip, fast? (dotted, left of the dashed line: decides nothing)", fontsize=10)
-    right.set(xlabel="Time [s]", ylabel="Velocity of the rod / of the drive [-]", ylim=(0, 6), xlim=(0, 4))
+    right.set(xlabel="Time [s]", ylabel="Velocity of the rod / of the drive [-]", ylim=(0, 5), xlim=(0, 3))
     right.set_title("Stick-slip, slow? Drive of 5 kN/m", fontsize=10)
     for ax in (left, right):
         ax.grid(color="#dddddd")
