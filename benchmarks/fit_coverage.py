@@ -1,8 +1,9 @@
 """Do stated 95 % intervals hold the truth? Synthetic laboratories, each with a material of its own.
 
-    python benchmarks/fit_coverage.py [--sets 300] [--seeds 1 2]
+    python benchmarks/fit_coverage.py [--sets 300] [--seeds 1 2] [--truths WLF Arrhenius VFT]
 
-Every set has a spectrum drawn at random (a solid or a liquid; discrete branches or a broad continuous one), a WLF law,
+Every set has a spectrum drawn at random (a solid or a liquid; discrete branches or a broad continuous one), a WLF law
+(or Arrhenius' law, of 50 to 170 kJ/mol, or a VFT law whose pole is 30 to 250 K below the data),
 isotherms that overlap raggedly, noise from 0.5 to 5 % of both moduli, with the vertical shift of entropy elasticity, a
 random one of some percent per isotherm, or none. Counted is how often the intervals that `master_curve` states hold the
 true log10 a_T of each isotherm, and the true storage and loss modulus at frequencies over the whole reduced window.
@@ -25,8 +26,8 @@ OUTSIDE = 10.0  # of the data, by which a reference temperature is moved [K]
 class Laboratory:
     """One material and one set of measurements of it."""
 
-    def __init__(self, seed: int):
-        self.seed = seed
+    def __init__(self, seed: int, truth: str = "WLF"):
+        self.seed, self.truth = seed, truth
         self.rng = rng = np.random.default_rng(seed)
         self.liquid = rng.random() < 0.3
         self.broad = rng.random() < 0.5
@@ -35,6 +36,8 @@ class Laboratory:
         coldest = REFERENCE - min(40.0, 0.55 * c2)
         self.temperature = np.linspace(coldest, coldest + rng.uniform(50.0, 110.0), rng.integers(5, 12))
         self.temperature[np.argmin(np.abs(self.temperature - REFERENCE))] = REFERENCE
+        if truth != "WLF":
+            self.law = self._other_law(np.random.default_rng([seed, 1]))
         self.log10_a = np.asarray(self.law.log10_a(self.temperature))
         self.noise = 0.005 * 10 ** rng.uniform(0, 1)
         self.shift = str(rng.choice(["none", "entropy", "random"]))
@@ -46,6 +49,14 @@ class Laboratory:
         self.ln_b = self.ln_b - self.ln_b[self.temperature == REFERENCE]
         self.times, self.moduli, self.equilibrium = self._spectrum()
         self.omega, self.storage, self.loss, self.at = self._measure()
+
+    def _other_law(self, rng: np.random.Generator):
+        """With draws of its own, so that all else is as with WLF; -d(log10 a_T)/dT is 0.03 to 0.1 1/K at REFERENCE."""
+        slope = rng.uniform(0.03, 0.1) * np.log(10.0)
+        if self.truth == "Arrhenius":
+            return em.Arrhenius(8.314 * REFERENCE**2 * slope, REFERENCE)
+        pole = max(self.temperature[0] - rng.uniform(30.0, 250.0), 1.0)
+        return em.VFT(slope * (REFERENCE - pole) ** 2, pole, REFERENCE)
 
     def _spectrum(self):
         rng = self.rng
@@ -81,9 +92,9 @@ class Laboratory:
         return np.concatenate(rows).T
 
 
-def trial(seed: int):
+def trial(seed: int, truth: str = "WLF"):
     """Per set: hits of log10 a_T, storage and loss, the errors of log10 a_T, and what the set was."""
-    lab = Laboratory(seed)
+    lab = Laboratory(seed, truth)
     dma = em.fit.dma(lab.omega, lab.storage, lab.loss, lab.at, kind="shear")
     timing = timed(lambda: em.fit.master_curve(dma, REFERENCE))
     master = timing.value
@@ -128,13 +139,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sets", type=int, default=300)
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--truths", nargs="+", default=["WLF", "Arrhenius", "VFT"], choices=["WLF", "Arrhenius", "VFT"])
     arguments = parser.parse_args()
     one_core()
     seeds = ", ".join(str(seed) for seed in arguments.seeds)
-    record = heading("Coverage of stated 95 % intervals", f"{arguments.sets} sets from each of the seeds {seeds}")
-    trials = [trial(1000 * seed + i) for seed in arguments.seeds for i in range(arguments.sets)]
+    truths = arguments.truths
+    record = heading(
+        "Coverage of stated 95 % intervals",
+        f"{arguments.sets} sets from each of the seeds {seeds} and each law: {', '.join(truths)}",
+    )
+    sets = [(truth, 1000 * seed + i) for truth in truths for seed in arguments.seeds for i in range(arguments.sets)]
+    trials = [trial(seed, truth) for truth, seed in sets]
+    first = {
+        f"{truth}, seed {seed}": lambda lab, seed=seed, truth=truth: (lab.seed // 1000, lab.truth) == (seed, truth)
+        for truth in truths
+        for seed in arguments.seeds
+    }
     groups = {
-        **{f"seed {seed}": lambda lab, seed=seed: lab.seed // 1000 == seed for seed in arguments.seeds},
+        **first,
         "all": lambda lab: True,
         **{
             f"vertical shift: {name}": lambda lab, name=name: lab.shift == name
@@ -166,22 +188,27 @@ def main() -> None:
         "median error of moduli [%]",
     )
     record["coverage"] = table(columns, rows)
-    held = [100 * np.concatenate([t["outside"][key] for t in trials]).mean() for key in ("a", "storage", "loss")]
+    outside = []
+    for truth in truths:
+        chosen = [t for t in trials if t["lab"].truth == truth]
+        held = [100 * np.concatenate([t["outside"][key] for t in chosen]).mean() for key in ("a", "storage", "loss")]
+        outside.append((truth, 2 * len(chosen), sum(t["refused"] for t in chosen), *held))
     print()
-    refused = sum(t["refused"] for t in trials)
-    columns = ("reference 10 K outside the data", "refused", *columns[2:5])
-    record["outside"] = table(columns, [(2 * len(trials), refused, *held)])
+    columns = ("reference 10 K outside the data", "references", "refused", *columns[2:5])
+    record["outside"] = table(columns, outside)
     seconds = np.array([t["seconds"] for t in trials])
     print(f"\n  fit: median {np.median(seconds):.2f} s, longest {seconds.max():.2f} s of one core")
+    sides = (("at least", 90.0), ("at most", 99.0))
     record["verdicts"] = [
-        verdict(f"seed {seed}: {name} held, {side}", rows[k][2 + i], bound, " %", least=side == "at least")
-        for k, seed in enumerate(arguments.seeds)
-        for i, name in enumerate(("log10 a_T", "storage modulus", "loss modulus"))
-        for side, bound in (("at least", 90.0), ("at most", 99.0))
+        verdict(f"{name}: {what} held, {side}", row[2 + i], bound, " %", least=side == "at least")
+        for name, row in zip(first, rows, strict=False)
+        for i, what in enumerate(("log10 a_T", "storage modulus", "loss modulus"))
+        for side, bound in sides
     ]
     record["verdicts"] += [
-        verdict(f"10 K outside: log10 a_T held, {side}", held[0], bound, " %", least=side == "at least")
-        for side, bound in (("at least", 90.0), ("at most", 99.0))
+        verdict(f"{row[0]}, 10 K outside: log10 a_T held, {side}", row[3], bound, " %", least=side == "at least")
+        for row in outside
+        for side, bound in sides
     ]
     figure, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     scores = np.concatenate([t["score"] for t in trials])
@@ -189,7 +216,7 @@ def main() -> None:
     x = np.linspace(-5, 5, 200)
     ax.plot(x, np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi), color="#1f5a94", label="standard normal")
     ax.set(xlabel="Error over stated standard deviation [-]", ylabel="Density [-]")
-    held = rows[len(arguments.seeds)][2]
+    held = rows[len(first)][2]
     ax.set_title(f"{len(trials)} synthetic sets: 95 % intervals hold {held:.1f} % of log10 a_T", fontsize=10)
     ax.legend(frameon=False)
     save("fit_coverage", record, figure)

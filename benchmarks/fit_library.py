@@ -16,7 +16,7 @@ deviations of storage and loss modulus; relaxation times are log-spaced and reac
 
 import argparse
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -64,27 +64,14 @@ def polyisoprene(data: Path) -> DataSet:
 
 
 def epdm(data: Path) -> em.fit.MaterialFit:
-    """Without vertical shifts, since a material has none: its moduli are then nearest to those measured."""
-    dma = em.fit.read_dma(data / "epdm-70" / "tf_015p.csv")
-    fit = em.fit.material(
-        dma,
+    return em.fit.material(
+        em.fit.read_dma(data / "epdm-70" / "tf_015p.csv"),
         298.15,
-        vertical=False,
         name="epdm-70",
         description="EPDM, 70 Shore A, filled; dynamic moduli in shear at 0.15 % strain",
         citation="Shear DMA at 0.15 % strain, run tf_015p, github.com/MarcusNi96/dma-prony-validation (GPL-3.0), whose "
         "authors corrected temperatures with an empirical rule; filled: moduli fall with strain amplitude",
     )
-    lifted = em.fit.material(dma, 298.15)
-    off = [100 * size for size in (*lifted.as_used.values(), np.abs(lifted.master.log10_a - fit.master.log10_a).max())]
-    said = (
-        "Fitted without vertical shifts, which a material cannot have. With them, shift factors move by up to "
-        f"{off[2] / 100:.2g} decades, the master curve is met to {100 * lifted.prony.storage_residual:.2g} and "
-        f"{100 * lifted.prony.loss_residual:.2g} % rms (storage, loss), but the moduli as measured only to "
-        f"{off[0]:.2g} and {off[1]:.2g} %."
-    )
-    told = [text for text in lifted.warnings if text.startswith("Horizontal and vertical")]
-    return replace(fit, warnings=(*fit.warnings, said, *told))
 
 
 def adhesive(data: Path) -> em.fit.MaterialFit:

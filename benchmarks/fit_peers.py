@@ -273,13 +273,19 @@ def main() -> None:
     )
     fit = whole.value
     hot = [text for text in fit.warnings if "Horizontal and vertical" in text]
+    used = {celsius: em.fit.material(epdm, celsius + 273.15).as_used for celsius in (20, 25)}
     print()
     verdicts = [
         verdict("polyisoprene, rms log10 a_T", record["shifts"][0]["rms log10 a_T off the known"], 0.03),
-        verdict("EPDM-70, storage", 100 * fit.prony.storage_residual, 3.0, " %"),
-        verdict("EPDM-70, loss", 100 * fit.prony.loss_residual, 8.0, " %"),
+        verdict("EPDM-70, storage, about the master curve", 100 * fit.prony.storage_residual, 3.0, " %"),
+        verdict("EPDM-70, loss, about the master curve", 100 * fit.prony.loss_residual, 8.0, " %"),
+        *(
+            verdict(f"EPDM-70 about {celsius} degC, {key}, as measured", 100 * off[f"{key} modulus"], bound, " %")
+            for celsius, off in used.items()
+            for key, bound in (("storage", 3.0), ("loss", 8.0))
+        ),
         verdict("EPDM-70, terms", fit.prony.terms, 12),
-        verdict("EPDM-70, isotherms above 32 degC not told apart", int(fit.master.ambiguous[-3:].sum()), 3, least=True),
+        verdict("EPDM-70, isotherms above 32 degC not told apart", int(rubber.ambiguous[-3:].sum()), 3, least=True),
         verdict("210 points, warm, processor time", whole.cpu, 1.0, " s"),
         verdict("210 points over 22 decades, warm, processor time", broad.cpu, 1.0, " s"),
         verdict("210 points, cold command, processor time", command[1], 8.0, " s"),

@@ -35,7 +35,12 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         default=[],
         help="a column's title or number, such as storage=4",
     )
-    add("--no-vertical", action="store_true", help="no vertical shifts")
+    add(
+        "--vertical",
+        action=argparse.BooleanOptionalAction,
+        help="with or without vertical shifts (default: without where they are large and the material is then closer "
+        "to the data as measured)",
+    )
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
     add(
         "--balance",
@@ -72,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
         found = fit.material(
             dma,
             reference,
-            vertical=not arguments.no_vertical,
+            vertical=arguments.vertical,
             terms=arguments.terms,
             balance=arguments.balance,
             poisson=arguments.poisson,

@@ -29,6 +29,7 @@ class Joint(NamedTuple):
     doubts: tuple[Doubt, ...]  # of the choice of shift model, and of gaps between isotherms
     inflation: float  # by which the covariance has grown since residuals along an isotherm resemble each other
     misfit: float  # scatter about the common curve over that of each isotherm about a smooth curve of its own
+    plain: Shifts  # without a vertical part
 
 
 class AtReference(NamedTuple):
@@ -50,22 +51,31 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     for less where their misfit is not noise.
     """
     guess = guess_shifts(data.points, data.temperature)
-    plain = join(_with_offsets(data, guess).points, data.temperature, guess, False)
+    plain = join(_with_offsets(data, guess).points, data.temperature, guess, False, roughly=True)
     found = plain.horizontal(plain.posterior.mean)[0]
     points, several = _with_offsets(data, found).points, data.temperature.size > 1
     both = vertical and several
-    shifts = join(points, data.temperature, found, True, near=plain) if both else plain
+    shifts = join(points, data.temperature, found, both, near=plain, roughly=True) if both else plain
     temper = alike(shifts.points, shifts.posterior.residuals)
-    if temper > 1:
-        shifts = join(points, data.temperature, found, both, temper, near=shifts)
-        plain = join(points, data.temperature, found, False, temper, near=plain) if both else shifts
+    shifts = join(points, data.temperature, found, both, temper, near=shifts)
+    plain = join(points, data.temperature, found, False, temper, near=plain) if both else shifts
     misfit = _misfit(shifts)
     gain = (shifts.posterior.evidence - plain.posterior.evidence) / max(1.0, misfit) ** 2
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
     here, there = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
     apart = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
     choice = Doubt(np.sqrt(weight) * apart, 0.0, (np.inf, np.inf))
-    return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit)
+    return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain)
+
+
+def without_vertical(joint: Joint) -> Joint:
+    """The fit of the same isotherms that has no vertical part, as if it had been asked for."""
+    plain = joint.plain
+    temper = alike(plain.points, plain.posterior.residuals)
+    near = plain.horizontal(plain.posterior.mean)[0]
+    plain = join(plain.points, plain.temperature, near, False, temper, near=plain)
+    choice = Doubt(np.zeros(plain.size), 0.0, (np.inf, np.inf))
+    return Joint(plain, (choice, *_gaps(plain)), temper, _misfit(plain), plain)
 
 
 def about(joint: Joint, reference: float) -> AtReference:

@@ -16,7 +16,7 @@ from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import Dma
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import isotherms
-from .joint import AtReference, Joint, about, fit_jointly
+from .joint import AtReference, Joint, about, fit_jointly, without_vertical
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
@@ -97,6 +97,11 @@ class MasterCurve(AbstractFindings):
         temperature = float(scalar("temperature", temperature))
         positive("temperature", temperature)
         return _assemble(self.dma, self.joint, temperature)
+
+    @one_thread
+    def without_vertical(self) -> "MasterCurve":
+        """The same isotherms shifted along the frequency only, as `master_curve(..., vertical=False)` does."""
+        return _assemble(self.dma, without_vertical(self.joint), self.reference)
 
     def band(self, omega: Any) -> Band:
         """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.

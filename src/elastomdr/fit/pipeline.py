@@ -4,7 +4,7 @@ import os
 import re
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -133,7 +133,7 @@ def material(
     dma: Dma,
     reference: Any = None,
     *,
-    vertical: bool = True,
+    vertical: bool | None = None,
     terms: int | None = None,
     equilibrium: bool | None = None,
     balance: float | None = None,
@@ -147,39 +147,81 @@ def material(
 
     `law` is "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
     within 0.1 decades of the shift factors, or within what they are known to, a table otherwise. A material has
-    no vertical shift: `as_used` says what that costs against the data as measured. Other arguments as for
-    `master_curve` and `prony`; `citation` is the source of the data. Raises `InputError` as they do.
+    no vertical shift, and `as_used` says how close it comes to the data as measured. Where vertical shifts are large,
+    isotherms are shifted a second time without any, and the material that comes closer to the data is the answer
+    (`vertical=None`; True or False settle it). Other arguments as for `master_curve` and `prony`; `citation` is the
+    source of the data. Raises `InputError` as they do.
     """
     if law not in LAWS:
         raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}.")
-    master = master_curve(dma, reference, vertical)
-    chosen = _choose(master) if law == "auto" else law
-    shift = None if chosen == "none" else _table(master) if chosen == "table" else _law(master, chosen)
     name = name or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem).strip("-.").lower() or "rubber"
     citation = citation or f"Measured data: {dma.source or 'arrays'}"
-    fit = prony(
-        master,
-        terms=terms,
-        equilibrium=equilibrium,
-        balance=balance,
-        poisson=poisson,
-        shift=shift,
-        name=name,
-        citation=citation,
-    )
-    used = _as_used(fit.material, dma)
-    texts = [*dma.warnings, *master.warnings, *fit.warnings]
-    known = np.abs(master.log10_b) > TWO_SIGMA * master.log10_b_std
-    lift = float(np.abs(np.expm1(np.log(10) * master.log10_b * known)).max())
-    if lift > _LIFT:
-        cold = float(master.temperature[np.abs(master.log10_b * known).argmax()] - 273.15)
-        texts.append(
-            f"Vertical shifts reach {100 * lift:.2g} % (at {cold:.3g} degC), and a material file has none: "
-            "away from the reference temperature its moduli are off by as much. vertical=False (--no-vertical) fits a "
-            "material that has none from the start."
+
+    def fitted(master: MasterCurve) -> MaterialFit:
+        chosen = _choose(master) if law == "auto" else law
+        shift = None if chosen == "none" else _table(master) if chosen == "table" else _law(master, chosen)
+        fit = prony(
+            master,
+            terms=terms,
+            equilibrium=equilibrium,
+            balance=balance,
+            poisson=poisson,
+            shift=shift,
+            name=name,
+            citation=citation,
         )
-    description = description or f"Fitted to {dma.summary()}"
-    return MaterialFit(fit.material, master, fit, chosen, used, tuple(texts), citation, description)
+        texts = (*dma.warnings, *master.warnings, *fit.warnings)
+        said = description or f"Fitted to {dma.summary()}"
+        return MaterialFit(fit.material, master, fit, chosen, _as_used(fit.material, dma), texts, citation, said)
+
+    lifted = fitted(master_curve(dma, reference, True if vertical is None else vertical))
+    size, celsius = _lift(lifted.master)
+    if size <= _LIFT:
+        return lifted
+    flat = lifted.master.without_vertical() if vertical is None else None
+    # A series is hardly closer to the data than the smooth curve through them: where that is worse, none is made.
+    promising = flat is not None and _squares(flat.noise) < _squares(lifted.as_used)
+    plain = fitted(flat) if flat is not None and promising else lifted
+    if _squares(plain.as_used) < _squares(lifted.as_used):
+        return replace(plain, warnings=(*plain.warnings, _said(plain, lifted), *_not_told_apart(lifted)))
+    text = (
+        f"Vertical shifts reach {100 * size:.2g} % (at {celsius:.3g} degC), and a material file has none: "
+        "away from the reference temperature its moduli are off by as much."
+    )
+    advice = " vertical=False (--no-vertical) fits a material that has none from the start." if vertical else ""
+    return replace(lifted, warnings=(*lifted.warnings, text + advice))
+
+
+def _lift(master: MasterCurve) -> tuple[float, float]:
+    """The largest relative vertical shift that is known not to be zero, and the temperature it is at [degC]."""
+    known = np.abs(master.log10_b) > TWO_SIGMA * master.log10_b_std
+    log10_b = np.abs(master.log10_b * known)
+    size = float(np.abs(np.expm1(np.log(10) * master.log10_b * known)).max())
+    return size, float(master.temperature[log10_b.argmax()] - 273.15)
+
+
+def _squares(sizes: dict[str, float]) -> float:
+    return sum(size**2 for size in sizes.values())
+
+
+def _said(plain: MaterialFit, lifted: MaterialFit) -> str:
+    """What a fit with vertical shifts would have been, beside the one without."""
+    moved = np.abs(lifted.master.log10_a - plain.master.log10_a).max()
+    own = lifted.prony.storage_residual, lifted.prony.loss_residual, lifted.prony.relaxation_residual
+    met, used = (
+        ", ".join(f"{100 * size:.2g}" for size in sizes if np.isfinite(size))
+        for sizes in (own, lifted.as_used.values())
+    )
+    names = ", ".join(name.removesuffix(" modulus") for name in lifted.as_used)
+    return (
+        "Fitted without vertical shifts, which a material cannot have. With them (vertical=True, --vertical), shift "
+        f"factors move by up to {moved:.2g} decades, the master curve is met to {met} % rms ({names}), but the moduli "
+        f"as measured only to {used} %."
+    )
+
+
+def _not_told_apart(fit: MaterialFit) -> list[str]:
+    return [text for text in fit.warnings if text.startswith("Horizontal and vertical")]
 
 
 def _choose(master: MasterCurve) -> str:

@@ -19,6 +19,7 @@ _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
 _RATIO = 5.0  # largest ratio of two groups' noise: a misfit of one must not leave it to the others alone
 _ROUNDS = 40
 _STIFF = 1.0  # added to curvatures where they scale the damping: unknowns are logarithms, a step of 1 is large
+SETTLED = 0.03  # change of the logarithms of noise and widths at which they count as found
 GAIN = 3e-3  # of a step, in twice the logarithm of probability, at which climbing stops
 _STEPS = 12  # of Gauss-Newton before the widths are looked at again
 
@@ -86,12 +87,14 @@ def infer(
     noise_limits: tuple[float, float] | None = _NOISE,
     weights: np.ndarray | None = None,
     gain: float = GAIN,
+    settled_at: float = SETTLED,
 ) -> Posterior:
     """The posterior of a model whose values have Gaussian noise of unknown size, one size per `group` of points.
 
     With `noise_limits=None` the noise stays as it is given. `temper` above 1 says that residuals resemble their
     neighbours: so many points count as one. `wary` replaces the Jacobian in the covariance. `weights` of the points
-    are found, unless they are given: 1, and less for outliers. Climbing stops where a step gains less than `gain`.
+    are found, unless they are given: 1, and less for outliers. Climbing stops where a step gains less than `gain`, and
+    all of it where logarithms of noise and widths change by less than `settled_at`.
     """
     noise, robust = noise.copy(), weights is None
     weights = np.ones(data.size) if weights is None else weights
@@ -132,7 +135,7 @@ def infer(
             size = np.abs(residuals) / noise[group]
             weights = np.minimum(1.0, (_HUBER / np.maximum(size, 1e-12)) ** 2)
         cost = np.abs(np.log(np.concatenate([noise, widths])) - before).max()
-        if settled and cost < 0.03:
+        if settled and cost < settled_at:
             converged = True
             break
     if wary is not None:

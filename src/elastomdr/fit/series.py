@@ -17,6 +17,7 @@ from .balance import weigh
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import KINDS
 from .findings import TWO_SIGMA, AbstractFindings
+from .from_relaxation import known_range, with_loss
 from .isotherms import alike
 from .joint import AtReference, Joint, about, curve
 from .judge import judge_level, judge_series
@@ -28,7 +29,6 @@ from .spectrum import LOSS, RELAXATION, STORAGE, Points
 from .terms import Data, choose_terms, most_terms
 
 TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
-_EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
 _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
     "where it is known, as poisson=0.4 (--poisson 0.4)."
@@ -202,25 +202,27 @@ def prony(
     joint = master.joint if master is not None else _smooth(points)
     noise, contradiction = weigh(joint.shifts.posterior.noise, points, balance)
     data = Data(points, noise, joint.shifts.posterior.weights, joint.inflation)
-    found = choose_terms(data, terms, equilibrium)
-    residuals = np.expm1(-found.posterior.residuals)
+    state = master.state if master is not None else about(joint, joint.shifts.temperature[0])
+    found = choose_terms(with_loss(data, joint, state), terms, equilibrium)
+    off = found.posterior.residuals[: points.channel.size]
+    residuals = np.expm1(-off)
     parts = {
         key: residuals[points.channel == which]
         for key, which in (("storage", STORAGE), ("loss", LOSS), ("relaxation", RELAXATION))
     }
     rms = {key: float(np.sqrt(np.mean(part**2))) if part.size else float("nan") for key, part in parts.items()}
-    off = data.weights * (found.posterior.residuals / noise[points.channel]) ** 2
-    covariance = found.posterior.covariance * max(1.0, float(off.sum() / data.weights.sum()))  # misfit is not noise
+    chi = float((data.weights * (off / noise[points.channel]) ** 2).sum() / data.weights.sum())
+    covariance = found.posterior.covariance * max(1.0, chi)  # misfit is not noise
     std = np.sqrt(np.diag(covariance))
     count = found.log_times.size
     moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
     level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
     material = Prony(
         level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
-        name=name, citation=citation, range=_range(points, master),
+        name=name, citation=citation,
+        range=Range(known_range(points, joint, state), _temperatures(master)),
     )  # fmt: skip
     end = slow_end(points, noise)
-    state = master.state if master is not None else about(joint, joint.shifts.temperature[0])
     at = np.array([np.log(end.rate)]), np.array([STORAGE if end.kind == "storage" else RELAXATION])
     lifted = float(curve(joint, state, *at)[1][0])  # vertical shifts move all of the series, and its level
     half = TWO_SIGMA * level * float(np.hypot(std[-1], lifted)) if level else 0.0
@@ -254,14 +256,11 @@ def prony(
     )
 
 
-def _range(points: Points, master: MasterCurve | None) -> Range:
-    """Where the data are, rounded; the loss modulus at omega needs relaxation from about t = 0.1/omega on."""
-    rate = np.exp(points.log_rate) * np.where(points.channel == RELAXATION, _EARLY, 1.0)
-    low, high = (float(f"{x:.4g}") for x in (np.exp(points.log_rate).min(), rate.max()))
+def _temperatures(master: MasterCurve | None) -> tuple[float, float] | None:
     if master is None:
-        return Range((low, high), None)
+        return None
     cold, warm = (round(float(x), TEMPERATURE_DIGITS) for x in (master.temperature.min(), master.temperature.max()))
-    return Range((low, high), (cold, warm) if cold < warm else (cold - 0.5, warm + 0.5))
+    return (cold, warm) if cold < warm else (cold - 0.5, warm + 0.5)
 
 
 def _smooth(points: Points) -> Joint:
@@ -270,7 +269,7 @@ def _smooth(points: Points) -> Joint:
     count = alike(points, shifts.posterior.residuals)
     if count > 1:
         shifts = join(points, np.array([293.15]), np.zeros(1), False, count, near=shifts)
-    return Joint(shifts, (), count, 1.0)
+    return Joint(shifts, (), count, 1.0, shifts)
 
 
 def _lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:

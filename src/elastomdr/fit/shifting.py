@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .posterior import Posterior, Prior, infer
+from .posterior import GAIN, SETTLED, Posterior, Prior, infer
 from .spectrum import LOSS, PER_DECADE, Points, Prediction, nodes, predict
 
 LN10 = float(np.log(10.0))
@@ -27,7 +27,8 @@ _LEAST = 0.03  # least slope to begin with [1/K]
 _BEND = -0.012  # usual d(ln slope)/dT: that of WLF laws 150 K above their pole [1/K]
 _CHANGE = (0.1, 0.4)  # limits of the standard deviation of ln(slope ratio) over 10 K
 _CURVATURE = (0.04, 3.0)  # limits of the standard deviation of the second difference of ln H_k
-_PLACE = 0.3  # by how much of their spacing relaxation times may be off the grid
+_PLACE = 0.6  # by how much of their spacing relaxation times may be off the grid: a sharp line may lie between two
+_ROUGH = (0.5, 0.2)  # gain of a step, and change of widths, at which a first fit stops
 _LOOSEN = 1.5  # wider than most probable: one width for all times smooths away what is sharper than the average
 
 
@@ -115,11 +116,13 @@ def join(
     vertical: bool,
     temper: float = 1.0,
     near: Shifts | None = None,
+    roughly: bool = False,
 ) -> Shifts:
     """The most probable shifts and spectrum of isotherms at ascending temperatures [K]; `temper` as for `infer`.
 
     `near` is a fit of nearly the same points: the search begins at its answer, noise and roughness, but not at the
-    widths that it gave to the shifts, which would hold them where it had them.
+    widths that it gave to the shifts, which would hold them where it had them. `roughly` stops early: such a fit is
+    there to begin another one.
     """
     anchor = _anchor(points, first_guess)
     guess = first_guess - first_guess[anchor]
@@ -165,6 +168,8 @@ def join(
         noise,
         temper=temper,
         wary=lambda p: model(p, wary=True)[1](),
+        gain=_ROUGH[0] if roughly else GAIN,
+        settled_at=_ROUGH[1] if roughly else SETTLED,
     )
     return shifts._replace(posterior=posterior)
 

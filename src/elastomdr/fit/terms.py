@@ -30,6 +30,7 @@ class Data(NamedTuple):
     noise: np.ndarray  # standard deviation of ln(value) per channel
     weights: np.ndarray  # per point: 1, less for an outlier, more where several points are gathered in one
     alike: float  # number of neighbours that count as one
+    measured: int | None = None  # only so many points, the first ones, are data; the others guide, and inform nobody
 
 
 class Terms(NamedTuple):
@@ -125,7 +126,7 @@ def _gathered(data: Data) -> Data:
     channel = np.rint(mean(points.channel.astype(float))).astype(int)
     zero = np.zeros(total.size)
     gathered = Points(channel, mean(points.log_rate), mean(points.log_value), zero.astype(int), zero)
-    return data._replace(points=gathered, weights=total)
+    return data._replace(points=gathered, weights=total, measured=None)
 
 
 def _levels_off(points: Points, found: Terms) -> bool:
@@ -151,8 +152,7 @@ def _counts(most: int) -> list[int]:
 
 def _best(data: Data, count: int, solid: bool) -> Terms:
     """The better of two starts: with terms close to the data, and with one well beyond their fast end."""
-    beyond = count > 2 and (data.points.channel != RELAXATION).any()  # a relaxation test sees nothing before its start
-    trials = [_trial(data, count, solid, far) for far in ((False, True) if beyond else (False,))]
+    trials = [_trial(data, count, solid, far) for far in ((False, True) if count > 2 else (False,))]
     return min(trials, key=lambda t: t.criterion)
 
 
@@ -192,6 +192,12 @@ def _trial(data: Data, count: int, solid: bool, far: bool) -> Terms:
 def _climb(data: Data, start: np.ndarray, priors: tuple[Prior, ...], solid: bool, gain: float = GAIN) -> Terms:
     """The most probable series near a start; its terms in order of their times."""
     points, noise = data.points, data.noise
+
+    def by_data(p: np.ndarray) -> np.ndarray:
+        rows = _model(points, p, solid)[1]()
+        rows[data.measured :] = 0.0
+        return rows
+
     posterior = infer(
         lambda p: _model(points, p, solid),
         points.log_value,
@@ -201,6 +207,7 @@ def _climb(data: Data, start: np.ndarray, priors: tuple[Prior, ...], solid: bool
         noise,
         noise_limits=None,
         temper=data.alike,
+        wary=by_data if data.measured is not None else None,
         weights=data.weights,
         gain=gain,
     )

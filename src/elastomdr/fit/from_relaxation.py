@@ -1,0 +1,72 @@
+"""What relaxation says of the loss modulus, which makes friction: a smooth estimate for the series, and its range.
+
+Few exponentials that meet G(t) exactly may have a loss modulus that is several per cent off, too small near the fast
+end above all: relaxation from t_0 on has lost what relaxes within t_0, and that is still a part of the loss at angular
+frequencies a decade or two below 1/t_0 (of order (omega t_0)^(1 - n) where G ~ t^-n). The smooth spectrum carries on.
+"""
+
+import numpy as np
+
+from .findings import TWO_SIGMA
+from .joint import AtReference, Joint, curve
+from .spectrum import LOSS, RELAXATION, Points
+from .terms import Data
+
+_LN10 = float(np.log(10.0))
+_EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
+_PER_DECADE = 6  # estimates of the loss modulus
+_KNOWN = 0.04  # half a 95 % interval of ln(loss modulus) up to which relaxation is said to determine it
+_WIDEST = 0.5  # standard deviation of ln(loss modulus) above which an estimate is worth nothing
+
+
+def with_loss(data: Data, joint: Joint, state: AtReference) -> Data:
+    """Data with the smooth spectrum's loss modulus added where there is relaxation and no dynamic modulus.
+
+    Each estimate counts by its own uncertainty; `Data.measured` says that they are not data.
+    """
+    rate = _grid(data.points)
+    if not rate.size:
+        return data
+    value, std = curve(joint, state, rate, np.full(rate.size, LOSS))
+    sure = std < _WIDEST
+    rate, value, std = rate[sure], value[sure], std[sure]
+    noise = data.noise.copy()
+    if not (data.points.channel == LOSS).any():
+        noise[LOSS] = noise[RELAXATION]
+    weights = np.minimum((noise[LOSS] / std) ** 2, 1.0) * data.alike
+    more = Points(np.full(rate.size, LOSS), rate, value, np.zeros(rate.size, dtype=int), np.zeros(rate.size))
+    return Data(
+        Points(*(np.concatenate(both) for both in zip(data.points, more, strict=True))),
+        noise,
+        np.concatenate([data.weights, weights]),
+        data.alike,
+        data.points.channel.size,
+    )
+
+
+def known_range(points: Points, joint: Joint, state: AtReference) -> tuple[float, float]:
+    """Angular frequencies that the data determine the moduli at: those of dynamic data, and where relaxation
+    determines the loss modulus to 4 %; rounded [rad/s].
+    """
+    dynamic = points.log_rate[points.channel != RELAXATION]
+    ends = [dynamic.min(), dynamic.max()] if dynamic.size else []
+    rate = _grid(points)
+    if rate.size:
+        half = TWO_SIGMA * curve(joint, state, rate, np.full(rate.size, LOSS))[1]
+        best = int(half.argmin())
+        poor = np.flatnonzero(half > max(_KNOWN, 1.5 * half[best]))
+        first, last = poor[poor < best].max(initial=-1) + 1, poor[poor > best].min(initial=rate.size) - 1
+        ends += [rate[first], rate[last]]
+    low, high = (float(f"{np.exp(x):.4g}") for x in (min(ends), max(ends)))
+    return low, high
+
+
+def _grid(points: Points) -> np.ndarray:
+    """ln(omega) where relaxation says something and no dynamic modulus does."""
+    relaxed = points.log_rate[points.channel == RELAXATION]
+    if not relaxed.size:
+        return relaxed
+    low, high = relaxed.min(), max(relaxed.max() + np.log(_EARLY), relaxed.min() + 1e-3)
+    rate = np.linspace(low, high, max(2, int(np.ceil((high - low) / _LN10 * _PER_DECADE)) + 1))
+    dynamic = points.log_rate[points.channel != RELAXATION]
+    return rate if not dynamic.size else rate[(rate < dynamic.min()) | (rate > dynamic.max())]
