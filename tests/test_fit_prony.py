@@ -209,6 +209,8 @@ def test_relaxation_has_an_interval_and_no_boundless_term():
     band, truth = fit.relaxation_band(t), np.asarray(SOLID.relaxation(t))
     assert np.mean((band.relaxation_low <= truth) & (truth <= band.relaxation_high)) > 0.85
     assert np.median(band.relaxation_high / band.relaxation_low - 1) < 0.05
-    assert fit.material.range.frequency == pytest.approx((0.1, 100.0))  # 1/t, less a decade at the fast end
+    low, high = fit.material.range.frequency  # of 1/t, what determines the loss modulus
+    assert 0.1 <= low < 3
+    assert 10 < high <= 100 * (1 + 1e-9)  # at least a decade less at the fast end
     with pytest.warns(em.fit.FitWarning, match="1 of 2 times are extrapolated"):
         fit.relaxation_band([1e-5, 1.0])

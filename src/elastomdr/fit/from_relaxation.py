@@ -16,6 +16,7 @@ _LN10 = float(np.log(10.0))
 _EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
 _PER_DECADE = 6  # estimates of the loss modulus
 _KNOWN = 0.04  # half a 95 % interval of ln(loss modulus) up to which relaxation is said to determine it
+_BEST = 1.5  # times the smallest such interval, up to which it counts as nearly as well known
 _WIDEST = 0.5  # standard deviation of ln(loss modulus) above which an estimate is worth nothing
 
 
@@ -46,17 +47,15 @@ def with_loss(data: Data, joint: Joint, state: AtReference) -> Data:
 
 def known_range(points: Points, joint: Joint, state: AtReference) -> tuple[float, float]:
     """Angular frequencies that the data determine the moduli at: those of dynamic data, and where relaxation
-    determines the loss modulus to 4 %; rounded [rad/s].
+    determines the loss modulus to 4 %, or nearly as well as anywhere; rounded [rad/s].
     """
     dynamic = points.log_rate[points.channel != RELAXATION]
     ends = [dynamic.min(), dynamic.max()] if dynamic.size else []
     rate = _grid(points)
     if rate.size:
         half = TWO_SIGMA * curve(joint, state, rate, np.full(rate.size, LOSS))[1]
-        best = int(half.argmin())
-        poor = np.flatnonzero(half > max(_KNOWN, 1.5 * half[best]))
-        first, last = poor[poor < best].max(initial=-1) + 1, poor[poor > best].min(initial=rate.size) - 1
-        ends += [rate[first], rate[last]]
+        known = rate[half <= max(_KNOWN, _BEST * half.min())]
+        ends += [known.min(), known.max()]
     low, high = (float(f"{np.exp(x):.4g}") for x in (min(ends), max(ends)))
     return low, high
 

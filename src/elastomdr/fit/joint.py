@@ -20,6 +20,7 @@ class Doubt(NamedTuple):
     by_isotherm: np.ndarray  # (n,) [decades]
     size: float  # by how much the common curve moves along with the isotherms [decades],
     between: tuple[float, float]  # at these ln(rate) at the anchor's temperature
+    of_law: bool = True  # whether a law may miss the shift factors along it; False: it has to follow them
 
 
 class Joint(NamedTuple):
@@ -30,6 +31,7 @@ class Joint(NamedTuple):
     inflation: float  # by which the covariance has grown since residuals along an isotherm resemble each other
     misfit: float  # scatter about the common curve over that of each isotherm about a smooth curve of its own
     plain: Shifts  # without a vertical part
+    weight: float  # that the data leave to it
 
 
 class AtReference(NamedTuple):
@@ -65,17 +67,19 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     here, there = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
     apart = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
     choice = Doubt(np.sqrt(weight) * apart, 0.0, (np.inf, np.inf))
-    return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain)
+    return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain, float(weight))
 
 
 def without_vertical(joint: Joint) -> Joint:
-    """The fit of the same isotherms that has no vertical part, as if it had been asked for."""
+    """The fit of the same isotherms that has no vertical part; what that changes is in the uncertainty."""
     plain = joint.plain
     temper = alike(plain.points, plain.posterior.residuals)
-    near = plain.horizontal(plain.posterior.mean)[0]
-    plain = join(plain.points, plain.temperature, near, False, temper, near=plain)
-    choice = Doubt(np.zeros(plain.size), 0.0, (np.inf, np.inf))
-    return Joint(plain, (choice, *_gaps(plain)), temper, _misfit(plain), plain)
+    x, lifted = (s.horizontal(s.posterior.mean)[0] for s in (plain, joint.shifts))
+    plain = join(plain.points, plain.temperature, x, False, temper, near=plain)
+    x = plain.horizontal(plain.posterior.mean)[0]
+    apart = (lifted - lifted[plain.anchor]) - (x - x[plain.anchor])
+    choice = Doubt(np.sqrt(1 - joint.weight) * apart, 0.0, (np.inf, np.inf), of_law=False)
+    return Joint(plain, (choice, *_gaps(plain)), temper, _misfit(plain), plain, 1.0)
 
 
 def about(joint: Joint, reference: float) -> AtReference:
@@ -84,16 +88,17 @@ def about(joint: Joint, reference: float) -> AtReference:
     p, n, temperature = shifts.posterior.mean, shifts.size, shifts.temperature
     covariance = shifts.posterior.covariance
     x, by_x = shifts.horizontal(p)
-    spread = by_x @ covariance @ by_x.T + _outer(d.by_isotherm for d in joint.doubts)
+    spread = by_x @ covariance @ by_x.T + _outer((d.by_isotherm * d.of_law for d in joint.doubts), n)
     place = locate(temperature, x, spread, reference)
     change = np.eye(n) - place.weights
-    full = change @ spread @ change.T + place.variance
+    of_law = change @ spread @ change.T + place.variance
+    full = of_law + change @ _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n) @ change.T
     log10_a = x - place.log10_a
     level = place.near @ shifts.vertical()  # of the reference: the free part is that of the isotherms nearby,
     level[shifts.slopes.stop] = np.log(temperature[shifts.anchor] / reference)  # entropy elasticity its own
     lift = shifts.vertical() - level
     std = np.sqrt(np.maximum(np.diag(lift @ covariance @ lift.T), 0.0))
-    laws = fit_laws(temperature, log10_a, full, reference) if n >= 2 else {}
+    laws = fit_laws(temperature, log10_a, of_law, reference) if n >= 2 else {}
     return AtReference(log10_a, full, lift @ p, std, place, level, laws)
 
 
@@ -135,8 +140,8 @@ def _gaps(shifts: Shifts) -> Iterator[Doubt]:
             yield Doubt(np.where(numbers > i, size, 0.0), size, (-np.inf, low[: i + 1].min()))
 
 
-def _outer(vectors: Iterable[np.ndarray]) -> np.ndarray:
-    return sum(np.outer(vector, vector) for vector in vectors)  # pyright: ignore[reportReturnType]
+def _outer(vectors: Iterable[np.ndarray], n: int) -> np.ndarray:
+    return sum((np.outer(vector, vector) for vector in vectors), np.zeros((n, n)))
 
 
 def _with_offsets(data: Isotherms, log10_a: np.ndarray) -> Isotherms:

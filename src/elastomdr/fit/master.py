@@ -96,12 +96,16 @@ class MasterCurve(AbstractFindings):
         """The same master curve about another reference temperature [K]."""
         temperature = float(scalar("temperature", temperature))
         positive("temperature", temperature)
-        return _assemble(self.dma, self.joint, temperature)
+        return _assemble(self.dma, self.joint, temperature, self.ambiguous)
 
     @one_thread
     def without_vertical(self) -> "MasterCurve":
-        """The same isotherms shifted along the frequency only, as `master_curve(..., vertical=False)` does."""
-        return _assemble(self.dma, without_vertical(self.joint), self.reference)
+        """The same isotherms shifted along the frequency only.
+
+        As `master_curve(..., vertical=False)` does, but the uncertainty contains what vertical shifts would change, and
+        `ambiguous` says still where they cannot be told apart.
+        """
+        return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous)
 
     def band(self, omega: Any) -> Band:
         """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
@@ -171,13 +175,12 @@ def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tole
     return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)
 
 
-def _assemble(dma: Dma, joint: Joint, reference: float) -> MasterCurve:
+def _assemble(dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | None = None) -> MasterCurve:
     shifts, state = joint.shifts, about(joint, reference)
     points = shifts.points
     reduced = points.log_rate + LN10 * (state.log10_a[points.isotherm] + points.offset)
     lifted = np.exp(points.log_value + state.ln_b[points.isotherm])
     at = [points.channel == which for which in (STORAGE, LOSS, RELAXATION)]
-    clear = told_apart(joint)
     master = MasterCurve(
         reference=reference,
         kind=dma.kind,
@@ -187,7 +190,7 @@ def _assemble(dma: Dma, joint: Joint, reference: float) -> MasterCurve:
         log10_b=state.ln_b / LN10,
         log10_b_std=state.ln_b_std / LN10,
         covariance=state.covariance,
-        ambiguous=~clear,
+        ambiguous=~told_apart(joint) if ambiguous is None else ambiguous,
         laws=state.laws,
         frequency=np.exp(reduced[at[STORAGE]]),
         storage=lifted[at[STORAGE]],

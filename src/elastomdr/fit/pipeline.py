@@ -90,7 +90,8 @@ class MaterialFit(AbstractFindings):
         fit = self.prony
         sizes = {"storage": fit.storage_residual, "loss": fit.loss_residual, "relaxation": fit.relaxation_residual}
         met = ", ".join(f"{name} {100 * size:.2g} %" for name, size in sizes.items() if np.isfinite(size))
-        return f"the master curve, with its vertical shifts, is met to: {met} rms"
+        lifted = ", with its vertical shifts," if np.abs(self.master.log10_b).max() > 1e-4 else ""
+        return f"the master curve{lifted} is met to: {met} rms"
 
     def _shift_note(self) -> str:
         master = self.master
@@ -183,7 +184,7 @@ def material(
     promising = flat is not None and _squares(flat.noise) < _squares(lifted.as_used)
     plain = fitted(flat) if flat is not None and promising else lifted
     if _squares(plain.as_used) < _squares(lifted.as_used):
-        return replace(plain, warnings=(*plain.warnings, _said(plain, lifted), *_not_told_apart(lifted)))
+        return replace(plain, warnings=(*plain.warnings, _said(plain, lifted)))
     text = (
         f"Vertical shifts reach {100 * size:.2g} % (at {celsius:.3g} degC), and a material file has none: "
         "away from the reference temperature its moduli are off by as much."
@@ -218,10 +219,6 @@ def _said(plain: MaterialFit, lifted: MaterialFit) -> str:
         f"factors move by up to {moved:.2g} decades, the master curve is met to {met} % rms ({names}), but the moduli "
         f"as measured only to {used} %."
     )
-
-
-def _not_told_apart(fit: MaterialFit) -> list[str]:
-    return [text for text in fit.warnings if text.startswith("Horizontal and vertical")]
 
 
 def _choose(master: MasterCurve) -> str:

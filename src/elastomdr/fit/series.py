@@ -269,7 +269,7 @@ def _smooth(points: Points) -> Joint:
     count = alike(points, shifts.posterior.residuals)
     if count > 1:
         shifts = join(points, np.array([293.15]), np.zeros(1), False, count, near=shifts)
-    return Joint(shifts, (), count, 1.0, shifts)
+    return Joint(shifts, (), count, 1.0, shifts, 1.0)
 
 
 def _lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:
