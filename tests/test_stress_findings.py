@@ -10,8 +10,8 @@ import elastomdr as em
 from elastomdr.foundation.episode import follow, pressed
 from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
 from elastomdr.mapping.disc import Disc
-from elastomdr.solve.control import over_histories
-from elastomdr.solve.history import indent_by_depth
+from elastomdr.solve.history import edges
+from elastomdr.solve.many import indent_all, over_histories
 from elastomdr.solve.panels import LAYERS
 
 
@@ -75,7 +75,8 @@ def test_branch_far_faster_than_the_ramp(levels: int, missed: float) -> None:
     law = em.Foundation(0.0, [e], [1.0]).law()
     with jax.enable_x64(True):
         disc = Disc(em.Paraboloid(1 / c), "half-space")
-        found, _ = over_histories(indent_by_depth, law, recovery_modes(law), disc, time, depth, levels=levels)
+        given = law, recovery_modes(law), disc, time, depth
+        found = indent_all(*given, over_histories(edges, *given), levels, size=4)
     reached = 1.6 * d / ramp  # v tau
     exact = 2 * e * reached * (np.sqrt(d / c) - np.sqrt(reached / c) * dawsn(np.sqrt(d / reached)))
     miss = np.abs(found.force[:, 2] - exact)

@@ -25,6 +25,7 @@ from .modes import Modes, to_branches, to_modes
 from .step import phi1, phi2
 
 _MOST = 100  # iterations in search of an instant
+_NEWTON = 8  # of them per one that halves the bracket whatever Newton's method says
 _ROUNDING = 1e-15
 _BLUR = 1e-12  # of a force: below it its sign may be one of rounding
 
@@ -159,7 +160,8 @@ def _meeting(modes: Modes, state: Touching, w: Array, v: Any, h: Any) -> tuple[A
 
 
 def _parting(law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: Array) -> tuple[Array, Array]:
-    """Whether and when an element in contact would be pulled: Newton's method within a bracket."""
+    """Whether and when an element in contact would be pulled: Newton's method within a bracket, from where a straight
+    line between its ends is zero."""
     end, _ = _pull(law, u, f, v, rest)
     lost = touched & (end < 0)
     # At once where a dashpot is pulled: then q does not pass zero, and there is no root to search for.
@@ -168,15 +170,17 @@ def _parting(law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: 
     at_once = lost & (begin <= 0) & ((change <= 0) | (begin < -_BLUR * size))
 
     def advance(carry: tuple) -> tuple:
-        t, low, high, _, count = carry
+        t, low, high, ended, count = carry
         q, rate = _pull(law, u, f, v, t)
         low, high = jnp.where(q > 0, t, low), jnp.where(q > 0, high, t)
         following = t - q / jnp.where(rate < 0, rate, -1.0)
-        inside = (following > low) & (following < high) & (rate < 0) & (count % 4 < 3)
+        inside = (following > low) & (following < high) & (rate < 0) & (count % _NEWTON < _NEWTON - 1)
         following = jnp.where(inside, following, 0.5 * (low + high))
-        done = ~lost | (jnp.abs(following - t) <= 4 * _ROUNDING * rest) | (high <= low * (1 + 4 * _ROUNDING))
+        close = (jnp.abs(following - t) <= 4 * _ROUNDING * rest) | (high <= low * (1 + 4 * _ROUNDING))
+        done = ended | close | (jnp.abs(q) <= 2 * _ROUNDING * size)
         return jnp.where(done, t, following), low, high, done, count + 1
 
-    start = (0.5 * rest, jnp.zeros_like(rest), rest, ~lost | at_once, 0)
+    straight = rest * jnp.clip(begin / jnp.where(lost, begin - end, 1.0), 0.0, 1.0)
+    start = (straight, jnp.zeros_like(rest), rest, ~lost | at_once, 0)
     t, *_ = jax.lax.while_loop(lambda c: ~jnp.all(c[3]) & (c[4] < _MOST), advance, start)
     return lost, jnp.where(at_once | (t <= 4 * _ROUNDING * rest), 0.0, t)

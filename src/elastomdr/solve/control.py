@@ -1,6 +1,5 @@
 """Which way an indentation is solved: by depth, by load in closed form, or by load in steps."""
 
-import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -13,13 +12,12 @@ from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
 from .adhesion import Sticky, elastic, receding
 from .creep import Creep, creep, levels_for
-from .history import indent_by_depth, indent_by_growing_depth, indent_by_smooth_depth, padded
-from .panels import LAYERS
+from .history import edges, edges_of_growth, indent_between_smooth, padded
+from .many import batch, indent_all, over_histories
+from .panels import LAYERS, cuts
 from .steps import Marched, early_steps, extrapolated, limit, march, places, unaccounted
 
-_BATCH = 64  # histories computed at once
 _LEVELS = (1, 3, 6, LAYERS)  # of the panels, coarse to fine
-_FEW = 8  # histories computed at once on the finest
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
 _ROUNDING = 1e-14
 _BLIND_STEPS = 8  # per interval, in the first of three marches whose values cannot be looked at
@@ -112,16 +110,22 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
     given = (law, modes, disc, time, depth)
     numpy = jnp if is_traced(given) else np
     frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
-    found, levels = None, _LEVELS[1]
-    solve = indent_by_depth
-    if not is_traced(frozen) and bool((np.diff(frozen[-1], axis=-1) >= 0).all()):
-        solve = indent_by_growing_depth
-    for levels in () if is_traced(frozen) else _LEVELS:
-        found, _ = over_histories(solve, *frozen, levels=levels, most=_FEW if levels == LAYERS else _BATCH)
-        if not (found.error > 0.5 * rtol * abs(found.force).max(axis=-1, keepdims=True)).any():
-            break
-    if found is None or is_traced(given):
-        found, _ = over_histories(indent_by_smooth_depth, *given, levels=levels)
+    growing = not is_traced(given) and bool((np.diff(frozen[-1], axis=-1) >= 0).all())
+    radius = over_histories(edges_of_growth if growing else edges, *frozen)
+    levels = _LEVELS[1]
+    if not is_traced(frozen):
+        found = indent_all(*frozen, radius, levels := _LEVELS[0], size := batch(len(time)))
+        for finer in _LEVELS[1:]:
+            asked = 0.5 * rtol * abs(found.force).max(axis=-1)
+            which = np.flatnonzero((found.error > asked[:, None]).any(axis=-1))
+            if not which.size:
+                break
+            some = (*frozen[:3], *(a[which] for a in (*frozen[3:], radius)))
+            for field, better in zip(found, indent_all(*some, levels := finer, size), strict=True):
+                field[which] = better
+    if is_traced(given):
+        parts = np.tile(np.append(cuts(levels)[:, :-1], 1.0), (len(time), 1))
+        found, _ = over_histories(indent_between_smooth, *given, radius, parts)
     largest = abs(found.force).max(axis=-1, keepdims=True)
     error = found.error / (largest + (largest == 0)) + _ROUNDING
     good = numpy.isfinite(found.force) & (error <= rtol)
@@ -259,30 +263,6 @@ def refined(
     given = np.zeros(len(depth)) if course.depth is None else np.nan_to_num(course.depth)
     row = (course.time[None], given[None], np.nan_to_num(course.load)[None], by_depth[None])
     return time, np.asarray(_stepped(law, modes, disc, row, rtol, kept)[0][0])
-
-
-def over_histories(
-    function: Any, law: Any, modes: Any, disc: Any, *histories: Any, levels: int, most: int = _BATCH
-) -> Any:
-    """`function` for every history, in one compiled call; NumPy arrays unless traced."""
-    count = histories[0].shape[0]
-    size = min(most, 1 << (count - 1).bit_length())
-    more = -count % size
-    traced = is_traced(law, modes, disc, *histories)
-    numpy = jnp if traced else np
-    full = tuple(numpy.concatenate([h, numpy.repeat(h[:1], more, axis=0)]) if more else h for h in histories)
-    out = _mapped(law, modes, disc, *full, function=function, levels=levels, size=size)
-    return jax.tree.map(lambda a: a[:count] if traced else np.asarray(a)[:count], out)
-
-
-@functools.partial(jax.jit, static_argnames=("function", "levels", "size"))
-def _mapped(law: Any, modes: Any, disc: Any, *histories: Any, function: Any, levels: int, size: int) -> Any:
-    def one(history: tuple[Array, ...]) -> Any:
-        return function(law, modes, disc, *history, levels=levels)
-
-    if histories[0].shape[0] == size:
-        return jax.vmap(one)(histories)
-    return jax.lax.map(one, histories, batch_size=size)
 
 
 def _unpadded(a: Array, shape: tuple[int, ...]) -> Array:

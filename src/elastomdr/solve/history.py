@@ -7,7 +7,6 @@ all the edges sum forces and energies without an error from the moving contact. 
 far as short relaxation times ask for it. Their places carry no derivative, since the sums do not depend on them.
 """
 
-import functools
 import itertools
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -22,9 +21,9 @@ from ..foundation.episode import Touching, energies, follow, force, pressed
 from ..foundation.modes import Modes
 from ..mapping.disc import Disc, gauss
 from ..material.relaxation import Relaxation
-from .panels import NODES, divided, missed, missed_layers
+from .panels import NODES, missed, missed_layers
 
-_COARSE = 49  # elements that bracket the edges
+_COARSE = 49  # elements that bracket the edges, at least
 _SEARCH = 8  # steps of that search
 _FLAT = 1e-9  # change of a force, relative, below which it tells nothing of where the edge is
 _SIZES = (32, 64, 104, 208, 320, 512)  # numbers of instants that are compiled
@@ -51,38 +50,49 @@ class Row(NamedTuple):
     u: Float[Array, "panels n"]  # displacement [m]
 
 
-@functools.partial(jax.jit, static_argnames=("levels", "smooth", "growing"))
-def indent_by_depth(
-    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, *, levels: int = 0, smooth: bool = False,
-    growing: bool = False,
-) -> tuple[History, Row]:  # fmt: skip
-    """Force, contact radius and energies under a depth that is linear between the m instants, depth[0] being a step.
+def indent_between(
+    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, radius: Array, parts: Array
+) -> tuple[History, Row]:
+    """Force and energies of the elements in some parts of each panel between the edges `radius`, cut at `parts`.
 
-    `growing` says that the depth never falls: the edge is then that of the undeformed surface, and need not be searched
-    for. `smooth` is for derivatives, which need the edges' own.
+    The depth is linear between the m instants, depth[0] being a step. Sums over all parts are those of the contact.
     """
-    law, modes, disc, time, depth = jax.tree.map(jnp.asarray, (law, modes, disc, time, depth))
-    radius = disc.radius_of_depth(depth) if growing else _edges(law, modes, disc, time, depth, smooth)
-    edges = divided(jnp.sort(jnp.append(radius, 0.0)), levels)
-    x, dx = gauss(edges, *np.polynomial.legendre.leggauss(NODES))
+    between = jnp.sort(jnp.append(radius, 0.0))
+    edges = between[:-1, None] + jnp.diff(between)[:, None] * parts
+    x, dx = (a.reshape(-1) for a in gauss(edges, *np.polynomial.legendre.leggauss(NODES)))
+    begin = edges[:, :-1].reshape(-1)
     weight = disc.weight(x) * dx
 
     def measure(state: Touching, q: Array) -> tuple[Array, ...]:
         held, left = energies(law, modes, state)
         sums = [jnp.sum(weight * part) for part in (q, state.work, held, left, state.heat)]
-        return *sums, missed(weight * q, edges, disc)
+        return *sums, missed(weight * q, begin, disc)
 
     state, q, (total, work, stored, locked, heat, error) = _run(law, modes, disc.profile(x), time, depth, measure)
     if law.moduli.size and not disc.flat:
-        error = error + missed_layers(law, disc, time, depth, radius, levels)
+        layers = missed_layers(law, disc, time, depth, radius, parts[1] - parts[0])
+        error = error + jnp.where(parts[0] == 0, layers, 0.0)
     rows = (-1, NODES)
     return History(total, radius, work, stored, locked, heat, error), Row(
-        edges, x.reshape(rows), q.reshape(rows), state.u.reshape(rows)
+        jnp.append(begin, edges[-1, -1]), x.reshape(rows), q.reshape(rows), state.u.reshape(rows)
     )
 
 
-indent_by_growing_depth = functools.partial(indent_by_depth, growing=True)  # named once: JAX compiles per object
-indent_by_smooth_depth = functools.partial(indent_by_depth, smooth=True)
+def indent_between_smooth(
+    law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, radius: Array, parts: Array
+) -> tuple[History, Row]:
+    """The same; the edges get their own derivatives, by a Newton step."""
+    if disc.flat:
+        return indent_between(law, modes, disc, time, depth, radius, parts)
+
+    def residual(x: Array) -> Array:
+        return jnp.diagonal(_signed(law, modes, disc.profile(x), time, depth)[0])
+
+    off, slope = jax.jvp(residual, (radius,), (jnp.ones_like(radius),))
+    slope = jax.lax.stop_gradient(slope)
+    moved = jnp.where((slope < 0) & (radius > 0), off / jnp.where(slope < 0, slope, 1.0), 0.0)
+    radius = radius - (moved - jax.lax.stop_gradient(moved))
+    return indent_between(law, modes, disc, time, depth, radius, parts)
 
 
 def padded(*histories: Any, like: int = 0) -> tuple[Any, ...]:
@@ -134,68 +144,65 @@ def _signed(law: Relaxation, modes: Modes, g: Array, time: Array, depth: Array) 
     return jnp.where(free, scale * (depth[:, None] - value), value), free
 
 
-def _edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array, smooth: bool) -> Array:
-    """Radius of the contact at every instant: a search, and if `smooth` a Newton step that carries derivatives."""
-    if disc.flat:
-        _, free = _signed(law, modes, jnp.zeros(1), time, depth)
-        return jnp.where(free[:, 0], 0.0, disc.shape.largest_contact)
-    radius = _search(*jax.lax.stop_gradient((law, modes, disc, time, depth)))
-    if not smooth:
-        return radius
-
-    def residual(x: Array) -> Array:
-        return jnp.diagonal(_signed(law, modes, disc.profile(x), time, depth)[0])
-
-    off, slope = jax.jvp(residual, (radius,), (jnp.ones_like(radius),))
-    slope = jax.lax.stop_gradient(slope)
-    moved = jnp.where((slope < 0) & (radius > 0), off / jnp.where(slope < 0, slope, 1.0), 0.0)
-    return radius - (moved - jax.lax.stop_gradient(moved))
-
-
-def _search(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
+def edges(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
     """Radius of the contact at every instant, by secants from both sides of the edge, where the residual has a kink.
 
     With a dashpot it has a jump. The secants run in g: what an element has seen depends on x through g alone, and the
-    gap to rubber that was not touched before is linear in it, however small the contact.
+    gap to rubber that was not touched before is linear in it, however small the contact. They begin at neighbours of a
+    grid, which the first round looks at.
     """
+    if disc.flat:
+        _, free = _signed(law, modes, jnp.zeros(1), time, depth)
+        return jnp.where(free[:, 0], 0.0, disc.shape.largest_contact)
     reach = disc.radius_of_depth(jnp.max(depth))
     reach = jnp.minimum(1.02 * reach, 0.5 * reach + 0.5 * disc.largest)  # so that every edge lies inside
-    grid = disc.profile(reach * jnp.linspace(0.0, 1.0, _COARSE))
-    value, free = _signed(law, modes, grid, time, depth)
-    count = jnp.sum(~free, axis=1)  # elements in contact, the innermost ones
-
-    def pick(i: Array) -> tuple[Array, Array]:
-        i = jnp.clip(i, 0, _COARSE - 1)
-        return grid[i], jnp.take_along_axis(value, i[:, None], axis=1)[:, 0]
+    m, size = depth.size, max(depth.size, _COARSE)
+    grid = disc.profile(reach * jnp.linspace(0.0, 1.0, size))
 
     def secant(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:
         rise = near[1] - far[1]
         return near[0] - near[1] * (near[0] - far[0]) / jnp.where(_level(near, far), jnp.inf, rise)
 
-    def search(_: Any, ends: tuple) -> tuple:
+    def choose(new: Any, old: Any, where: Array) -> Any:
+        return jax.tree.map(lambda n, o: jnp.where(where, n, o), new, old)
+
+    def search(i: Any, found: tuple) -> tuple:
+        count, ends = found
         inner, inner_far, outer, outer_far = ends
         g = 0.5 * (inner[0] + outer[0])
         for guess in (secant(outer, outer_far), secant(inner, inner_far)):
             g = jnp.where((guess > inner[0]) & (guess < outer[0]), guess, g)
-        value, free = (jnp.diagonal(part) for part in _signed(law, modes, g, time, depth))
+        looked = jnp.where(i == 0, grid, jnp.pad(g, (0, size - m)))
+        value, free = _signed(law, modes, looked, time, depth)
 
-        def choose(new: Any, old: Any, where: Array) -> Any:
-            return jax.tree.map(lambda n, o: jnp.where(where, n, o), new, old)
+        def pick(j: Array) -> tuple[Array, Array]:
+            j = jnp.clip(j, 0, size - 1)
+            return grid[j], jnp.take_along_axis(value, j[:, None], axis=1)[:, 0]
 
-        return (
-            choose((g, value), inner, ~free),
+        touched = jnp.sum(~free, axis=1)  # elements in contact, the innermost ones
+        first = (pick(touched - 1), pick(touched - 2), pick(touched), pick(touched + 1))
+        new, free = (g, jnp.diagonal(value)), jnp.diagonal(free)
+        closer = (
+            choose(new, inner, ~free),
             choose(inner, inner_far, ~free),
-            choose((g, value), outer, free),
+            choose(new, outer, free),
             choose(outer, outer_far, free),
         )
+        return choose(touched, count, i == 0), choose(first, closer, i == 0)
 
-    ends = (pick(count - 1), pick(count - 2), pick(count), pick(count + 1))
-    inner, inner_far, outer, outer_far = jax.lax.fori_loop(0, _SEARCH, search, ends)
+    nowhere = (jnp.zeros(m), jnp.zeros(m))
+    start = (jnp.zeros(m, int), (nowhere,) * 4)
+    count, (inner, inner_far, outer, outer_far) = jax.lax.fori_loop(0, _SEARCH + 1, search, start)
     g, outside = secant(inner, inner_far), jnp.clip(secant(outer, outer_far), inner[0], outer[0])
     # Where the force jumps at the edge, or falls within less than was looked at, it does not tell where; the gap does.
     other = jnp.where(inner[1] > -outer[1], outside, inner[0])
     g = jnp.where((g >= inner[0]) & (g <= outer[0]) & ~_level(inner, inner_far), g, other)
     return jnp.where(count > 0, disc.radius_of_depth(g), 0.0)
+
+
+def edges_of_growth(law: Relaxation, modes: Modes, disc: Disc, time: Array, depth: Array) -> Array:
+    """The same where the depth never falls: the edge is that of the undeformed surface."""
+    return disc.radius_of_depth(depth)
 
 
 def _level(near: tuple[Array, Array], far: tuple[Array, Array]) -> Array:

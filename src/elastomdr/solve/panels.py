@@ -7,6 +7,7 @@ where v tau_k/g' is far below a panel no node sees the exponential, of which the
 """
 
 import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -22,17 +23,15 @@ _RATIO = 0.2  # of neighbouring panels within one that narrows
 _NARROWING = {1: 1, 2: 2, 3: 3}  # levels: how often their panels narrow
 _NARROWEST, _DEEP = 4, 13  # the same of higher levels, and of those that look for layers
 LAYERS = 7  # the level from which panels narrow that far
+_IN_A_ROW = 2  # parts of a panel that are summed at once
 _SAFETY = 2.0  # on the error of a power at the axis
 _CURVED = 1.1  # on that of a layer, which is wider than v tau/g' where the profile is curved
 
 
-def divided(edges: Float[Array, " m+1"], levels: int) -> Float[Array, " panels+1"]:
-    """Each panel divided: narrowing towards both ends, and from the second level on ever finer in between."""
-    if levels == 0:
-        return edges
-    fractions = _fractions(levels)
-    inner = edges[:-1, None] + jnp.diff(edges)[:, None] * fractions
-    return jnp.append(inner.reshape(-1), edges[-1])
+def cuts(levels: int) -> Float[np.ndarray, "rows n"]:
+    """Where panels are cut, from 0 to 1, in rows of a few parts each: of one size on all levels, from 1 to `LAYERS`."""
+    at = np.append(_fractions(levels), 1.0)
+    return at[np.arange(0, len(at) - 1, _IN_A_ROW)[:, None] + np.arange(_IN_A_ROW + 1)]
 
 
 @functools.cache
@@ -45,8 +44,8 @@ def _fractions(levels: int) -> np.ndarray:
     return (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts).ravel()
 
 
-def missed(shares: Float[Array, " n"], edges: Float[Array, " panels+1"], disc: Disc) -> Float[Array, ""]:
-    """What Gauss' rule misses of an integral, from the nodes' shares of it; layers apart.
+def missed(shares: Float[Array, " n"], begin: Float[Array, " panels"], disc: Disc) -> Float[Array, ""]:
+    """What Gauss' rule misses of an integral, from the nodes' shares of it; layers apart. Panels begin at `begin`.
 
     About the Legendre coefficient 2 `NODES`, four times as far from the last even and odd ones as those are from the
     ones before, by geometric fall (kept apart: a parabola would hide in the second how the others fall). In the panel
@@ -58,14 +57,16 @@ def missed(shares: Float[Array, " n"], edges: Float[Array, " panels+1"], disc: D
     power, _ = disc._power()
     if power is not None and power != int(power):
         at_axis = _SAFETY * _of_power(power + (disc.kind == "layer")) * jnp.max(last, axis=1)
-        error = jnp.where(edges[:-1] == 0, jnp.maximum(error, at_axis), error)
+        error = jnp.where(begin == 0, jnp.maximum(error, at_axis), error)
     return jnp.sum(error)
 
 
 def missed_layers(
-    law: Relaxation, disc: Disc, time: Array, depth: Array, radius: Float[Array, " m"], levels: int
+    law: Relaxation, disc: Disc, time: Array, depth: Array, radius: Float[Array, " m"], part: Any
 ) -> Float[Array, " m"]:
     """What the panels miss of layers at the edges: sum over W E_k v tau_k w_k r(q), [N] at every instant.
+
+    `part` is the share of a panel between two edges that the part of it at an edge has.
 
     w_k = v tau_k/g'(a) is the layer's width, W the weight at the edge, q the widths in a panel that ends there (less of
     the layer is left in panels further in), r what the rule misses of an exponential over its integral. A layer fades
@@ -75,7 +76,7 @@ def missed_layers(
     h = jnp.diff(time)
     pressing = jnp.maximum(jnp.diff(depth) / h, 0.0)
     ends = jnp.sort(jnp.append(radius, 0.0))
-    panel = jnp.diff(ends) * (float(_fractions(levels)[1]) if levels else 1.0)
+    panel = jnp.diff(ends) * part
     edge = radius[1:]
     slope = disc.slope(jnp.where(edge > 0, edge, 1.0))
     width = jnp.where(edge > 0, pressing / slope, 0.0)[:, None] * law.times  # (m-1, k)

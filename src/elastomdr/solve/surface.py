@@ -15,11 +15,12 @@ from ..foundation.modes import Modes
 from ..foundation.step import phi1
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
-from .control import over_histories
-from .history import indent_by_depth, padded
-from .panels import NODES, divided
+from .history import edges as edges_of
+from .history import indent_between, padded
+from .many import over_histories
+from .panels import NODES, cuts
 
-_LEVELS = 1  # of the panels
+_CUTS = cuts(1)  # of the panels
 _POINTS, _WEIGHTS = legendre.leggauss(12)
 
 
@@ -79,9 +80,10 @@ def surface_at(law: Relaxation, modes: Modes, disc: Disc, time: np.ndarray, dept
         radius = edges[-1]
     else:
         t, d = padded(t, d, like=time.size)  # one compiled size for every instant
-        history, row = over_histories(indent_by_depth, law, modes, disc, t[None], d[None], levels=_LEVELS)
+        reached = over_histories(edges_of, law, modes, disc, t[None], d[None])
+        _, row = over_histories(indent_between, law, modes, disc, t[None], d[None], reached, _CUTS)
         edges, q, u = row.edges[0], row.q[0], row.u[0]
-        radius = float(history.radius[0, -1])
+        radius = float(reached[0, -1])
     wide = np.diff(edges) > 1e-13 * max(edges[-1], 1e-300)
     nodes, weights = legendre.leggauss(q.shape[1])
     to_series = (legendre.legvander(nodes, q.shape[1] - 1) * weights[:, None]).T * (
@@ -98,7 +100,8 @@ def _grown(law: Relaxation, disc: Disc, time: np.ndarray, depth: np.ndarray) -> 
     With C_k(t) = int exp(-(t - s)/tau_k) dd(s), branch k of an element carries E_k [C_k(t) - exp(-(t - t0)/tau_k)
     C_k(t0)], and g in place of C_k(0) where it was touched at once.
     """
-    edges = np.asarray(divided(np.sort(np.append(disc.radius_of_depth(depth), 0.0)), _LEVELS))
+    between = np.sort(np.append(disc.radius_of_depth(depth), 0.0))
+    edges = np.append(between[:-1, None] + np.diff(between)[:, None] * _CUTS[0, :-1], between[-1])
     nodes = legendre.leggauss(NODES)[0]
     x = edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (1 + nodes)
     g = np.asarray(disc.profile(x))
