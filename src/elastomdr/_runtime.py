@@ -57,6 +57,11 @@ def _as_numpy(leaf: Any) -> Any:
     return leaf
 
 
+def known(tree: Any) -> Any:
+    """Its arrays as NumPy's, whose arithmetic compiles nothing, unless one of them is traced."""
+    return tree if is_traced(tree) else jax.tree.map(_as_numpy, tree)
+
+
 def is_traced(*trees: Any) -> bool:
     """Whether any leaf is under a JAX transformation, so that its value cannot be looked at."""
     return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees))

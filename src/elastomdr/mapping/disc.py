@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array
+from .._runtime import Array, is_traced
 from .profile import Profile
 from .shapes import AbstractShape, Cone, Cylinder, FlatPunch, Paraboloid, PowerLaw, Sphere
 
@@ -77,7 +77,7 @@ class Disc(eqx.Module):
     @property
     def largest(self) -> Any:
         """Radius [m] that the contact cannot exceed; what is beyond a tenth of rounding of it is not looked at."""
-        return jnp.asarray(self.shape.largest_contact, dtype=float) * (1 - 1e-12)
+        return (jnp if is_traced(self.shape) else np).asarray(self.shape.largest_contact, dtype=float) * (1 - 1e-12)
 
     @property
     def flat(self) -> bool:

@@ -39,9 +39,9 @@ class AbstractRelaxation(eqx.Module):
         """Stress after a unit strain step, E(t) [Pa], at times t > 0 [s], any shape. A dashpot adds nothing at t >
         0.
         """
-        law, t = self.law(), jnp.asarray(as_float64("t", t))
+        law, t = self.law(), as_float64("t", t)
         not_negative("t", t)
-        return law.equilibrium + _sum_branches(law.moduli, jnp.exp(-t[..., None] / law.times))
+        return law.equilibrium + _sum_branches(law.moduli, _arrays(law, t).exp(-t[..., None] / law.times))
 
     @in_float64
     def creep(self, t: Any) -> Array:
@@ -49,20 +49,21 @@ class AbstractRelaxation(eqx.Module):
 
         Exact: the Kelvin chain with the same law, from the zeros of the relaxation function (`to_kelvin`).
         """
-        chain, t = to_kelvin(self.law()), jnp.asarray(as_float64("t", t))
+        chain, t = to_kelvin(self.law()), as_float64("t", t)
         not_negative("t", t)
-        retarded = _sum_branches(chain.compliances, -jnp.expm1(-t[..., None] / chain.times))
+        retarded = _sum_branches(chain.compliances, -_arrays(chain, t).expm1(-t[..., None] / chain.times))
         return chain.instantaneous + retarded + t * chain.fluidity
 
     @in_float64
     def complex_modulus(self, omega: Any) -> Any:
         """E*(omega) = E_inf + sum E_k i w tau_k/(1 + i w tau_k) + i w eta [Pa], at omega >= 0 [rad/s], any shape."""
-        law, omega = self.law(), jnp.asarray(as_float64("omega", omega))
+        law, omega = self.law(), as_float64("omega", omega)
         not_negative("omega", omega)
         x = omega[..., None] * law.times
-        storage = _sum_branches(law.moduli, x / (x + 1 / x))
-        loss = _sum_branches(law.moduli, 1 / (x + 1 / x))
-        return jnp.asarray(law.equilibrium) + storage + 1j * (loss + omega * law.viscosity)
+        with np.errstate(divide="ignore"):  # at rest nothing is stored or lost: x = 0
+            both = x + 1 / x
+        storage, loss = _sum_branches(law.moduli, x / both), _sum_branches(law.moduli, 1 / both)
+        return law.equilibrium + storage + 1j * (loss + omega * law.viscosity)
 
     def storage(self, omega: Any) -> Array:
         """Storage modulus [Pa] at omega [rad/s]."""
@@ -75,9 +76,9 @@ class AbstractRelaxation(eqx.Module):
     @in_float64
     def loss_tangent(self, omega: Any) -> Array:
         """Loss modulus over storage modulus at omega [rad/s]; infinite where nothing is stored."""
-        value = jnp.asarray(self.complex_modulus(omega))
-        elastic = value.real > 0
-        return jnp.where(elastic, value.imag / jnp.where(elastic, value.real, 1.0), jnp.inf)
+        value = self.complex_modulus(omega)
+        xp, elastic = _arrays(value), value.real > 0
+        return xp.where(elastic, value.imag / xp.where(elastic, value.real, 1.0), xp.inf)
 
 
 class Relaxation(AbstractRelaxation):
@@ -189,8 +190,12 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
     near = near[:, 1:] if with_dashpot else near
     kept = slice(None) if is_traced(weights) else np.flatnonzero(np.asarray(moduli) > 0)
-    gaps = jnp.asarray(roots[:, None] - xp.asarray(law.times))
-    gaps = xp.asarray(gaps.at[:, kept].set(jnp.where(there[:, None], near, gaps[:, kept])))
+    gaps = roots[:, None] - xp.asarray(law.times)
+    closer = xp.where(there[:, None], near, gaps[:, kept])
+    if xp is np:
+        gaps[:, kept] = closer
+    else:
+        gaps = gaps.at[:, kept].set(closer)
     if not is_traced(there):  # drop what is not there: the flow of a liquid, an empty branch
         order = order[: int(there.sum())]
     return KelvinChain(instantaneous, compliances[order], roots[order], fluidity), gaps[order]
@@ -254,7 +259,7 @@ def _arrays(*laws: Any) -> Any:
 
 
 def _sum_branches(weights: Array, terms: Array) -> Array:
-    return jnp.sum(jnp.asarray(weights) * terms, axis=-1)
+    return (weights * terms).sum(axis=-1)
 
 
 def _without_empty(times: Array, weights: Array) -> tuple[Array, Array, Array]:
@@ -262,4 +267,4 @@ def _without_empty(times: Array, weights: Array) -> tuple[Array, Array, Array]:
     if is_traced(weights):
         return times, weights, weights > 0
     kept = weights > 0
-    return times[kept], weights[kept], jnp.ones(int(kept.sum()), dtype=bool)
+    return times[kept], weights[kept], np.ones(int(kept.sum()), dtype=bool)

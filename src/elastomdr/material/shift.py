@@ -49,7 +49,7 @@ class AbstractShift(eqx.Module):
         temperature = as_float64("temperature", temperature)
         positive("temperature", temperature)
         self._check(temperature)
-        return self._log10_a(jnp.asarray(temperature))
+        return self._log10_a(temperature)
 
     @in_float64
     def a(self, temperature: Any) -> Array:
@@ -176,8 +176,9 @@ class ShiftTable(AbstractShift):
         self.reference = np.asarray(crossings[0] if crossings.size else np.nan)
 
     def _log10_a(self, temperature: Array) -> Array:
-        table, values, slopes = map(jnp.asarray, (self.temperature, self.log10_a_table, self.slopes))
-        left = jnp.clip(jnp.searchsorted(table, temperature, side="right") - 1, 0, table.shape[0] - 2)
+        xp = jnp if is_traced(self, temperature) else np
+        table, values, slopes = map(xp.asarray, (self.temperature, self.log10_a_table, self.slopes))
+        left = xp.clip(xp.searchsorted(table, temperature, side="right") - 1, 0, table.shape[0] - 2)
         width = table[left + 1] - table[left]
         s = (temperature - table[left]) / width
         outside = (temperature < table[0]) | (temperature > table[-1])
@@ -187,7 +188,7 @@ class ShiftTable(AbstractShift):
             + s**2 * (3 - 2 * s) * values[left + 1]
             + s**2 * (s - 1) * width * slopes[left + 1]
         )
-        return jnp.where(outside, jnp.nan, value)
+        return xp.where(outside, xp.nan, value)
 
     def _check(self, temperature: Any) -> None:
         low, high = float(self.temperature[0]), float(self.temperature[-1])

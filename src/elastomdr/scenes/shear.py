@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, not_negative, require, scalar
+from .._runtime import as_float64, in_float64, is_traced, known, not_negative, require, scalar
 from ..errors import InputError
 from ..foundation.law import Foundation, as_foundation, half_space
 from ..mapping.reach import contact_measure, contact_size
@@ -81,37 +81,40 @@ def shear(
             f"{np.shape(displacement)} and {np.shape(value)}."
         ) from error
     laws = normal.law(), tangential.law()
-    known = not is_traced(laws)
-    dashpots = known and any(float(law.viscosity) > 0 for law in laws)
+    seen = not is_traced(laws)
+    dashpots = seen and any(float(law.viscosity) > 0 for law in laws)
     if dashpots and not is_traced(value, displacement) and (displacement[0] != 0 or (load is None and value[0] != 0)):
         what = "displacement" if displacement[0] != 0 else name
         raise InputError(
             f"{what} must be 0 at the first instant, since a dashpot cannot follow a sudden motion, got "
             f"{float(displacement[0] or value[0]):g}."
         )
-    elastic = known and not dashpots and all(law.moduli.size == 0 for law in laws)
+    elastic = seen and not dashpots and all(law.moduli.size == 0 for law in laws)
     usual, exact = _ELASTIC if elastic else _VISCOELASTIC, elastic and elements is None and steps is None
     elements, steps = _count("elements", elements, usual[0]), _count("steps", steps, usual[1])
     reach = _reach(shape, laws[0], per_area, name, value, time, elements)
     scene = Scene(shape, laws[0], laws[1], mu, reach)
-    scene, history = _as_jax(scene), History(*map(jnp.asarray, (time, value, displacement)))
+    scene, history = _as_jax(scene), History(time, value, displacement)
     if not elastic:
         history = _with_early_instants(history)
+    history = History(*map(jnp.asarray, history))
     options = {"by_load": load is not None}
-    found = shear_history(scene, history, line(scene, elements, per_area), steps=steps, **options)
+    found = known(shear_history(scene, history, line(scene, elements, per_area), steps=steps, **options))
+    xp = jnp if is_traced(found) else np
     if exact:
         found, error = _summed(scene, history, found, per_area, **options)
     else:
         fewer, half = (elements // 2, steps) if elastic or steps == 1 else (elements, steps // 2)
-        coarse = shear_history(scene, history, line(scene, fewer, per_area), steps=half, **options)
+        coarse = known(shear_history(scene, history, line(scene, fewer, per_area), steps=half, **options))
         # What is left of a force that has faded is the difference of what was carried before.
-        largest = jax.lax.cummax(jnp.abs(jax.lax.stop_gradient(found.force)))
+        force = abs(jax.lax.stop_gradient(found.force)) if xp is jnp else abs(found.force)
+        largest = jax.lax.cummax(force) if xp is jnp else np.maximum.accumulate(force)
         error = (1 if elastic else 2) * abs(found.force - coarse.force) + found.missed + _ROUNDING * largest
     chosen = np.append(0, np.arange(found.force.shape[0] - time.shape[0] + 1, found.force.shape[0]))
     found, error = type(found)(*(x[chosen] for x in found)), error[chosen]
     inside = found.contact_radius <= reach * (1 - 0.25 / elements) if not isinstance(shape, FlatPunch) else True
-    good = jnp.isfinite(found.force) & jnp.isfinite(found.normal_force) & inside
-    found = type(found)(*(jnp.where(good, x, jnp.nan) for x in found))
+    good = xp.isfinite(found.force) & xp.isfinite(found.normal_force) & inside
+    found = type(found)(*(xp.where(good, x, xp.nan) for x in found))
     inputs = [("material", normal.name or "given directly"), ("shape", describe(shape))]
     inputs += [(name, brief(value, "N" if name == "load" else "m")), ("displacement", brief(displacement, "m"))]
     inputs += [
@@ -123,7 +126,7 @@ def shear(
         time=time,
         displacement=displacement,
         **{name: value for name, value in found._asdict().items() if name != "missed"},
-        error=jnp.where(good, error, jnp.nan),
+        error=xp.where(good, error, xp.nan),
         converged=good,
         model=LAYER if per_area else HALF_SPACE,
         plan="marched element by element",
@@ -137,23 +140,24 @@ def _summed(scene: Scene, history: History, found: Sheared, per_area: bool, *, b
     The error is the difference of two rules. Where that is not less than their distance from `found`, something other
     than those edges is not smooth (the points of a profile, say); `found` stays, with that distance as its error.
     """
-    radii = jnp.concatenate([found.contact_radius, found.stick_radius])
+    xp = jnp if is_traced(found) else np
+    radii = xp.concatenate([found.contact_radius, found.stick_radius])
     rules = [panels(scene, radii, parts, nodes, per_area) for parts, nodes in ((4, 6), (6, 4))]
-    best, other = (shear_history(scene, history, rule, steps=1, by_load=by_load) for rule in rules)
+    best, other = (known(shear_history(scene, history, rule, steps=1, by_load=by_load)) for rule in rules)
     best = best._replace(contact_radius=found.contact_radius, stick_radius=found.stick_radius)
     error, distance = abs(best.force - other.force), abs(found.force - best.force)
-    better = jnp.max(error) <= jnp.max(distance)
-    error = error + _EDGES * jnp.max(abs(best.force))
+    better = xp.max(error) <= xp.max(distance)
+    error = error + _EDGES * xp.max(abs(best.force))
     both = zip(best, found, strict=True)
-    return Sheared(*(jnp.where(better, a, b) for a, b in both)), jnp.where(better, error, distance + found.missed)
+    return Sheared(*(xp.where(better, a, b) for a, b in both)), xp.where(better, error, distance + found.missed)
 
 
 def _with_early_instants(history: History) -> History:
     """More instants after the first, ever closer to it: what is put on at once relaxes on all time scales."""
     (t0, t1), (v0, v1), (s0, s1) = (x[:2] for x in history)
-    part = jnp.asarray(0.2 ** np.arange(_EARLY, 0, -1))
+    xp, part = jnp if is_traced(history) else np, 0.2 ** np.arange(_EARLY, 0, -1)
     more = t0 + part * (t1 - t0), v0 + part * (v1 - v0), s0 + part * (s1 - s0)
-    return History(*(jnp.concatenate([x[:1], m, x[1:]]) for x, m in zip(history, more, strict=True)))
+    return History(*(xp.concatenate([x[:1], m, x[1:]]) for x, m in zip(history, more, strict=True)))
 
 
 def _laws(material: Any, tangential: Any) -> tuple[Foundation, Foundation]:
@@ -204,7 +208,8 @@ def _reach(
 
 def _creep(law: Relaxation, span: Any) -> Any:
     chain = to_kelvin(law)
-    retarded = jnp.sum(jnp.asarray(chain.compliances) * -jnp.expm1(-span / jnp.asarray(chain.times)))
+    xp = jnp if is_traced(chain, span) else np
+    retarded = xp.sum(chain.compliances * -xp.expm1(-span / chain.times))
     return chain.instantaneous + retarded + span * chain.fluidity
 
 

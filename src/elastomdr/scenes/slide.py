@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import in_float64, is_traced
+from .._runtime import in_float64, is_traced, known
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import AbstractLines, SingleLine
@@ -91,8 +91,7 @@ def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
         steps_padded = padded(steps, line.part.size * room)
         forces, _ = march(law, surface, steps_padded, control=history.control, viscous=history.viscous)
         size[:] = shape.count * finer, steps.h.shape[0]
-        forces = Forces(*(field[last] for field in forces))
-        return forces if is_traced(forces) else jax.tree.map(np.asarray, forces), np.bool_(True)
+        return Forces(*(field[last] for field in known(forces))), np.bool_(True)
 
     found = refine(solve, history.rtol, most, shape.rms_slope)
     text = f"every element of the period of {float(shape.period):.4g} m can be touched"
@@ -104,7 +103,7 @@ def _indenter(lines: AbstractLines, history: GivenHistory) -> tuple[Levels, Slid
     if not history.traced and not is_traced(lines) and not (np.asarray(history.value) > 0).any():
         return _apart(history)
     law = jax.tree.map(jnp.asarray, history.law)
-    sizes = contact_sizes(law, lines, history.control, jnp.asarray(history.value), float(np.ptp(history.time)))
+    sizes = known(contact_sizes(law, lines, history.control, history.value, float(np.ptp(history.time))))
     reach = 1.6 * sizes[1]
     while True:
         found, plan, outside = _within(lines, law, history, sizes, reach)
@@ -139,7 +138,9 @@ def _within(
         line = timeline(history.time, history.position, history.value, spacing, history.shortest, 0)
     size, outside = [0, 0], [False]
     largest = lines.shape.largest_contact
-    deepest = jnp.where(jnp.isinf(largest), jnp.inf, lines.depth(largest * (1 - 1e-12)))
+    deepest = np.inf
+    if is_traced(largest) or not np.isinf(largest):
+        deepest = jnp.where(jnp.isinf(largest), jnp.inf, lines.depth(largest * (1 - 1e-12)))
 
     single = isinstance(lines, SingleLine)
     work = count * line.part.size * max(law.times.size, 1) * (1 if single else count // 2)
@@ -153,16 +154,15 @@ def _within(
         surface = indenter(lines, first + 0.5 * spacing / finer, spacing / finer, count * room, reach * (room // finer))
         steps_padded = padded(steps, line.part.size * room)
         forces, end = march(law, surface, steps_padded, control=history.control, viscous=history.viscous)
+        forces, u = known((forces, end.u))
         size[:] = count * finer * (1 if single else -(-count * finer // 2)), steps.h.shape[0]
         # The outermost elements must never have been touched, else the body reaches further than was thought.
-        u = end.u.reshape(-1, count * room)
+        u = u.reshape(-1, count * room)
         inside = (u[:, 0] == 0).all() & (u[:, count * finer - 1] == 0).all()
         forces = Forces(*(field[last] for field in forces))
-        room = forces.depth < deepest
         if not is_traced(forces):
-            forces, inside, room = jax.tree.map(np.asarray, (forces, inside, room))
             outside[0] = not inside
-        return forces, inside & room
+        return forces, inside & (forces.depth < deepest)
 
     found = refine(solve, history.rtol, most, lines.depth(widest) / widest)
     text = "elements that the body cannot touch are left out"

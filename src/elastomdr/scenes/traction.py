@@ -8,7 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, positive, require
+from .._runtime import as_float64, in_float64, is_traced, known, positive, require
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation, same_shift
 from ..mapping.lines import SingleLine
@@ -111,12 +111,12 @@ def traction(
     rule = rules[0] if scene.plan.traced else rules[-1]
     # Without creep nothing pulls, and no error is small against that.
     rounding = _ROUNDING * flat(found.normal_force) * (1 + xp.where(xp.isfinite(rolling.friction), rolling.friction, 0))
-    pulled = tractions(rolling, rule, _STEPS[0])
+    pulled = known(tractions(rolling, rule, _STEPS[0]))
     for steps in _STEPS[1:]:
         missed = ~(pulled.error <= rtol * pulled.force + rounding)
         if is_traced(missed, pulled.force) or not np.any(missed & np.isfinite(pulled.force)):
             break
-        pulled = tractions(rolling, rule, steps)
+        pulled = known(tractions(rolling, rule, steps))
     missed = ~(pulled.error <= rtol * pulled.force + rounding)
     pulled = type(pulled)(*(xp.asarray(x).reshape(scene.shape) for x in pulled))
     good = found.converged & ~xp.asarray(missed).reshape(scene.shape)

@@ -9,9 +9,11 @@ do work on d and on X, W the weight of an element. F_x is positive where it resi
 """
 
 import abc
+import functools
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Float
 
@@ -107,6 +109,7 @@ def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
     return Rough(spline_coefficients(height), jnp.asarray(spacing), highest, jnp.asarray(1 / height.shape[0]))
 
 
+@functools.partial(jax.jit, static_argnames="count")
 def indenter(lines: AbstractLines, first: Any, spacing: Any, count: int, width: Any) -> Indenter:
     """Elements at `first` + i `spacing`, i < `count`, under an indenter; on a layer also across, up to `width`."""
     x, zero = first + spacing * jnp.arange(count), jnp.zeros(())

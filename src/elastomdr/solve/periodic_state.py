@@ -26,6 +26,7 @@ RESIDUAL = 1e-9  # of the state and of the load, relative to the load
 _SMALL = 1.0  # mu below which the residual is smaller in proportion: friction is a small part of the forces
 SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
 _FEW, _MANY = 8, (32, 64)  # numbers of lanes that are compiled: each takes a second, and more of them save little
+_SHORT = 8192  # samples
 _SUMS = (2, 8)  # numbers of slow branches that are compiled
 _SWEEPS = (60, 30)  # at most, with all samples and with fewer
 _STALLED = 3  # sweeps without halving the residual, after which the Jacobian is computed anew
@@ -196,7 +197,9 @@ def _learn(inverse, moved, change, active):
 def _sweep(level: Level, branches, depth, active, exact: bool) -> Swept:
     """A sweep of the lanes that are still active, padded to a size that is compiled; zeros for the others."""
     chosen = np.flatnonzero(active)
-    size = _FEW if chosen.size <= _FEW else next((s for s in _MANY if s >= depth.size), depth.size)
+    # On a short line a few sweeps of fewer lanes do not make up for compiling them.
+    few = chosen.size <= _FEW and (depth.size <= _FEW or level.rise.size > _SHORT)
+    size = _FEW if few else next((s for s in _MANY if s >= depth.size), depth.size)
     pick = np.concatenate([chosen, np.full(size - chosen.size, chosen[0])])
 
     rise, by, free = level.ready

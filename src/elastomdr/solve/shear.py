@@ -120,12 +120,14 @@ def shear_history(scene: Scene, history: History, grid: Grid, *, steps: int, by_
     return Sheared(force, normal_force, depth, contact, stick, work, loss, stored, missed)
 
 
+@functools.partial(jax.jit, static_argnames=("elements", "per_area"))
 def line(scene: Scene, elements: int, per_area: bool) -> Grid:
     """`elements` elements of equal width from the axis to the reach of the scene."""
     width = scene.reach / elements
     return _grid(scene, width * (jnp.arange(elements) + 0.5), width, width, per_area)
 
 
+@functools.partial(jax.jit, static_argnames=("parts", "nodes", "per_area"))
 def panels(scene: Scene, radii: Array, parts: int, nodes: int, per_area: bool) -> Grid:
     """Gauss' rule with `nodes` points on `parts` parts of each panel between neighbouring `radii` [m].
 

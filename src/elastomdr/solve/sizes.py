@@ -1,5 +1,6 @@
 """How far a contact reaches in a history, before it is marched, and how large the program is that marches it."""
 
+import functools
 from typing import Any
 
 import jax
@@ -21,6 +22,7 @@ def shared_level(work: float, most: int, room: float, factor: float = 4.0) -> in
     return max(level for level in range(most + 1) if level <= 1 or factor**level * work <= room)
 
 
+@functools.partial(jax.jit, static_argnames="control")
 def contact_sizes(
     law: Relaxation, lines: AbstractLines, control: Control, value: Any, duration: float
 ) -> tuple[Any, Any]:

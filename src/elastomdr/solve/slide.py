@@ -15,9 +15,10 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array
+from .._runtime import Array, is_traced
 from ..foundation.step import Coefficients, Elements, Fading, advance, coefficients, fade
 from ..material.relaxation import Relaxation
 from .over_line import AbstractOverLine
@@ -208,5 +209,6 @@ def padded(steps: Steps, most: int) -> Steps:
     whole, blocks = (max(1, math.ceil(n / _BLOCK)) for n in (count, max(count, most)))
     grain = 2 ** max(0, math.floor(math.log2(blocks)) - 2)
     missing = _BLOCK * grain * math.ceil(blocks / grain) - count
-    long = Steps(*(jnp.concatenate([jnp.asarray(x), jnp.repeat(jnp.asarray(x)[-1:], missing)]) for x in steps))
-    return long._replace(h=jnp.where(jnp.arange(count + missing) < _BLOCK * whole, long.h, 0.0))
+    xp = jnp if is_traced(steps) else np
+    long = Steps(*(xp.concatenate([xp.asarray(x), xp.repeat(xp.asarray(x)[-1:], missing)]) for x in steps))
+    return long._replace(h=xp.where(np.arange(count + missing) < _BLOCK * whole, long.h, 0.0))
