@@ -1,5 +1,7 @@
 """Limits, invariances, the error estimate and the plan of steady sliding and rolling."""
 
+import math
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -170,6 +172,22 @@ def test_power_laws_join_up():
     np.testing.assert_allclose(em.friction(BROAD, em.PowerLaw(2, 100.0), **scene).mu, exact.mu, rtol=1e-13)
     near = em.friction(BROAD, em.PowerLaw(2.0001, 100.0), **scene)
     np.testing.assert_allclose(near.mu, exact.mu, rtol=2e-3)
+
+
+@pytest.mark.parametrize("exponent", [1.001, 1.5, 9.5, 40.0, 120.0])
+def test_small_losses_of_power_laws_keep_their_digits(exponent):
+    """Slowly, mu = (E_1/E_inf) v tau (1/a^2) d n (n + 1)/(2 n - 1): int g'^2 over the elastic contact; by hand."""
+    n, coefficient, depth = exponent, 1e3, 1e-6
+    kappa = math.sqrt(math.pi) * n / 2 * math.exp(math.lgamma(n / 2) - math.lgamma((n + 1) / 2))
+    a = (depth / (kappa * coefficient)) ** (1 / n)
+    velocity = a / 1e-3 * np.array([1e-11, 1e-9])
+    slow = em.friction(
+        em.Foundation(1e6, [4e6], [1e-3]), em.PowerLaw(n, coefficient), velocity=velocity, depth=depth, average=None
+    )
+    assert slow.converged.all()
+    # What follows is of the next order: v tau/a, which the slope's steepness multiplies, or its root below n = 2.
+    expected = 4 * velocity * 1e-3 * depth * n * (n + 1) / ((2 * n - 1) * a**2)
+    np.testing.assert_allclose(slow.mu, expected, rtol=1e-6 if n > 2 else 1e-4)
 
 
 def test_plan_reads_well_and_agrees_with_the_run():

@@ -21,6 +21,7 @@ from jaxtyping import Float
 from .._runtime import Array
 from ..foundation.modes import Modes
 from ..foundation.moments import contract
+from ..foundation.step import phi1
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .rule import Rule, gauss
@@ -74,8 +75,10 @@ def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, 
     tail = jnp.zeros_like(total)
     if not p.rule.exact:
         decay = p.velocity * p.law.times[:, None]
-        before = moduli * jnp.exp(-span.start / decay)
-        tail = _tail(p, before, span.width * _legendre(p.rule, samples), span.width / decay)
+        before, z = moduli * jnp.exp(-span.start / decay), span.width / decay
+        slowed = -moduli * jnp.expm1(-(span.start + span.width) / decay)
+        felt = jnp.where(slow[:, None], slowed, before * phi1(z))
+        tail = _tail(p, before, span.width * _legendre(p.rule, samples), z, jnp.sum(felt, axis=-2, keepdims=True))
     springs = p.law.equilibrium + jnp.sum(jnp.where(slow, moduli, 0.0), axis=1)
     dashpot = p.velocity * p.law.viscosity * correlation(jnp.zeros_like(_spread(span.exit)))[:, 0, 0]
     rise = span.rise()
@@ -191,15 +194,19 @@ def _integrate(p: Passage, span: _Span, samples: Array) -> tuple[Array, Array]:
     z = span.width / decay
     value = jnp.sum(before * contract(c, z), axis=(-3, -2))
     value = value + p.law.equilibrium * jnp.sum(c[0], axis=(-3, -2))
-    return value, jnp.zeros_like(value) if p.rule.exact else _tail(p, before, c, z)
+    if p.rule.exact:
+        return value, jnp.zeros_like(value)
+    felt = p.law.equilibrium + jnp.sum(before * phi1(z), axis=-2, keepdims=True)
+    return value, _tail(p, before, c, z, felt)
 
 
-def _tail(p: Passage, before: Array, c: Array, z: Array) -> Array:
+def _tail(p: Passage, before: Array, c: Array, z: Array, felt: Array) -> Array:
     """Error of sampling: what the last two polynomials add, and what Gauss' rule misses of those that it cannot see.
 
-    The rule misses about the 2n-th coefficient, reached from the n/2-th and the n-th as in `Strips.summation_error`.
+    The rule misses about the 2n-th coefficient, reached from the n/2-th and the n-th as in `Strips.summation_error`;
+    `felt` is the mean over each panel of the modulus that it is multiplied by.
     """
-    before, c, z = jax.lax.stop_gradient((before, c, z))
+    before, c, z, felt = jax.lax.stop_gradient((before, c, z, felt))
     last = jnp.zeros_like(c).at[-2:].set(c[-2:])
     seen = p.rule.safety * jnp.abs(jnp.sum(before * contract(last, z), axis=(-3, -2)))
     if not p.rule.split or p.lines.count > 1:
@@ -207,8 +214,7 @@ def _tail(p: Passage, before: Array, c: Array, z: Array) -> Array:
     half = c.shape[0] // 2
     end, middle = jnp.max(jnp.abs(c[-2:]), axis=0), jnp.max(jnp.abs(c[half - 2 : half]), axis=0)
     unseen = end * jnp.minimum(end / jnp.where(middle > 0, middle, 1.0), 1.0)
-    stiffness = p.law.equilibrium + jnp.sum(before, axis=-2, keepdims=True)
-    return seen + _UNSEEN * jnp.sum(stiffness * unseen, axis=(-3, -2))
+    return seen + _UNSEEN * jnp.sum(felt * unseen, axis=(-3, -2))
 
 
 def _legendre(rule: Rule, samples: Float[Array, "... nodes points"]) -> Float[Array, "nodes ... 1 points"]:

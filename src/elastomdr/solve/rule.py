@@ -9,6 +9,8 @@ import numpy as np
 from ..mapping.profile import Profile
 from ..mapping.shapes import AbstractShape, Cone, Cylinder, Paraboloid, PowerLaw
 
+_STEEP = 8.0  # exponent of a power law from which it is a punch with a rounded edge
+
 
 @dataclasses.dataclass(frozen=True)
 class Rule:
@@ -78,9 +80,11 @@ def _along_line(shape: AbstractShape, rtol: float, smallest: float) -> tuple[Rul
         return (Rule(2 * int(shape.exponent), split=bool(shape.exponent % 2), exact=True),)
     if isinstance(shape, PowerLaw):
         levels = max(2, math.ceil(math.log10(1 / rtol) / shape.exponent))
-        return tuple(
-            Rule(nodes, split=True, fractions=graded(levels + more)) for nodes, more in ((8, 0), (10, 2), (14, 4))
-        )
+        steps = (graded(levels + more) for more in (0, 2, 4))
+        if shape.exponent > _STEEP:  # the apex is flat; what has to be divided is the rise of the last 1/n at the edges
+            levels = math.ceil(math.log2(shape.exponent))
+            steps = (graded(levels + more, 0.5) for more in (-1, 0, 1))
+        return tuple(Rule(n, split=True, fractions=f) for n, f in zip((8, 10, 14), steps, strict=True))
     if isinstance(shape, Profile):
         # The profile's points leave kinks of order 5/2: the error falls as pieces^-2.5, and the estimate, the last
         # polynomials' part, is up to 70 times below it (measured on spheres, cones and wavy bodies).
