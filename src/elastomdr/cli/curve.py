@@ -42,7 +42,7 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
         folder / f"{stem}.csv": curve.csv(notes).encode(),
         folder / f"{stem}.png": curve.png(scene.title, **points),
     }
-    if scene.rough and verb == "friction" and curve.converged.any():
+    if scene.rough and verb == "friction" and curve.rough is not None and curve.converged.any():
         contact = _contact(scene, curve)
         files |= {} if contact is None else {folder / f"{stem}-contact.png": contact}
     _write(folder, files)
