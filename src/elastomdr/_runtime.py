@@ -51,6 +51,16 @@ def one_kernel(function: Callable[..., R]) -> Callable[..., R]:
     return wrapper
 
 
+def argmax(x: Array) -> Array:
+    """`jnp.argmax` along the first axis, the first of equal ones.
+
+    JAX's own is compiled with 32-bit indices where the caller's `jax.jit` has no 64-bit types, and fails there.
+    """
+    x = jnp.asarray(x)
+    place = jnp.arange(x.shape[0]).reshape(-1, *[1] * (x.ndim - 1))
+    return jnp.min(jnp.where(x == jnp.max(x, axis=0), place, x.shape[0] - 1), axis=0)
+
+
 def _as_numpy(leaf: Any) -> Any:
     if isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer):
         return np.asarray(leaf)

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array, as_float64, ascending, in_float64, is_traced, require
+from .._runtime import Array, argmax, as_float64, ascending, in_float64, is_traced, require
 from ..errors import InputError
 
 _EVEN = 1e-6  # unevenness of x, relative to its spacing, that counts as rounding
@@ -75,7 +75,7 @@ class RoughLine(eqx.Module):
     def highest(self) -> Array:
         """The highest place of the spline [m], from which a depth counts; seldom one of the points."""
         part, between = _summits(jax.lax.stop_gradient(jnp.asarray(self.height)))
-        place = jnp.argmax(between)
+        place = argmax(between)
         coefficients = spline_coefficients(jnp.asarray(self.height))
         # Sums, not an index: its derivative would be taken outside of `in_float64`.
         near = [(place + m) % self.count == jnp.arange(self.count) for m in (-1, 0, 1, 2)]

@@ -4,6 +4,7 @@ import abc
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
@@ -183,7 +184,7 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     poles, strengths, present = _without_empty(times, weights)
     if poles.shape[0] == 0:
         return KelvinChain(instantaneous, strengths, poles, fluidity), xp.zeros((0, moduli.shape[0]))
-    roots, slope, near = map(xp.asarray, secular_roots(poles, strengths, equilibrium))
+    roots, slope, near = _roots(poles, strengths, equilibrium)
     there = xp.isfinite(roots) & present
     compliances = xp.where(there, 1 / (xp.where(there, roots, 1.0) * slope), 0.0)
     order = xp.argsort(xp.where(there, roots, xp.inf))
@@ -222,7 +223,7 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
     equilibrium = xp.where(solid, 1 / xp.where(solid, total, 1.0), 0.0)
     if weights.shape[0] == 0:
         return Relaxation(equilibrium, weights, poles, viscosity)
-    roots, slope, _ = map(xp.asarray, secular_roots(poles, weights, fluidity))
+    roots, slope, _ = _roots(poles, weights, fluidity)
     there = xp.isfinite(roots)
     roots = xp.where(there, roots, xp.maximum(2 * poles[-1], 1.0))
     moduli = xp.where(there, 1 / (roots**2 * slope), 0.0)
@@ -256,6 +257,14 @@ def spring(modulus: Any) -> Relaxation:
 def _arrays(*laws: Any) -> Any:
     """NumPy for numbers, which compiles nothing; JAX for what it traces."""
     return jnp if is_traced(*laws) else np
+
+
+def _roots(*problem: Array) -> tuple[Array, Array, Array]:
+    """`secular_roots`, of numbers as numbers: under a transformation of something else they would become traced."""
+    if is_traced(problem):
+        return secular_roots(*problem)
+    with jax.ensure_compile_time_eval():
+        return jax.tree.map(np.asarray, secular_roots(*problem))
 
 
 def _sum_branches(weights: Array, terms: Array) -> Array:

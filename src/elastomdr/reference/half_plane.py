@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array, in_float64, positive, scalar
+from .._runtime import Array, argmax, in_float64, positive, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
@@ -139,7 +139,7 @@ def _solve(radius, law, chain, load, velocity, window, *, count: int, lead: floa
     touching = (p > 0)[:, 0]
     # The pressure falls as the root of the distance: its square meets zero along a line through the last two cells.
     square = p[:, 0] ** 2
-    first, last = jnp.argmax(touching), count - 1 - jnp.argmax(touching[::-1])
+    first, last = argmax(touching), count - 1 - argmax(touching[::-1])
     trailing = x[first] - h * jnp.clip(square[first] / (square[first + 1] - square[first]), 0.0, 1.0)
     leading = x[last] + h * jnp.clip(square[last] / (square[last - 1] - square[last]), 0.0, 1.0)
     return _Found(mu, jnp.stack([trailing, leading]), solution.settled, ~(touching[0] | touching[-1]))

@@ -1,5 +1,6 @@
 """Tangential loading of a contact with friction: partial slip, fretting loops, frictional damping."""
 
+import warnings
 from typing import Any
 
 import jax
@@ -7,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._runtime import as_float64, in_float64, is_traced, known, not_negative, require, scalar
-from ..errors import InputError
+from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation, half_space
 from ..mapping.reach import contact_measure, contact_size
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
@@ -24,6 +25,7 @@ LAYER = "thin layer of independent elements with Coulomb friction"
 _EARLY = 18  # instants put between the first two: down to 1e-12 of the time between them
 _EDGES = 1e-11  # of the largest force: the edges between which elements are summed are not known to rounding
 _ROUNDING = 1e-14
+_BETWEEN, _INSTANTS = 64, 512  # parts between two instants under a load that changes, at most, and instants with them
 _ELASTIC, _VISCOELASTIC = (200_000, 1), (2_000, 16)  # elements, and contact steps between two instants
 
 
@@ -48,8 +50,11 @@ def shear(
     `friction` is Coulomb's coefficient, zero and infinity included. The tangential law G* follows from a material; for
     a `Foundation` (of E*) give it as `tangential`. Stick or slip is decided element by element; normal and tangential
     loading do not influence each other otherwise, which for equal bodies, or for an incompressible one on a rigid one,
-    is no assumption. `error` compares with half the steps, or two rules of summation where all is elastic, and bounds
-    what a sum over even elements misses where stick or contact ends between two of them.
+    is no assumption. Where load and displacement of an elastic contact change at once, `work` and `slip_loss` are of
+    second order in the time between two instants, which is divided for that; the force is exact.
+
+    `error`, of the force, compares with half the steps, or two rules of summation where all is elastic, and bounds what
+    a sum over even elements misses where stick or contact ends between two of them.
 
     Raises `InputError` for what has no meaning, such as a dashpot that is to follow a sudden depth. An instant at which
     the contact is wider than the body or the grid is NaN, with `converged=False`. Differentiable in moduli, times,
@@ -66,6 +71,7 @@ def shear(
     time, displacement = as_float64("time", time), as_float64("displacement", displacement)
     value, mu = as_float64(name, depth if load is None else load), scalar("friction", friction)
     not_negative(name, value)
+    require("displacement", displacement, "finite", np.isfinite)
     require("friction", mu, "zero or positive, infinity included", lambda x: x >= 0)
     if time.ndim != 1 or time.shape[0] < 2:
         raise InputError(f"time must be a list of two instants or more, got an array of shape {time.shape}.")
@@ -95,8 +101,12 @@ def shear(
     reach = _reach(shape, laws[0], per_area, name, value, time, elements)
     scene = Scene(shape, laws[0], laws[1], mu, reach)
     scene, history = _as_jax(scene), History(time, value, displacement)
+    between = 1
     if not elastic:
         history = _with_early_instants(history)
+    elif load is not None and not is_traced(history) and (np.diff(value) * np.diff(displacement) != 0).any():
+        between = max(1, min(_BETWEEN, _INSTANTS // time.shape[0]))
+        history = _divided(history, between)
     history = History(*map(jnp.asarray, history))
     options = {"by_load": load is not None}
     found = known(shear_history(scene, history, line(scene, elements, per_area), steps=steps, **options))
@@ -110,10 +120,14 @@ def shear(
         force = abs(jax.lax.stop_gradient(found.force)) if xp is jnp else abs(found.force)
         largest = jax.lax.cummax(force) if xp is jnp else np.maximum.accumulate(force)
         error = (1 if elastic else 2) * abs(found.force - coarse.force) + found.missed + _ROUNDING * largest
-    chosen = np.append(0, np.arange(found.force.shape[0] - time.shape[0] + 1, found.force.shape[0]))
+    instants = found.force.shape[0]
+    chosen = np.append(0, np.arange(between, instants, between)[1 - time.shape[0] :])
     found, error = type(found)(*(x[chosen] for x in found)), error[chosen]
     inside = found.contact_radius <= reach * (1 - 0.25 / elements) if not isinstance(shape, FlatPunch) else True
     good = xp.isfinite(found.force) & xp.isfinite(found.normal_force) & inside
+    if not is_traced(good) and not np.all(good):
+        text = "the contact is wider than the body or the grid, and they are NaN"
+        warnings.warn(f"{int((~good).sum())} of {good.size} instants: {text}.", ConvergenceWarning, stacklevel=3)
     found = type(found)(*(xp.where(good, x, xp.nan) for x in found))
     inputs = [("material", normal.name or "given directly"), ("shape", describe(shape))]
     inputs += [(name, brief(value, "N" if name == "load" else "m")), ("displacement", brief(displacement, "m"))]
@@ -158,6 +172,16 @@ def _with_early_instants(history: History) -> History:
     xp, part = jnp if is_traced(history) else np, 0.2 ** np.arange(_EARLY, 0, -1)
     more = t0 + part * (t1 - t0), v0 + part * (v1 - v0), s0 + part * (s1 - s0)
     return History(*(xp.concatenate([x[:1], m, x[1:]]) for x, m in zip(history, more, strict=True)))
+
+
+def _divided(history: History, parts: int) -> History:
+    """More instants, evenly between those given."""
+    xp, part = jnp if is_traced(history) else np, np.arange(1, parts + 1) / parts
+
+    def fill(x: Any) -> Any:
+        return xp.concatenate([x[:1], (x[:-1, None] + xp.diff(x)[:, None] * part).reshape(-1)])
+
+    return History(*map(fill, history))
 
 
 def _laws(material: Any, tangential: Any) -> tuple[Foundation, Foundation]:

@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, ascending, in_float64, is_traced, not_negative, plain, positive
+from .._runtime import argmax, as_float64, ascending, in_float64, is_traced, not_negative, plain, positive
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..results.warming import Warming
@@ -153,7 +153,7 @@ def _bracket(run: Any, low: Any, h: Any, high: Any, count: int, xp: Any, ambient
     power = jax.lax.stop_gradient(run(kelvin).power)
     colder = ~(power - h * (kelvin - ambient) > 0)  # NaN ends the search, and the point is found not to be met
     colder = xp.concatenate([xp.zeros_like(colder[:1]), colder[1:-1], xp.ones_like(colder[:1])])
-    index = xp.argmax(colder, axis=0)[None]
+    index = argmax(colder)[None] if xp is jnp else np.argmax(colder, axis=0)[None]
     kelvin = xp.asarray(kelvin)
     return tuple(xp.take_along_axis(kelvin, index - i, axis=0)[0] for i in (1, 0))  # type: ignore[return-value]
 

@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array
+from .._runtime import Array, argmax
 from ..material.relaxation import Relaxation
 from .periodic import solve_states
 from .periodic_state import SLOW
@@ -68,7 +68,7 @@ def _solved(*bits, spacing, control, rtol) -> tuple[np.ndarray, ...]:
 @partial(jax.jit, static_argnames=("spacing", "control"))
 def _followed(height, law, velocity, value, state, depth, spacing, control):
     height = height[::-1]
-    top = jnp.argmax(jax.lax.stop_gradient(height))
+    top = argmax(jax.lax.stop_gradient(height))
     rise = jnp.roll(height, -top) - height[top]
     found = jnp.concatenate([state, depth[None]])
 

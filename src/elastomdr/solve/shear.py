@@ -26,7 +26,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array
+from .._runtime import Array, argmax
 from ..foundation.step import Coefficients, coefficients
 from ..mapping.disc import gauss
 from ..mapping.shapes import AbstractShape, Cylinder
@@ -200,10 +200,12 @@ def step(
     change = jnp.where(contact, pushed, recovery)
     q = jnp.where(contact, held + cn.stiffness * pushed, 0.0)
 
-    # A surface that comes from a distance carries the element with it from when it touches.
+    # A surface that comes from a distance carries the element with it from when it touches, one that leaves it carries
+    # it until the normal force, linear in the step, is gone.
     gap = jnp.where(state.q > 0, 0.0, jnp.maximum(state.u + grid.profile - state.depth, 0.0))
-    fresh = contact & (gap > 0)
+    fresh, left = contact & (gap > 0), ~contact & (state.q > 0)
     share = jnp.where(fresh, jnp.clip(pushed, 0.0) / jnp.where(fresh, pushed + gap, 1.0), 1.0)
+    share = jnp.where(left, state.q / jnp.where(left, state.q - held - cn.stiffness * pushed, 1.0), share)
     limit = jnp.where(q > 0, scene.friction * jnp.where(q > 0, q, 1.0), 0.0)
     rest = ct.equilibrium * state.s + jnp.sum(ct.seen * state.p, axis=0)
     if callable(ds):
@@ -291,7 +293,7 @@ def _depth(grid: Grid, cn: Coefficients, state: State, recovery: Array, load: Ar
 def _edge(grid: Grid, value: Array) -> Array:
     """Where a function of the distance from the axis that is positive inside first turns negative [m]."""
     n = value.shape[0]
-    i = jnp.where(jnp.any(value < 0), jnp.argmax(value < 0), n)
+    i = jnp.where(jnp.any(value < 0), argmax(value < 0), n)
     inner, outer = value[jnp.clip(i - 1, 0, n - 1)], value[jnp.clip(i, 0, n - 1)]
     part = jnp.where(inner > outer, inner / jnp.where(inner > outer, inner - outer, 1.0), 0.0)
     between = grid.x[jnp.clip(i - 1, 0, n - 1)] + jnp.clip(jnp.where(jnp.isfinite(part), part, 1.0), 0, 1) * grid.width
