@@ -12,7 +12,7 @@ import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.cli.stages import read_stages
 
-from .cli_cases import (
+from .cli_application_cases import (
     BAD_BELTS,
     BAD_DRIVES,
     BAD_ROUGH_SLIDES,
@@ -20,12 +20,11 @@ from .cli_cases import (
     BAD_WHEELS,
     BELT,
     DRIVE,
-    MATERIAL,
     ROUGH_SLIDE,
-    SCENE,
     WARMING,
     WHEEL,
 )
+from .cli_cases import MATERIAL, SCENE
 
 LAW = em.FrictionLaw([0.01, 1.0, 30.0], np.array([[[0.5, 0.8, 0.6]], [[0.6, 0.9, 0.7]]]), [270.0, 300.0], [2e5])
 
