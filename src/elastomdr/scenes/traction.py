@@ -111,7 +111,8 @@ def traction(
     rule = rules[0] if scene.plan.traced else rules[-1]
     # Without creep nothing pulls, and no error is small against that.
     rounding = _ROUNDING * flat(found.normal_force) * (1 + xp.where(xp.isfinite(rolling.friction), rolling.friction, 0))
-    pulled = known(tractions(rolling, rule, _STEPS[0]))
+    # Where errors cannot be looked at, the number of steps that is nearly always enough.
+    pulled = known(tractions(rolling, rule, _STEPS[1] if is_traced(rolling) else _STEPS[0]))
     for steps in _STEPS[1:]:
         missed = ~(pulled.error <= rtol * pulled.force + rounding)
         if is_traced(missed, pulled.force) or not np.any(missed & np.isfinite(pulled.force)):

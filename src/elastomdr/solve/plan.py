@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 
+from .._runtime import is_traced
 from ..mapping.direction import directions, shared_grid_size
 from ..mapping.lines import AbstractLines
 from ..mapping.profile import Profile
@@ -63,7 +64,7 @@ def make_plan(
 ) -> Plan:
     """Plans a scene from its numbers; while JAX traces, from what is known without them."""
     marched = isinstance(lines.shape, Profile) and not lines.shape.convex
-    elastic = velocity is not None and not np.any(law.moduli) and float(law.viscosity) == 0
+    elastic = not is_traced(law) and not np.any(law.moduli) and float(law.viscosity) == 0
     averaged = averaged and not elastic
     inner = TRACED * rtol if value is None else rtol
     count = directions(inner).cosines.size if averaged else 1

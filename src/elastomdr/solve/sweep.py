@@ -176,7 +176,8 @@ def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, vel
 
     if not plan.averaged:
         own = solve(plan.control, value, velocity)
-        mu, error, good, model_error = own.mu, own.error, own.converged, 0.0 * own.mu
+        lossy = 0.0 if plan.elastic else 1.0
+        mu, error, good, model_error = lossy * own.mu, lossy * own.error, own.converged, 0.0 * own.mu
     else:
         average = directions(plan.rtol * TRACED)
         load = value if plan.control == "load" else solve("depth", value, velocity).normal_force
