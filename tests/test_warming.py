@@ -73,6 +73,30 @@ def test_no_steady_state(power):
     assert warm.converged.tolist() == [False, True, True]
 
 
+def test_the_lowest_of_three_steady_states():
+    """A stable and an unstable one 5 K apart, another 44 K above: scipy warms the body up from the cold."""
+    rubber = em.Foundation(1e9, [1e10], [1e-3], shift=em.WLF(8.86, 101.6, 293.15))
+    wheel, scene = em.Cylinder(0.1, 0.05), {"velocity": 1.0, "load": 2000.0}
+    found = em.warming(rubber, wheel, ambient=265.0, conductance=0.2, hottest=392.0, **scene)
+    kelvin = np.linspace(265, 270, 101)
+    power = np.asarray(em.rolling(rubber, wheel, temperature=kelvin, **scene).power)
+    way = solve_ivp(lambda _, y: np.interp(y, kelvin, power) - 0.2 * (y - 265), (0, 1e4), [265.0], rtol=1e-8)
+    np.testing.assert_allclose(found.steady, way.y[0, -1], atol=1e-2)
+
+
+@pytest.mark.parametrize("cold", [213.15, 200.15])
+def test_rubber_too_cold_to_be_known(cold):
+    """Far below the shift law's range: NaN with its flag, with and without a history."""
+    tyre = em.layer(em.load_material("tread-passenger-synthetic"), 15e-3, bonded=False)
+    with pytest.warns(em.ConvergenceWarning, match="that can be found"):
+        found = em.warming(
+            tyre, em.Cylinder(0.1, 0.05), velocity=2.0, load=800.0, ambient=cold, conductance=1.2, capacity=1e3,
+            time=[0.0, 100.0],
+        )  # fmt: skip
+    assert not found.converged.any()
+    assert np.isnan(found.temperature).all()
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

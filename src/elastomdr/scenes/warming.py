@@ -22,7 +22,7 @@ from ..results.warming import Warming
 from .rolling import rolling
 from .steady import brief
 
-_SCAN = 33  # temperatures at which the steady state is looked for
+_SCAN = 257  # temperatures at which the steady state is looked for: two that lie between the same ones are missed
 _NEAR = 5  # temperatures between the two on either side of it
 _WAY = 49  # temperatures between start and steady state, for the history
 _LEFT = 0.1  # of the last Newton step, what it may leave: its slope is good to a few per cent
@@ -95,11 +95,12 @@ def warming(
     width = xp.where(high > low, high - low, 1.0)
     ends = run(xp.stack([low, high]))
     guess = low + (ends.power[0] - h * (low - ta)) / (h - (ends.power[1] - ends.power[0]) / width)
+    guess = xp.where(xp.isfinite(guess), guess, low)  # rubber may be so cold that its shift factor overflows
     middle = xp.clip(xp.clip(guess, low, high), ta + width / 2, hottest - width / 2)
     around = run(xp.stack([middle - width / 2, middle, middle + width / 2])).power
     slope = jax.lax.stop_gradient((around[2] - around[0]) / width)
     guess = middle + (around[1] - h * (middle - ta)) / (h - slope)
-    guess = jax.lax.stop_gradient(xp.clip(guess, low, high))
+    guess = jax.lax.stop_gradient(xp.clip(xp.where(xp.isfinite(guess), guess, low), low, high))
     at = run(guess)
     step = (at.power - h * (guess - ta)) / jax.lax.stop_gradient(h - slope)
     steady = guess + step
@@ -107,9 +108,7 @@ def warming(
     good = at.converged & (error <= _REACHED * rtol * (steady - ta)) & (h > slope)
     steady, error = (xp.where(good, xp.asarray(x), xp.nan) for x in (steady, error))
     if not traced and not good.all():
-        text = (
-            f"{int((~good).sum())} of {good.size} points have no steady temperature below {hottest:g} K; they are NaN."
-        )
+        text = f"{int((~good).sum())} of {good.size} points have no steady temperature below {hottest:g} K, or none that can be found; they are NaN."
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
     power = h * (steady - ta)
     fields: dict[str, Any] = {
@@ -192,6 +191,7 @@ def _history(run: Any, ambient: Any, steady: Any, h: Any, heat: Any, time: Any, 
     fine, coarse = follow(kelvin, net), follow(kelvin[::2], net[::2])
     known = xp.isfinite(steady)[..., None]
     fine = fine + (fine - coarse) / 3
+    fine = xp.where(known & xp.isfinite(fine), fine, xp.asarray(ambient)[..., None])
     power = xp.asarray(jnp.moveaxis(run(jnp.moveaxis(fine, -1, 0)).power, 0, -1))
     off = jax.lax.stop_gradient(abs(fine - coarse))
     return tuple(xp.where(known, x, xp.nan) for x in (fine, power, off))  # type: ignore[return-value]
