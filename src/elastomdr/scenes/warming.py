@@ -108,7 +108,8 @@ def warming(
     good = at.converged & (error <= _REACHED * rtol * (steady - ta)) & (h > slope)
     steady, error = (xp.where(good, xp.asarray(x), xp.nan) for x in (steady, error))
     if not traced and not good.all():
-        text = f"{int((~good).sum())} of {good.size} points have no steady temperature below {hottest:g} K, or none that can be found; they are NaN."
+        text = f"no steady temperature below {hottest:g} K, or none that can be found; they are NaN."
+        text = f"{int((~good).sum())} of {good.size} points have {text}"
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
     power = h * (steady - ta)
     fields: dict[str, Any] = {
