@@ -84,9 +84,9 @@ def warming(
     xp: Any = jnp if traced else np
     v, f, ta, h = (xp.broadcast_to(arrays[k], together) for k in ("velocity", "load", "ambient", "conductance"))
 
-    def run(kelvin: Any) -> Any:
+    def run(kelvin: Any, ignored: type[Warning] = Warning) -> Any:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of temperatures on the way; what the answer lacks is said below
+            warnings.simplefilter("ignore", ignored)  # of temperatures on the way; what the answer lacks is said below
             return rolling(foundation, shape, velocity=v, load=f, temperature=kelvin, average=average, rtol=rtol)
 
     low, high = _bracket(run, ta, h, hottest, _SCAN, xp)
@@ -101,7 +101,7 @@ def warming(
     slope = jax.lax.stop_gradient((around[2] - around[0]) / width)
     guess = middle + (around[1] - h * (middle - ta)) / (h - slope)
     guess = jax.lax.stop_gradient(xp.clip(xp.where(xp.isfinite(guess), guess, low), low, high))
-    at = run(guess)
+    at = run(guess, ConvergenceWarning)  # the steady state itself may be beyond what is known of the material
     step = (at.power - h * (guess - ta)) / jax.lax.stop_gradient(h - slope)
     steady = guess + step
     error = jax.lax.stop_gradient(_LEFT * abs(step) + at.error / at.coefficient * h * (guess - ta) / (h - slope))
@@ -135,7 +135,7 @@ def warming(
         fields["error"] = fields["error"] + off
         good = xp.broadcast_to(good[..., None], kelvin.shape)
         now = {"temperature": kelvin, "power": flow, "time": xp.broadcast_to(instants, kelvin.shape)}
-    inputs = [pair for pair in at.inputs if pair[0] not in ("temperature", "extrapolated")]
+    inputs = [pair for pair in at.inputs if pair[0] != "temperature"]
     inputs[-1:-1] = [("ambient", brief(arrays["ambient"], "K")), ("conductance", brief(arrays["conductance"], "W/K"))]
     if capacity is not None:
         inputs.insert(-1, ("heat capacity", brief(arrays["capacity"], "J/K")))
