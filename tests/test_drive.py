@@ -71,6 +71,8 @@ def test_swing_of_a_body_without_friction():
     for wrong in (0.0, 1e-9, period):
         with pytest.raises(em.InputError, match="period must"):
             found.swing(wrong)
+    still = em.drive(RUBBER, FLAT, time=time[:9], position=0 * time[:9], load=1.0, tangential=em.Mount(mass, k))
+    assert np.isnan(still.swing(time[4])).all()
 
 
 @pytest.mark.slow

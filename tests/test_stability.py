@@ -57,6 +57,7 @@ def test_gradient():
         ({"velocity": [1.0, 2.0], "force": [1.0, 2.0]}, "three values or more"),
         ({"velocity": SPEED[::-1]}, "velocity must be ascending"),
         ({"force": 1.0}, "one value for each of the 81"),
+        ({"force": np.full(81, np.inf)}, "force must be finite, or NaN"),
         ({"wavelength": 0.0}, "wavelength must be positive"),
     ],
 )

@@ -73,7 +73,8 @@ class Drive(AbstractResult):
 
         It dies out where the drive damps; a body that sticks and slips swings on, by more than 1 as a rule. Take the
         period of the mass on its spring, 2 pi sqrt(m/k), and instants enough to see it. NaN in a period with an
-        instant that did not converge. Works under `jax.vmap` over what is driven. Raises `InputError`.
+        instant that did not converge, or in which the drive stands. Works under `jax.vmap` over what is driven. Raises
+        `InputError`.
         """
         length, time = plain("period", period), np.asarray(self.time)
         positive("period", length)
@@ -88,7 +89,8 @@ class Drive(AbstractResult):
         for first, last in itertools.pairwise(ends):
             speed = (self.drive[last] - self.drive[first]) / (time[last] - time[first])
             part = self.velocity[first + 1 : last + 1]
-            found.append((part.max() - part.min()) / abs(speed))
+            xp = jnp if is_traced(speed) else np
+            found.append((part.max() - part.min()) / xp.where(speed == 0, xp.nan, abs(speed)))
         return jnp.stack(found) if is_traced(found) else np.array(found)
 
     def findings(self) -> Iterator[tuple[str, str]]:

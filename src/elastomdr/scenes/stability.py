@@ -59,6 +59,8 @@ def stability(mount: Any, *, velocity: Any, force: Any, wavelength: Any) -> Stab
     ascending("velocity", v)
     if drag.ndim < 1 or drag.shape[-1] != v.size:
         raise InputError(f"force must have one value for each of the {v.size} velocities, got shape {drag.shape}.")
+    if not is_traced(drag) and np.isinf(drag).any():
+        raise InputError(f"force must be finite, or NaN where it is not known, got {drag[np.isinf(drag)][0]:g}.")
     xp: Any = jnp if is_traced(mass, stiffness, damping, longest, v, drag) else np
     at = xp.log(v)
     before, after = at[1:-1] - at[:-2], at[2:] - at[1:-1]
