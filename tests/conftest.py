@@ -8,7 +8,11 @@ code that users get.
 import os
 import subprocess
 import sys
+from pathlib import Path
 
+import pytest
+
+MANY = 25_000  # pieces of memory that a process has mapped; Linux ends one with more than 65,530
 PLAIN = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 
 
@@ -21,3 +25,14 @@ def pytest_configure(config):
     ask = [sys.executable, "-c", "import jax; jax.devices()"]  # another jaxlib may not know them, and would abort
     if subprocess.run(ask, env={**os.environ, "XLA_FLAGS": flags}, capture_output=True, check=False).returncode == 0:
         os.environ["XLA_FLAGS"] = flags
+
+
+@pytest.fixture(autouse=True, scope="module")
+def forget_programs():
+    """Compiled programs take some pieces of memory each, and a worker compiles thousands of them."""
+    yield
+    maps = Path("/proc/self/maps")
+    if maps.exists() and maps.read_bytes().count(b"\n") > MANY:
+        import jax
+
+        jax.clear_caches()
