@@ -112,18 +112,20 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
     frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
     growing = not is_traced(given) and bool((np.diff(frozen[-1], axis=-1) >= 0).all())
     radius = over_histories(edges_of_growth if growing else edges, *frozen)
-    levels = _LEVELS[1]
+    found, levels = None, _LEVELS[1]
     if not is_traced(frozen):
-        found = indent_all(*frozen, radius, levels := _LEVELS[0], size := batch(len(time)))
+        levels, size = _LEVELS[0], batch(len(time))
+        found = indent_all(*frozen, radius, levels, size)
         for finer in _LEVELS[1:]:
             asked = 0.5 * rtol * abs(found.force).max(axis=-1)
             which = np.flatnonzero((found.error > asked[:, None]).any(axis=-1))
             if not which.size:
                 break
+            levels = finer
             some = (*frozen[:3], *(a[which] for a in (*frozen[3:], radius)))
-            for field, better in zip(found, indent_all(*some, levels := finer, size), strict=True):
+            for field, better in zip(found, indent_all(*some, levels, size), strict=True):
                 field[which] = better
-    if is_traced(given):
+    if found is None or is_traced(given):  # with derivatives
         parts = np.tile(np.append(cuts(levels)[:, :-1], 1.0), (len(time), 1))
         found, _ = over_histories(indent_between_smooth, *given, radius, parts)
     largest = abs(found.force).max(axis=-1, keepdims=True)
