@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .figure import _colours, _new_axes, _write_title
+from .figure import _colours, _frame, _legend_beside, _new_axes, _write_title
 
 if TYPE_CHECKING:
     from .bands import FrictionBands
@@ -39,11 +39,9 @@ def draw_bands(
     if seen.size:
         before = ax.get_xlim() if beside_others else (np.inf, 0.0)
         ax.set_xlim(min(before[0], seen.min() / half), max(before[1], seen.max() * half))
-    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
+    _frame(ax)
     if len(points) > 1 or name:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
+        _legend_beside(ax)
     if title or not beside_others:
         failed = int(np.sum(~np.asarray(result.converged)[..., 0]))
         note = f"{failed} of {len(list(np.ndindex(mu.shape[:-1])))} points did not converge and are left out"

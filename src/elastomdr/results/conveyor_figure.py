@@ -6,7 +6,7 @@ import numpy as np
 
 from .._runtime import significant
 from .axes import in_words
-from .figure import _colours, _new_axes, _write_title
+from .figure import _colours, _frame, _legend_beside, _new_axes, _write_title
 
 if TYPE_CHECKING:
     from .conveyor import Conveyor
@@ -30,11 +30,9 @@ def draw_conveyor(result: "Conveyor", ax: Any = None, title: str | None = None) 
         x, y = rows["velocity"][i][order], rows["power"][i][order]
         ax.plot(x, y, color=colour, marker="o" if x.size == 1 else None, label=", ".join(words))
     ax.set(xlabel="Belt speed [m/s]", ylabel="Power per kilometre of belt [kW]", ylim=(0, None))
-    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
+    _frame(ax)
     if count > 1:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
+        _legend_beside(ax)
     if new or title:
         failed = int(np.sum(~known["converged"]))
         note = f"{failed} of {known['converged'].size} points did not converge and are left out" if failed else ""

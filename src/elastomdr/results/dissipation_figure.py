@@ -6,7 +6,7 @@ import numpy as np
 
 from .._runtime import significant
 from .axes import in_words
-from .figure import _colours, _new_axes, _write_title
+from .figure import _colours, _frame, _legend_beside, _new_axes, _write_title
 
 if TYPE_CHECKING:
     from .dissipation import Dissipation
@@ -34,10 +34,8 @@ def draw_dissipation(result: "Dissipation", ax: Any = None, title: str | None = 
         at = time > 0
         ax.plot(time[at], 100 * share[at], "o-", color=colour, linewidth=1.4, markersize=4.5, label=", ".join(words))
     ax.set(xscale="log", xlabel="Relaxation time [s]", ylabel="Share of the dissipation [%]", ylim=(0, None))
-    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
+    _frame(ax)
+    _legend_beside(ax)
     if new or title:
         failed = int(np.sum(~rows["converged"][:, 0]))
         note = f"{failed} of {count} points did not converge and are left out" if failed else ""

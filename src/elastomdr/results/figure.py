@@ -80,9 +80,7 @@ def draw(
         "Friction coefficient [-]" if result.coefficient_field == "mu" else "Rolling resistance coefficient [-]"
     )
     ax.set_ylim(0.0, max(1.16 * highest, ax.get_ylim()[1] if beside_others else 0.0))
-    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
+    _frame(ax)
     failed = int(np.sum(~fields["converged"]))
     notes = [f"{failed} of {fields['converged'].size} points did not converge and are left out"] if failed else []
     notes += ["dashed: without heating"] if cold is not None else []
@@ -92,7 +90,7 @@ def draw(
     if title or not beside_others:
         _write_title(ax, title or result.heading(), result.model, note)
     if len(all_curves) > 1 or name or points is not None:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
+        _legend_beside(ax)
     return ax
 
 
@@ -117,6 +115,17 @@ def _new_axes(wide: bool) -> Any:
     from matplotlib.figure import Figure
 
     return Figure(figsize=(8.6, 4.4) if wide else (6.6, 4.4), layout="constrained").add_subplot()
+
+
+def _frame(ax: Any) -> None:
+    """Grid behind the curves, two spines."""
+    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
+    ax.set_axisbelow(True)
+    ax.spines[["top", "right"]].set_visible(False)
+
+
+def _legend_beside(ax: Any) -> None:
+    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
 
 
 def _write_title(ax: Any, title: str, model: str, note: str) -> None:

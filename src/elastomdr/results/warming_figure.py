@@ -6,7 +6,7 @@ import numpy as np
 
 from .._runtime import significant
 from .axes import in_words
-from .figure import _colours, _new_axes, _write_title
+from .figure import _colours, _frame, _legend_beside, _new_axes, _write_title
 
 if TYPE_CHECKING:
     from .warming import Warming
@@ -35,11 +35,9 @@ def draw_warming(result: "Warming", ax: Any = None, title: str | None = None) ->
         if along == "time":
             ax.axhline(rows["steady"][i, 0] - 273.15, color=colour, linewidth=0.9, linestyle=":")
     ax.set(xlabel="Time [s]" if along == "time" else "Rolling velocity [m/s]", ylabel="Temperature [°C]")
-    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
+    _frame(ax)
     if count > 1:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
+        _legend_beside(ax)
     if new or title:
         failed = int(np.sum(~known["converged"]))
         note = f"{failed} of {known['converged'].size} points did not converge and are left out" if failed else ""
