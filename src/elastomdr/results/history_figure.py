@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .figure import _new_axes, _write_title, saved
+from .figure import _frame, _new_axes, _write_title, saved
 
 if TYPE_CHECKING:
     from .drive import Drive
@@ -25,7 +25,7 @@ def draw_slide(result: "Slide", ax: Any, against: str, title: str | None, label:
     if (error > _VISIBLE * np.nanmax(np.abs(y), initial=0.0)).any():
         ax.fill_between(x, y - error, y + error, color=line[0].get_color(), alpha=0.2, linewidth=0, zorder=2)
     ax.set(xlabel=AXES[against], ylabel="Friction coefficient [-]")
-    finish(ax)
+    _frame(ax)
     failed = int(np.sum(~fields["converged"]))
     note = f"{failed} of {y.size} points did not converge and are left out" if failed else ""
     if title or not beside_others:
@@ -49,7 +49,7 @@ def draw_history(result: "Drive", ax: Any, show: str, title: str | None, label: 
     beside_others = ax.has_data()
     ax.plot(result.time, y, color=None if beside_others else _BLUE, linewidth=1.3, label=label, zorder=3)
     ax.set(xlabel=AXES["time"], ylabel=column.title[0].upper() + column.title[1:])
-    finish(ax)
+    _frame(ax)
     failed = int(np.sum(~result.converged))
     note = f"{failed} of {y.size} points did not converge and are left out" if failed else ""
     if title or not beside_others:
@@ -57,10 +57,3 @@ def draw_history(result: "Drive", ax: Any, show: str, title: str | None, label: 
     if label:
         ax.legend(frameon=False, fontsize=8.5)
     return ax
-
-
-def finish(ax: Any) -> None:
-    """Grid behind the curves, two spines."""
-    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .axes import in_words
-from .figure import _colours, _named, _write_title, saved
+from .figure import _colours, _frame, _named, _write_title, saved
 
 if TYPE_CHECKING:
     from .indentation import Indentation
@@ -77,9 +77,7 @@ def _curves(ax: Any, x: np.ndarray, y: np.ndarray, labels: list[str], keep_colou
 def _dress(ax: Any, x: str, y: str) -> None:
     ax.set_xlabel(x)
     ax.set_ylabel(y)
-    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
+    _frame(ax)
 
 
 def _labels(rows: dict[str, np.ndarray]) -> list[str]:

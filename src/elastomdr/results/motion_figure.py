@@ -6,7 +6,7 @@ import numpy as np
 
 from .._runtime import significant
 from .axes import in_words
-from .figure import _BLUE, _colours, _new_axes, _write_title
+from .figure import _BLUE, _colours, _frame, _new_axes, _write_title
 
 if TYPE_CHECKING:
     from .impact import Impact
@@ -27,7 +27,7 @@ def draw_impact(result: "Impact", ax: Any = None, title: str | None = None) -> A
         _draw_force(result, ax)
     else:
         _draw_restitution(known, ax)
-    _finish(ax)
+    _frame(ax)
     if new or title:
         failed = int(np.sum(~known["converged"]))
         note = f"{failed} of {known['converged'].size} impacts did not converge and are left out" if failed else ""
@@ -76,7 +76,7 @@ def draw_shear(result: "Shear", ax: Any = None, title: str | None = None) -> Any
     known = {column.key: value for column, value in result.fields().items()}
     ax.plot(1e6 * known["displacement"], known["force"], color=_BLUE if new else None, linewidth=1.6)
     ax.set(xlabel="Tangential displacement [µm]", ylabel="Tangential force [N]")
-    _finish(ax)
+    _frame(ax)
     if new or title:
         failed = int(np.sum(~known["converged"]))
         note = f"{failed} of {known['converged'].size} instants did not converge and are left out" if failed else ""
@@ -112,7 +112,7 @@ def draw_traction(result: "Traction", ax: Any = None, title: str | None = None) 
             if top[2][i]:
                 ax.plot(100 * top[0][i], top[1][i], "o", color=colour, markersize=5.5, zorder=4)
     ax.set(xlabel=f"{along.capitalize()} [%]", ylabel="Traction coefficient $F_x/F_N$ [-]")
-    _finish(ax)
+    _frame(ax)
     if len(shown) > 1:
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)
     if new or title:
@@ -145,9 +145,3 @@ def _label(known: dict[str, np.ndarray], row: int) -> str:
                 in_words(key, value).replace("degC", "°C") if key == "temperature" else f"{significant(value)} {unit}"
             )
     return ", ".join(words) or f"no. {row}"
-
-
-def _finish(ax: Any) -> None:
-    ax.grid(True, which="major", color="#dddddd", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
