@@ -106,7 +106,7 @@ def only_checked(computed: int) -> Iterator[None]:
 
     scenes = elastomdr.scenes
     stops = (
-        (scenes.steady, "make_plan"), (scenes.rough, "solve_line"), (scenes.slide, "contact_sizes"),
+        (scenes.steady, "make_plan"), (scenes.rough, "solve_lines"), (scenes.slide, "contact_sizes"),
         (scenes.indent, "indent_under"), (scenes.indent, "indent_with_adhesion"), (pipeline, "master_curve"),
     )  # fmt: skip
     places: list[tuple[Any, str, Any]] = []

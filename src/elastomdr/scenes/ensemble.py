@@ -38,9 +38,18 @@ class Mean(NamedTuple):
     scatter: Array | None  # standard error of mu
 
 
-def mean_of_lines(ask: Ask, lines: list[RoughLine], average: str | None, solved: Callable[..., Line]) -> Mean:
-    """Mean over the lines; `solved(line, velocity, value, control, rtol)` gives the lanes of one line."""
-    runs = [_bare(ask, line, solved) if average is None else _averaged(ask, line, solved) for line in lines]
+Solver = Callable[[list[tuple[RoughLine, np.ndarray, np.ndarray, Any]]], list[Line]]
+"""Lanes of several lines at once, each a line with its velocities, its line loads or depths, and which they are."""
+
+
+def mean_of_lines(ask: Ask, lines: list[RoughLine], average: str | None, solved: Solver) -> Mean:
+    """Mean over the lines, which are solved together."""
+    if average is None:
+        runs = [_bare(own) for own in solved([(line, ask.velocity, ask.value, ask.control) for line in lines])]
+    elif ask.control == "depth":
+        runs = _averaged_by_depth(ask, lines, solved)
+    else:
+        runs = _averaged_by_load(ask, lines, solved)
     mu, error, load, deep, share = (np.mean([getattr(r, k) for r in runs], axis=0) for k in _Run._fields[:-1])
     scatter = np.std([r.mu for r in runs], axis=0, ddof=1) / np.sqrt(len(runs)) if len(runs) > 1 else None
     return Mean(mu, error, load, deep, share, np.all([r.good for r in runs], axis=0) & np.isfinite(mu), scatter)
@@ -57,33 +66,42 @@ class _Run(NamedTuple):
     good: np.ndarray
 
 
-def _bare(ask: Ask, line: RoughLine, solved: Callable[..., Line]) -> _Run:
-    own = solved(line, ask.velocity, ask.value, ask.control, ask.rtol)
+def _bare(own: Line) -> _Run:
     return _Run(own.mu, own.error + own.cost * own.mu, own.load, own.depth, own.share, own.converged)
 
 
-def _averaged(ask: Ask, line: RoughLine, solved: Callable[..., Line]) -> _Run:
-    """Points of one load share a line curve; with the depth given, each has its own load and so its own directions."""
-    rtol = max(ask.rtol, AVERAGE)
-    own = solved(line, ask.velocity, ask.value, ask.control, ask.rtol)
-    mu, error = np.empty_like(ask.velocity), np.empty_like(ask.velocity)
-    if ask.control == "depth":
-        rule = directions(rtol)
-        slowed = ask.velocity[:, None] * rule.cosines
-        load = np.broadcast_to(np.where(own.converged, own.load, 1.0)[:, None], slowed.shape)
-        every = solved(line, slowed.ravel(), load.ravel(), "load", ask.rtol)
+def _averaged_by_depth(ask: Ask, lines: list[RoughLine], solved: Solver) -> list[_Run]:
+    """With the depth given, each point has its own load and so its own directions."""
+    rule = directions(max(ask.rtol, AVERAGE))
+    slowed = ask.velocity[:, None] * rule.cosines
+    owns = solved([(line, ask.velocity, ask.value, ask.control) for line in lines])
+    loads = [np.broadcast_to(np.where(own.converged, own.load, 1.0)[:, None], slowed.shape) for own in owns]
+    turned = [(line, slowed.ravel(), load.ravel(), "load") for line, load in zip(lines, loads, strict=True)]
+    runs = []
+    for own, every in zip(owns, solved(turned), strict=True):
         each = every.mu.reshape(slowed.shape)
         mu = each @ rule.weights
         error = (
             np.asarray(quadrature_error(mu, each @ rule.check, rule.tail))
             + every.error.reshape(slowed.shape) @ rule.weights
         )
-        return _Run(mu, error + own.cost * mu, own.load, own.depth, own.share, own.converged & np.isfinite(mu))
+        runs.append(_Run(mu, error + own.cost * mu, own.load, own.depth, own.share, own.converged & np.isfinite(mu)))
+    return runs
+
+
+def _averaged_by_load(ask: Ask, lines: list[RoughLine], solved: Solver) -> list[_Run]:
+    """Points of one load share a line curve."""
     grids = _grids(ask)
-    speeds = np.concatenate([grid.velocity for grid, _ in grids])
-    loads = np.concatenate([np.full(grid.velocity.size, ask.value[chosen][0]) for grid, chosen in grids])
-    every = solved(line, speeds, loads, "load", ask.rtol)
-    start, tail = 0, directions(rtol).tail
+    speeds, loads = _lanes(ask, grids)
+    found = solved([(line, speeds, loads, "load") for line in lines])
+    return [_average_of(ask, grids, every) for every in found]
+
+
+def _average_of(ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]], every: Line) -> _Run:
+    """One line's average, from its points themselves and then the nodes of each load's curve."""
+    start, tail = ask.velocity.size, directions(max(ask.rtol, AVERAGE)).tail
+    own = Line(*(field[:start] for field in every))
+    mu, error = np.empty_like(ask.velocity), np.empty_like(ask.velocity)
     for grid, chosen in grids:
         part = slice(start, start + grid.velocity.size)
         start = part.stop
@@ -115,7 +133,11 @@ def lanes_of(ask: Ask, average: str | None) -> tuple[np.ndarray, np.ndarray]:
     """
     if average is None or ask.control == "depth":
         return ask.velocity, ask.value
-    grids = _grids(ask)
+    return _lanes(ask, _grids(ask))
+
+
+def _lanes(ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and loads of the points themselves, and then of the nodes of each load's curve."""
     values = [np.full(grid.velocity.size, ask.value[chosen][0]) for grid, chosen in grids]
     return np.concatenate([ask.velocity, *(g.velocity for g, _ in grids)]), np.concatenate([ask.value, *values])
 

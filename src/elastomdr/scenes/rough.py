@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import jax.numpy as jnp
@@ -14,7 +15,7 @@ from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
 from ..results.curve import FrictionCurve, Rough
 from ..solve.heat import Heat
-from ..solve.periodic import Line, solve_line
+from ..solve.periodic import Job, Line, solve_lines
 from ..solve.periodic_plan import RoughPlan, plan_lines
 from .ensemble import Ask, Mean, lanes_of, mean_of_lines, solutions
 from .flash import SETTLED, warmed
@@ -67,16 +68,15 @@ def rough_friction(
             total = max(asked[0], least)
             progress(min(finished[0], total), total)
 
-    def solved(line: RoughLine, velocity: np.ndarray, value: np.ndarray, control: Any, rtol: float) -> Line:
-        return solve_line(
-            np.asarray(line.height), float(line.spacing), law, velocity, value, control, rtol, bool(skip), tick, store
-        )
+    def solved(wanted: list[tuple[RoughLine, np.ndarray, np.ndarray, Any]], rtol: float) -> list[Line]:
+        jobs = [Job(np.asarray(line.height), float(line.spacing), v, x, how) for line, v, x, how in wanted]
+        return solve_lines(jobs, law, rtol, bool(skip), tick, store)
 
     def points(reduced: np.ndarray, value: np.ndarray, coarse: bool = False) -> Mean:
         tolerance = max(_COARSE, float(rtol)) if coarse else float(rtol)
         ask = Ask(reduced, value, control, tolerance, bool(skip))
         asked[0] += seeds * solutions(ask, average)
-        return mean_of_lines(ask, lines, average, solved)
+        return mean_of_lines(ask, lines, average, partial(solved, rtol=tolerance))
 
     if traced:
         found = traced_mean_of_lines(lines, law, reduced.ravel(), given, control, float(rtol), average)

@@ -87,7 +87,10 @@ def coefficients(law: Lanes, step: Float[Array, " lanes"]) -> Coefficients:
 
 @partial(jax.jit, static_argnames=("slow", "exact"))
 def sweep(
-    rise: Float[np.ndarray, " n"],  # heights against the highest, in the order in which an element meets them [m]
+    rise: Float[
+        np.ndarray, " n"
+    ],  # heights against the highest, in the order in which an element meets them, the first
+    # again after the last [m]; what follows is not read, so that lines of many lengths share what is compiled
     count: int,  # samples of the period
     stride: int,  # points of the line per sample
     depth: Float[np.ndarray, " lanes"],
@@ -103,13 +106,11 @@ def sweep(
 
 
 def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretches | None, slow: int, exact: bool):
-    n = rise.shape[0]
-
     def one(i, state):
         f, u, du, work, load, sums, touching = state
         kept = by.keep * f
         loose = u - (by.relaxed * u + kept.sum(axis=0)) * by.give
-        new = jnp.maximum(loose, rise[(i + 1) * stride % n] + depth)
+        new = jnp.maximum(loose, rise[(i + 1) * stride] + depth)
         before, du = du, new - u
         after = (new - loose) / by.give
         mean = after

@@ -12,6 +12,7 @@ guess.
 import hashlib
 import itertools
 import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Literal, NamedTuple
 
@@ -27,6 +28,8 @@ from .periodic_state import State, finish, iterate, jacobian, level_of
 
 _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
+_FEWEST_LANES = 8  # in a batch, where there are as many
+_MANY = 32  # lanes of a load from which they make batches of their own
 _LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
 _EDGES = 1.5  # over a first-order estimate: the edges lie anywhere between samples
@@ -53,33 +56,53 @@ def rises(height: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
     return np.roll(height, -int(np.argmax(height))) - height.max()
 
 
+class Job(NamedTuple):
+    """Lanes to be solved on one line."""
+
+    height: Float[np.ndarray, " n"]
+    spacing: float
+    velocity: Float[np.ndarray, " lanes"]
+    value: Float[np.ndarray, " lanes"]
+    control: Literal["load", "depth"]
+
+
 def solve_line(
-    height: Float[np.ndarray, " n"],
-    spacing: float,
+    height: Float[np.ndarray, " n"], spacing: float, law: Relaxation, velocity: Float[np.ndarray, " lanes"],
+    value: Float[np.ndarray, " lanes"], control: Literal["load", "depth"], rtol: float, skip: bool = True,
+) -> Line:  # fmt: skip
+    """Solves all lanes on one line, in batches on every core."""
+    return solve_lines([Job(height, spacing, velocity, value, control)], law, rtol, skip)[0]
+
+
+def solve_lines(
+    jobs: Sequence[Job],
     law: Relaxation,
-    velocity: Float[np.ndarray, " lanes"],
-    value: Float[np.ndarray, " lanes"],
-    control: Literal["load", "depth"],
     rtol: float,
     skip: bool = True,
     done: Any = None,  # called with the number of lanes whenever some are finished
     store: Any = None,  # keeps what is finished: get(key) gives None or what was put(key, arrays)
-) -> Line:
-    """Solves all lanes on one line, in batches on every core."""
-    rise = rises(height)
-    order = np.argsort(velocity, kind="stable")
+) -> list[Line]:
+    """Solves all lanes of all jobs; the batches of every line share the cores."""
     threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    size = min(_LANES, max(8, -(-velocity.size // threads)))
-    batches = [order[i : i + size] for i in range(0, velocity.size, size)]
+    size = min(_LANES, max(_FEWEST_LANES, -(-sum(job.velocity.size for job in jobs) // threads)))
+    tasks, parts_of = [], []
+    for job in jobs:
+        # Lanes alike: speeds near each other need the same branches, and light loads leave the same stretches free.
+        apart = job.value.size >= _MANY * np.unique(job.value).size
+        order = np.lexsort((job.velocity, job.value)) if apart else np.argsort(job.velocity, kind="stable")
+        count = -(-order.size // size)
+        parts_of.append(np.array_split(order, count))  # of one size nearly, so that the last core is not left alone
+        rise = rises(job.height)
+        tasks += [(job, rise, batch) for batch in parts_of[-1]]
 
-    def run(batch: np.ndarray) -> Line:
+    def run(task: tuple[Job, np.ndarray, np.ndarray]) -> Line:
+        job, rise, batch = task
+        velocity, value, spacing = job.velocity[batch], job.value[batch], float(job.spacing)
         with jax.enable_x64(True):  # the setting belongs to the thread
-            key = (
-                "" if store is None else _key(rise, law, velocity[batch], value[batch], (spacing, control, rtol, skip))
-            )
+            key = "" if store is None else _key(rise, law, velocity, value, (spacing, job.control, rtol, skip))
             kept = None if store is None else store.get(key)
             if kept is None:
-                found, _ = _batch(rise, float(spacing), law, velocity[batch], value[batch], control, rtol, skip)
+                found, _ = _batch(rise, spacing, law, velocity, value, job.control, rtol, skip)
                 if store is not None:
                     store.put(key, np.array(found, dtype=np.float64))
             else:
@@ -88,10 +111,14 @@ def solve_line(
             done(batch.size)
         return found
 
-    with ThreadPoolExecutor(min(threads, len(batches))) as pool:
-        parts = list(pool.map(run, batches))
-    back = np.argsort(np.concatenate(batches), kind="stable")
-    return Line(*(np.concatenate(fields)[back] for fields in zip(*parts, strict=True)))
+    with ThreadPoolExecutor(min(threads, len(tasks))) as pool:
+        found = iter(list(pool.map(run, tasks)))
+    lines = []
+    for parts in parts_of:
+        back = np.argsort(np.concatenate(parts), kind="stable")
+        some = [next(found) for _ in parts]
+        lines.append(Line(*(np.concatenate(fields)[back] for fields in zip(*some, strict=True))))
+    return lines
 
 
 def solve_states(

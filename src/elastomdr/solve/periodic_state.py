@@ -25,14 +25,17 @@ from .stretches import Stretches, stretches
 RESIDUAL = 1e-9  # of the state and of the load, relative to the load
 _SMALL = 1.0  # mu below which the residual is smaller in proportion: friction is a small part of the forces
 SLOW = 1e-3  # T/tau below which a branch is made periodic by its mean
+_INSTANT = 100.0  # T/tau from which a branch forgets at once what it was at the start
 _FEW, _MANY = 8, (32, 64)  # numbers of lanes that are compiled: each takes a second, and more of them save little
 _SHORT = 8192  # samples
+_ROOM = 8  # lines are kept with room for the next power of it, in samples
 _SUMS = (2, 8)  # numbers of slow branches that are compiled
 _SWEEPS = (60, 30)  # at most, with all samples and with fewer
 _STALLED = 3  # sweeps without halving the residual, after which the Jacobian is computed anew
 _SINGULAR = 1e8  # largest entry in the inverse of a Jacobian that is used
 _STRETCHES = 128  # that a line is cut into, at most
 _WORTH = 16  # samples that a stretch must have to be worth a look
+_COARSE = 2048  # samples up to which stretches cost more than they save
 _NUDGE = 1e-5  # of the load, by which an unknown is moved for the Jacobian
 
 
@@ -55,6 +58,7 @@ class Level(NamedTuple):
     is_slow: np.ndarray  # of those, which are, in which lane
     sums: Float[np.ndarray, "slow lanes"]  # sum_n exp(-n h/tau_k)
     whole: Float[np.ndarray, "branches lanes"]  # 1 - exp(-T/tau_k)
+    lasting: np.ndarray  # branches whose state at the start is felt for more than an instant, in which lane
     load: Float[np.ndarray, " lanes"]
     stiffness: Float[np.ndarray, " lanes"]  # of the load against depth, about
     by_load: bool
@@ -83,15 +87,22 @@ def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, cont
     pieces = math.gcd(count // _WORTH, _STRETCHES) if count % _WORTH == 0 else 1
     free = (
         stretches(rise[::stride], pieces, by.keep, by.lost, by.gain, by.give, by.relaxed)
-        if skip and pieces > 1
+        if skip and pieces > 1 and count > _COARSE
         else None
     )
     whole = -np.expm1(-period / law.times)
     sums = by.keep * whole / -np.expm1(-step / law.times)
+    lasting = (period / law.times < _INSTANT) & (law.moduli > 0)
     return Level(
-        rise, stride, by, free, most, slow[:most], np.where(slow, sums, 1.0)[:most], whole, load, stiffness,
-        control == "load", stride * spacing, jax.device_put((rise, by, free)),
+        rise, stride, by, free, most, slow[:most], np.where(slow, sums, 1.0)[:most], whole, lasting, load, stiffness,
+        control == "load", stride * spacing, jax.device_put((_closed(rise), by, free)),
     )  # fmt: skip
+
+
+def _closed(rise: Float[np.ndarray, " n"]) -> Float[np.ndarray, " m"]:
+    """The first point again after the last, and zeros up to one of few lengths."""
+    size = _ROOM ** math.ceil(math.log(max(rise.size, _SHORT), _ROOM) - 1e-9)
+    return np.concatenate([rise, rise[:1], np.zeros(size - rise.size)])
 
 
 def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lanes"], np.ndarray]:
@@ -130,7 +141,7 @@ def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lane
             np.where(better, depth, kept[0]), np.where(better, branches, kept[1]), np.where(better[:, None], r, kept[2])
         )  # fmt: skip
         best = np.where(better, size, best)
-        moved = np.einsum("vij,vj->vi", inverse, r)
+        moved = (inverse @ r[:, :, None])[:, :, 0]
         down = moved[:, -1] * load / level.stiffness
         moved *= (np.minimum(1.0, 0.5 * depth / np.maximum(np.abs(down), 1e-300)) * active)[:, None]
         if not level.by_load:
@@ -155,12 +166,16 @@ def jacobian(level: Level, state: State, every: np.ndarray) -> Float[np.ndarray,
     start = _residual(level, state.branches, state.depth, every)[0]
     found = np.tile(np.eye(unknowns), (lanes, 1, 1))  # of minus the Jacobian
     for j in range(unknowns if level.by_load else unknowns - 1):
+        felt = every if j == unknowns - 1 else every & level.lasting[j]
+        if not felt.any():
+            continue
         branches, depth = state.branches.copy(), state.depth
         if j < unknowns - 1:
             branches[j] += _NUDGE * level.load
         else:
             depth = depth + _NUDGE * level.load / level.stiffness
-        found[:, :, j] = (start - _residual(level, branches, depth, every)[0]) / _NUDGE
+        column = (start - _residual(level, branches, depth, felt)[0]) / _NUDGE
+        found[:, :, j] = np.where(felt[:, None], column, found[:, :, j])
     found[~every | ~np.isfinite(found).all(axis=(1, 2))] = np.eye(unknowns)
     found[np.linalg.slogdet(found)[0] == 0] = np.eye(unknowns)
     found = np.linalg.inv(found)
@@ -185,8 +200,8 @@ def _mu(level: Level, end: Swept) -> Float[np.ndarray, " lanes"]:
 
 def _learn(inverse, moved, change, active):
     """Broyden's update of the inverse Jacobian, H += (s - H y)(s^T H)/(s^T H y), where it is well defined."""
-    seen = np.einsum("vij,vj->vi", inverse, change)
-    row = np.einsum("vi,vij->vj", moved, inverse)
+    seen = (inverse @ change[:, :, None])[:, :, 0]
+    row = (moved[:, None] @ inverse)[:, 0]
     pivot = np.einsum("vi,vi->v", moved, seen)
     use = active & (np.abs(pivot) > 1e-4 * np.sum(moved**2, axis=1)) & np.isfinite(pivot)
     factor = np.where(use, 1 / np.where(use, pivot, 1.0), 0.0)

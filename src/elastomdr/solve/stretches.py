@@ -44,7 +44,7 @@ def stretches(rise: Float[np.ndarray, " n"], pieces: int, keep, lost, gain, give
     gain = np.concatenate([np.full((1, lanes), float(relaxed)), gain])
     s, live = np.sqrt(keep * gain), gain > 0
     scale = np.where(live, np.sqrt(keep / np.where(live, gain, 1.0)), 1.0)
-    matrix = np.einsum("il,jl->lij", s, s) * give[:, None, None]  # 1 less the step's matrix
+    matrix = s.T[:, :, None] * (s * give).T[:, None]  # 1 less the step's matrix
     index = np.arange(s.shape[0])
     matrix[:, index, index] += lost.T
     vector = np.linalg.eigh(matrix)[1]  # lane, component, mode
@@ -52,7 +52,7 @@ def stretches(rise: Float[np.ndarray, " n"], pieces: int, keep, lost, gain, give
     # are small where the modes are slow, tells how much, and two steps of perturbation theory take it out.
     fall = np.zeros((lanes, s.shape[0]))
     for _ in range(2):
-        stiff = np.einsum("kl,lki->li", s, vector)
+        stiff = (s.T[:, None] @ vector)[:, 0]
         rest = np.swapaxes(vector, 1, 2) @ (lost.T[:, :, None] * vector)
         rest = rest + stiff[:, :, None] * stiff[:, None] * give[:, None, None]
         fall = np.diagonal(rest, axis1=1, axis2=2)
