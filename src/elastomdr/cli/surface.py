@@ -26,7 +26,9 @@ def read_surface(content: Any, folder: Path, one_line: bool = False) -> tuple[An
     every = ("shape", *dict.fromkeys(key for keys in _KEYS.values() for key in keys), *lines)
     shape = Keys(content, "surface", every).get("shape", choice(*_KEYS))
     keys = Keys(content, "surface", ("shape", *_KEYS[shape], *lines))
-    more: dict[str, Any] = {name: keys.get(name, _whole) for name in lines[1:] if name in keys}
+    more: dict[str, Any] = {
+        name: keys.get(name, _seeds if name == "seeds" else _whole) for name in lines[1:] if name in keys
+    }
     if "equivalent_length" in keys:
         more["equivalent_length"] = keys.get("equivalent_length", _equivalent)
     from .. import SelfAffine, surface_from_file
@@ -106,6 +108,10 @@ def _cutoffs(keys: Keys) -> dict[str, float]:
 
 def _equivalent(name: str, value: Any) -> Any:
     return value if value == "full contact" else one(LENGTH)(name, value)
+
+
+def _seeds(name: str, value: Any) -> int | list[int]:
+    return value if isinstance(value, list) else _whole(name, value)
 
 
 def _whole(name: str, value: Any) -> int:

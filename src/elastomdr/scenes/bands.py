@@ -1,6 +1,7 @@
 """Which frequencies the friction of a rough line or surface comes from."""
 
 import warnings
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from ..mapping.rough_line import RoughLine
 from ..mapping.synthesis import PERIODS
 from ..results.bands import FrictionBands
 from ..solve.excitation import excitation
-from .rough import is_rough, surface_words
+from .rough import ensemble_words, is_rough, surface_words
 from .rough_arguments import set_up
 from .steady import AVERAGED, BARE, brief
 
@@ -36,7 +37,7 @@ def friction_bands(
     equivalent_length: Any = None,
     samples: int | None = None,
     periods: int = PERIODS,
-    seeds: int = 1,
+    seeds: int | Sequence[int] = 1,
     sampling: float = 0.1,
     per_decade: int = 4,
 ) -> FrictionBands:
@@ -101,7 +102,7 @@ def friction_bands(
         *([("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []),
         ("line load", brief(scene.value, "N/m")), ("velocity", brief(scene.velocity, "m/s")),
         *([] if kelvin is None else [("temperature", brief(kelvin, "K"))]),
-        ("ensemble", f"{seeds} line{'s' * (seeds > 1)} of {lines[0].count} samples"),
+        ("ensemble", ensemble_words(scene.seeds, lines[0].count)),
     ]  # fmt: skip
     return FrictionBands(
         velocity=banded(v),

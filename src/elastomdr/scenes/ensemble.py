@@ -1,8 +1,10 @@
 """How the points of a call are solved on an ensemble of rough lines: alone, or averaged over directions."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 
 from .._runtime import Array
@@ -13,6 +15,7 @@ from ..mapping.synthesis import PERIODS, synthesise
 from ..solve.periodic import Line
 
 AVERAGE = 1e-5  # least relative error asked of the direction average: contacts that come and go leave kinks in mu(v)
+_MOST = 2**20  # samples of a line that nobody asked for
 _SAMPLES = 4096  # least number of samples of a line that is given by its points
 
 
@@ -142,6 +145,36 @@ def _lanes(ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]]) -> tuple[np.nda
     return np.concatenate([ask.velocity, *(g.velocity for g, _ in grids)]), np.concatenate([ask.value, *values])
 
 
+def on_enough_samples(
+    ask: Ask, found: Mean, count: int, sampling: float, solve: Callable[[Ask, int], Mean]
+) -> tuple[Mean, np.ndarray]:
+    """Points whose sampling error is above `sampling` times mu, solved again on four times the samples, and so on.
+
+    `found` is the answer on `count` samples, `solve(ask, count)` that on others. Returns the answer, and on how many
+    samples each point has it. The error that stays is the caller's to judge.
+    """
+    used = np.full(found.mu.shape, count)
+    while count * 4 <= _MOST:
+        count *= 4
+        coarse = np.flatnonzero(found.good & ~(found.error <= sampling * np.abs(found.mu)))
+        if not coarse.size:
+            break
+        finer = solve(ask._replace(velocity=ask.velocity[coarse], value=ask.value[coarse]), count)
+        better = finer.good & (finer.error < found.error[coarse])
+        if not better.any():
+            break
+        at = coarse[better]
+        used[at] = count
+        found = jax.tree.map(partial(_put, at, better), found, finer)
+    return found, used
+
+
+def _put(at: Array, which: Array, field: Array, finer: Array) -> np.ndarray:
+    field = np.array(field)
+    field[at] = finer[which]
+    return field
+
+
 def solutions(ask: Ask, average: str | None) -> int:
     """Line solutions that one line takes."""
     if average is None:
@@ -151,13 +184,13 @@ def solutions(ask: Ask, average: str | None) -> int:
     return ask.velocity.size + sum(grid.velocity.size for grid, _ in _grids(ask))
 
 
-def ensemble(surface: Any, samples: int | None, periods: int, seeds: int, first: int = 0) -> list[RoughLine]:
+def ensemble(surface: Any, samples: int | None, periods: int, seeds: tuple[int, ...]) -> list[RoughLine]:
     """The lines of a surface, one for each seed; a line that is given, on enough samples. Raises `InputError`."""
     if isinstance(surface, RoughLine):
-        if seeds != 1 or periods != PERIODS:
+        if seeds != (0,) or periods != PERIODS:
             raise InputError("seeds and periods belong to a surface given by its spectrum; a RoughLine is what it is.")
         factor = 4
         while surface.count * factor < (_SAMPLES if samples is None else samples):
             factor *= 2
         return [surface.finer(factor)]
-    return [synthesise(surface, seed, periods, samples) for seed in range(first, first + seeds)]
+    return [synthesise(surface, seed, periods, samples) for seed in seeds]

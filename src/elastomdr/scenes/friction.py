@@ -1,5 +1,6 @@
 """Steady sliding friction of one indenter."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from .._runtime import in_float64
@@ -26,7 +27,7 @@ def friction(
     equivalent_length: Any = None,
     samples: int | None = None,
     periods: int = PERIODS,
-    seeds: int = 1,
+    seeds: int | Sequence[int] = 1,
     sampling: float = 0.1,
     heat: Heat | None = None,
     progress: Any = None,
@@ -49,10 +50,11 @@ def friction(
     (`SelfAffine`, `Spectrum`, measured) takes a nominal `pressure` [Pa], turned into the line load p L with L = 2
     pi/q_low, the rule of the textbook, for light contact; `equivalent_length="full contact"` takes 2 m_2/m_3 of the
     spectrum's moments, better at higher loads, and a number [m] itself (`docs/rough.md` compares them with three
-    dimensions). It is computed on `seeds` lines of random phases, each `periods` longest
-    waves long, of `samples` samples (default: eight per shortest wave). There `rtol` is that of the solution on these
-    samples; `error` has the sampling too, and a point where it exceeds `sampling` times mu is NaN. `progress(done,
-    total)` is called after each batch; `store` keeps finished batches (`get(key)`, `put(key, arrays)`).
+    dimensions). It is computed on `seeds` lines of random phases (or those of a list of seeds), each
+    `periods` longest waves long, of `samples` samples (default: eight per shortest wave; four times as many, up to
+    2^20, for points that need them). There `rtol` is that of the solution on these samples; `error` has the sampling
+    too, and a point where it exceeds `sampling` times mu is NaN. `progress(done, total)` is called after each batch;
+    `store` keeps finished batches (`get(key)`, `put(key, arrays)`).
 
     `heat=em.Heat(...)` heats the rubber of a surface under a `pressure` by its friction, from `temperature` on, until
     friction and flash temperature agree (`elastomdr.solve.heat`): `mu` is then the hot curve, `rough.cold` the one

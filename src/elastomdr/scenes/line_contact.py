@@ -48,8 +48,8 @@ def line_contact(
         )
     scene = set_up(
         material, surface, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
-        average=None, rtol=rtol, equivalent_length=equivalent_length, samples=samples, periods=periods, seeds=1,
-        first=int(seed),
+        average=None, rtol=rtol, equivalent_length=equivalent_length, samples=samples, periods=periods,
+        seeds=1 if isinstance(surface, RoughLine) else (int(seed),),
     )  # fmt: skip
     if scene.reduced.size != 1:
         raise InputError(f"velocity, {scene.control} and temperature must be single numbers, got {scene.shape}.")

@@ -1,5 +1,6 @@
 """What a scene would compute, skip and condense, without computing it."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from .._runtime import in_float64
@@ -29,7 +30,7 @@ def plan(
     equivalent_length: Any = None,
     samples: int | None = None,
     periods: int = PERIODS,
-    seeds: int = 1,
+    seeds: int | Sequence[int] = 1,
     heat: Heat | None = None,
 ) -> Plan | RoughPlan:
     """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it says what is skipped and why.

@@ -17,7 +17,7 @@ from ..results.curve import FrictionCurve, Rough
 from ..solve.heat import Heat
 from ..solve.periodic import Job, Line, solve_lines
 from ..solve.periodic_plan import RoughPlan, plan_lines
-from .ensemble import Ask, Mean, lanes_of, mean_of_lines, solutions
+from .ensemble import Ask, Mean, ensemble, lanes_of, mean_of_lines, on_enough_samples, solutions
 from .flash import SETTLED, warmed
 from .rough_arguments import RoughScene, load_level, set_up
 from .rough_traced import traced_mean_of_lines
@@ -45,7 +45,7 @@ def only_rough(equivalent_length: Any, heat: Any) -> None:
 def rough_friction(
     material: Any, surface: RoughLine | AbstractSpectrum, *, velocity: Any, load: Any, depth: Any, pressure: Any,
     temperature: Any, average: str | None, rtol: Any, skip: bool, equivalent_length: Any, samples: int | None,
-    periods: int, seeds: int, sampling: float, heat: Heat | None,
+    periods: int, seeds: Any, sampling: float, heat: Heat | None,
     progress: Callable[[int, int], None] | None, store: Any,
 ) -> FrictionCurve:  # fmt: skip
     """`em.friction` of a rough line or surface; see there."""
@@ -58,13 +58,13 @@ def rough_friction(
     kelvin, reduced, given, control, traced = scene.kelvin, scene.reduced, scene.given, scene.control, scene.traced
     velocity, numpy = scene.velocity, jnp if scene.traced else np
     law = foundation.law()
-    asked, finished = [0], [0]
+    asked, finished, largest, count = [0], [0], [lines[0].count], len(lines)
     first = 0 if traced else solutions(Ask(reduced.ravel(), given, control, float(rtol), bool(skip)), average)
 
-    def tick(count: int) -> None:
-        finished[0] += count
+    def tick(some: int) -> None:
+        finished[0] += some
         if progress is not None:
-            least = 1 if heat is None else _ROUNDS * seeds * first  # how many rounds heating takes is not known before
+            least = 1 if heat is None else _ROUNDS * count * first  # how many rounds heating takes is not known before
             total = max(asked[0], least)
             progress(min(finished[0], total), total)
 
@@ -74,9 +74,21 @@ def rough_friction(
 
     def points(reduced: np.ndarray, value: np.ndarray, coarse: bool = False) -> Mean:
         tolerance = max(_COARSE, float(rtol)) if coarse else float(rtol)
+
+        def mean(ask: Ask, on: list[RoughLine]) -> Mean:
+            asked[0] += count * solutions(ask, average)
+            return mean_of_lines(ask, on, average, partial(solved, rtol=tolerance))
+
+        def finer(ask: Ask, size: int) -> Mean:
+            return mean(ask, ensemble(surface, size, periods, scene.seeds))
+
         ask = Ask(reduced, value, control, tolerance, bool(skip))
-        asked[0] += seeds * solutions(ask, average)
-        return mean_of_lines(ask, lines, average, partial(solved, rtol=tolerance))
+        found = mean(ask, lines)
+        if coarse or samples is not None:
+            return found
+        found, used = on_enough_samples(ask, found, lines[0].count, sampling, finer)
+        largest[0] = max(largest[0], int(used.max()))
+        return found
 
     if traced:
         found = traced_mean_of_lines(lines, law, reduced.ravel(), given, control, float(rtol), average)
@@ -128,7 +140,7 @@ def rough_friction(
         ("velocity", brief(velocity, "m/s")),
     ]
     inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
-    inputs += [("ensemble", f"{seeds} line{'s' * (seeds > 1)} of {lines[0].count} samples")]
+    inputs += [("ensemble", ensemble_words(scene.seeds, lines[0].count, largest[0]))]
     inputs += [] if heat is None else [("heat", heat.words())]
     if outside is not None and extrapolated is not None and foundation.range is not None:
         inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
@@ -156,7 +168,7 @@ def rough_friction(
         extrapolated=extrapolated,
         rough=Rough(
             None if pressure is None else (given / length).reshape(shape),
-            field(found.share), None if found.scatter is None else field(found.scatter), outside, seeds,
+            field(found.share), None if found.scatter is None else field(found.scatter), outside, count,
             *(() if warm is None else (field(warm.rise), field(cold), field(warm.heat))),
         ),
     )  # fmt: skip
@@ -202,6 +214,16 @@ def surface_words(surface: Any, line: RoughLine) -> str:
     return f"{surface.label}, {surface.words()}; line: rms height {float(line.rms_height):.4g} m, rms slope " + (
         f"{float(line.rms_slope):.4g}"
     )
+
+
+def ensemble_words(seeds: tuple[int, ...], count: int, largest: int = 0) -> str:
+    """How many lines of how many samples, for results."""
+    text = f"{len(seeds)} line{'s' * (len(seeds) > 1)} of {count} samples"
+    if seeds != tuple(range(len(seeds))):
+        text += f", seed{'s' * (len(seeds) > 1)} " + ", ".join(map(str, seeds))
+    if largest > count:
+        text += f", of up to {largest} where that was too few"
+    return text
 
 
 def _outside(foundation: Foundation, surface: Any, reduced: np.ndarray) -> np.ndarray | None:

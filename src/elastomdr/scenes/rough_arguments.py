@@ -22,6 +22,7 @@ class RoughScene(NamedTuple):
 
     foundation: Foundation
     lines: list[RoughLine]
+    seeds: tuple[int, ...]  # of the lines
     shape: tuple[int, ...]  # of the broadcast arguments
     velocity: Any  # as given [m/s]; this and what follows are JAX arrays where traced, else NumPy's
     kelvin: Any  # as given [K], or None
@@ -37,14 +38,14 @@ class RoughScene(NamedTuple):
 def set_up(
     material: Any, surface: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
     average: Any, rtol: Any, equivalent_length: Any, samples: Any, periods: Any, seeds: Any, heat: Any = None,
-    first: int = 0,
 ) -> RoughScene:  # fmt: skip
-    """Checks the arguments and makes the lines, from seed `first` on. Raises `InputError`."""
+    """Checks the arguments and makes the lines. Raises `InputError`."""
     foundation = as_foundation(material)
     traced = is_traced(foundation, surface, velocity, load, depth, pressure, temperature)
     if traced and heat is not None:
         raise InputError("heat must be left out under jax.grad, jit and vmap: flash temperature is not differentiable.")
-    _check(foundation, average, rtol, samples, periods, seeds)
+    _check(foundation, average, rtol, samples, periods)
+    which = _seeds(seeds)
     _check_heat(heat, surface, pressure, temperature)
     control, value, length, rule = _control(surface, load, depth, pressure, equivalent_length)
     velocity = as_float64("velocity", velocity)
@@ -71,11 +72,13 @@ def set_up(
     numpy: Any = jnp if traced else np
     reduced = numpy.broadcast_to(velocity * factor, shape)
     given = numpy.broadcast_to(value, shape).ravel()
-    lines = ensemble(surface, samples, periods, seeds, first)
-    return RoughScene(foundation, lines, shape, velocity, kelvin, value, reduced, given, control, length, rule, traced)
+    lines = ensemble(surface, samples, periods, which)
+    return RoughScene(
+        foundation, lines, which, shape, velocity, kelvin, value, reduced, given, control, length, rule, traced
+    )
 
 
-def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, periods: Any, seeds: Any) -> None:
+def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, periods: Any) -> None:
     if foundation.per_area:
         raise InputError("material must be a half-space under a rough surface, got a layer.")
     if not is_traced(foundation.equilibrium) and not float(foundation.equilibrium) > 0:
@@ -87,11 +90,25 @@ def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, period
         raise InputError(f"average must be 'direction' or None (the bare line), got {average!r}.")
     if isinstance(rtol, bool) or not isinstance(rtol, (int, float, np.floating)) or not 1e-10 <= rtol <= 1e-1:
         raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
-    for name, value, least in (("periods", periods, 1), ("seeds", seeds, 1), ("samples", samples, 64)):
+    for name, value, least in (("periods", periods, 1), ("samples", samples, 64)):
         if value is None and name == "samples":
             continue
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
             raise InputError(f"{name} must be a whole number, {least} or more, got {value!r}.")
+
+
+def _seeds(seeds: Any) -> tuple[int, ...]:
+    """The seeds of the lines: that many from 0 on, or those given."""
+    if isinstance(seeds, (int, np.integer)) and not isinstance(seeds, bool) and seeds >= 1:
+        return tuple(range(seeds))
+    each = tuple(seeds) if isinstance(seeds, (list, tuple, range, np.ndarray)) else ()
+    whole = all(isinstance(s, (int, np.integer)) and not isinstance(s, bool) and s >= 0 for s in each)
+    if not each or not whole or len(set(each)) != len(each):
+        raise InputError(
+            "seeds must be a whole number of lines, 1 or more, or the seeds themselves, different whole numbers from 0 "
+            f"on, got {seeds!r}."
+        )
+    return tuple(int(s) for s in each)
 
 
 def _check_heat(heat: Any, surface: Any, pressure: Any, temperature: Any) -> None:

@@ -42,16 +42,18 @@ def lumped(
     second = (moduli * times**2 * fast).sum(axis=0)
     total, rate = (moduli * slow).sum(axis=0), (moduli / times * slow).sum(axis=0)
     some = slow.any(axis=0)
-    kept = ~(slow | fast)
-    count = int((some + kept.sum(axis=0)).max())
+    carried = np.concatenate([some[None], ~(slow | fast)])
+    count = int(carried.sum(axis=0).max())
     count = max(2, count + count % 2)
-    new_moduli, new_times = np.zeros((count, step.size)), np.ones((count, step.size)) * step
-    for lane in range(step.size):
-        first = int(some[lane])
-        last = first + int(kept[:, lane].sum())
-        new_moduli[first:last, lane] = moduli[kept[:, lane], lane]
-        new_times[first:last, lane] = times[kept[:, lane], lane]
-        if first:
-            new_moduli[0, lane], new_times[0, lane] = total[lane], total[lane] / rate[lane]
+    missing = [(0, max(0, count - carried.shape[0])), (0, 0)]
+    first = np.argsort(~carried, axis=0, kind="stable")[:count]  # what is carried goes before the rest, in its order
+
+    def packed(lump: np.ndarray, branches: np.ndarray, rest: np.ndarray) -> np.ndarray:
+        every = np.where(carried, np.concatenate([lump[None], branches]), rest)
+        return np.pad(np.take_along_axis(every, first, axis=0), missing, constant_values=0.0)
+
+    rate = np.where(some, rate, 1.0)
+    new_moduli, new_times = packed(total, moduli, np.zeros(1)), packed(total / rate, times, step)
+    new_times = np.where(new_times > 0, new_times, step)
     spent = np.where(slow, np.where(fast, 0.0, cost), 0.0).sum(axis=0)
     return Lanes(whole.relaxed, new_moduli, new_times, viscosity, second), spent
