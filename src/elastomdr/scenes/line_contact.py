@@ -7,6 +7,7 @@ import numpy as np
 
 from .._runtime import in_float64, is_traced
 from ..errors import ConvergenceWarning, InputError
+from ..mapping.rough_line import RoughLine
 from ..mapping.synthesis import PERIODS
 from ..results.line_contact import LineContact
 from ..solve.periodic_field import field
