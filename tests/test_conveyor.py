@@ -99,6 +99,24 @@ def test_table_summary_and_figure(tmp_path):
     assert found.png().startswith(b"\x89PNG")
 
 
+def test_axes_in_any_order():
+    """Velocity need not be the last axis: figure, legend and Dataset go by what changes along which."""
+    v, goods = np.array([1.0, 2.0, 4.0, 5.0, 6.0]), np.array([0.0, 60.0, 120.0])
+    found = em.conveyor(*sides(), velocity=v[:, None], belt=28.0, goods=goods)
+    data = found.to_xarray()
+    assert dict(data.sizes) == {"velocity": 5, "goods": 3}
+    np.testing.assert_array_equal(data["power"].sel(velocity=2.0, goods=120.0), found.power[1, 2])
+    ax = found.plot()
+    lines = ax.get_lines()
+    assert [x.get_text() for x in ax.get_legend().get_texts()] == [f"{m:g} kg/m of goods" for m in goods]
+    for line, power in zip(lines, found.power.T, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), v)
+        np.testing.assert_array_equal(line.get_ydata(), power)
+    one = em.conveyor(*sides(), velocity=2.0, belt=28.0, goods=goods).plot()
+    assert one.get_xlabel() == "Goods [kg/m]"
+    np.testing.assert_array_equal(one.get_lines()[0].get_xdata(), goods)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

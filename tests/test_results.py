@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import elastomdr as em
-from elastomdr.results.axes import curves, dimensions, in_words
+from elastomdr.results.axes import in_words
 from elastomdr.results.curve import Contact, FrictionCurve, RollingCurve
 
 MODEL = "bare MDR line (a test)"
@@ -137,8 +137,7 @@ def test_missing_packages_are_named(monkeypatch):
 
 
 def axis_names(curve):
-    fields = {c.key: value for c, value in curve.fields().items()}
-    return [axis.name for axis in dimensions(fields)], [c.label for c in curves(fields)[1]]
+    return [axis.name for axis in curve.axes()], [c.label for c in curve.curves()[1]]
 
 
 def test_axes_are_named_after_what_changes_along_them():

@@ -176,6 +176,21 @@ def test_table_and_figure():
     assert found.plot().get_xlabel() == "Creep [%]"
 
 
+def test_axes_in_any_order():
+    """Creep first, friction last."""
+    creep, mu = np.array([1e-3, 1e-2, 0.1]), np.array([0.2, 0.5])
+    found = elastic(creep=creep[:, None], friction=mu)
+    assert dict(found.to_xarray().sizes) == {"creep": 3, "friction": 2}
+    ax = found.plot()
+    assert [x.get_text() for x in ax.get_legend().get_texts()] == ["friction 0.2", "friction 0.5"]
+    for line, traction in zip(ax.get_lines(), found.coefficient.T, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), 100 * creep)
+        np.testing.assert_array_equal(line.get_ydata(), traction)
+    alone = elastic(creep=creep, friction=np.inf)  # the force changes along the only axis, and does not name it
+    assert dict(alone.to_xarray().sizes) == {"creep": 3}
+    alone.plot()
+
+
 class TestSlip:
     """A wheel that brakes with the slip s on a road at V rolls at (1 - s) V with the creep s/(1 - s)."""
 
@@ -208,8 +223,17 @@ class TestSlip:
 
     def test_table_and_figure(self):
         found = elastic(creep=None, slip=np.array([0.05, 0.1]))
-        assert "slip [-]" in found.csv()
+        rows = found.csv().splitlines()
+        assert any(row.startswith("# slip: ") and "(V - v)/V" in row for row in rows)
+        titles = next(row for row in rows if not row.startswith("#")).split(",")
+        table = np.loadtxt(rows[-2:], delimiter=",", usecols=(0, 1, 2, 3))
+        assert titles[:4] == ["velocity of the road [m/s]", "rolling velocity [m/s]", "creep [-]", "slip [-]"]
+        np.testing.assert_allclose(table[:, 3], (table[:, 0] - table[:, 1]) / table[:, 0], rtol=1e-14)
+        np.testing.assert_array_equal(table[:, 0], found.road)
         assert "velocity of the road" in found.summary()
+        both = elastic(creep=None, slip=np.array([0.05, 0.1])[:, None], velocity=np.array([1.0, 2.0]))
+        assert dict(both.to_xarray().sizes) == {"slip": 2, "road": 2}
+        assert [x.get_text() for x in both.plot().get_legend().get_texts()] == ["1 m/s", "2 m/s"]
         assert found.plot().get_xlabel() == "Slip [%]"
 
     @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """`em.warming` against Lambert's function, scipy's integrator, the balance of power, and its refusals."""
 
+import dataclasses
+
 import jax
 import numpy as np
 import pytest
@@ -49,6 +51,33 @@ def test_history(power):
     assert warm.temperature.shape == warm.time.shape == (3, 6)
     assert "above the surroundings" in warm.summary()
     warm.plot()
+
+
+def test_axes_in_any_order(power):
+    """Velocity first, load last: curves over velocity, and an axis of the Dataset for each of the two."""
+    load = np.array([400.0, 800.0, 1200.0])
+    scene = SCENE | {"velocity": SCENE["velocity"][:, None], "load": load}
+    found = em.warming(RUBBER, WHEEL, conductance=power[1] / 50, **scene)
+    assert dict(found.to_xarray().sizes) == {"velocity": 3, "load": 3}
+    ax = found.plot()
+    assert [x.get_text() for x in ax.get_legend().get_texts()] == ["400 N", "800 N", "1200 N"]
+    for line, kelvin in zip(ax.get_lines(), found.temperature.T, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), SCENE["velocity"])
+        np.testing.assert_array_equal(line.get_ydata(), kelvin - 273.15)
+    fields = {  # a history, made up
+        "time": np.array([0.0, 5.0, 10.0]), "ambient": COLD + np.array([0.0, 10.0])[:, None, None],
+        "capacity": np.array([[100.0], [200.0]]), "converged": True,
+        "temperature": COLD + np.arange(12).reshape(2, 2, 3),
+    }  # fmt: skip
+    names = ("velocity", "load", "conductance", "steady", "settling", "power", "coefficient", "error")
+    fields = {name: np.broadcast_to(x, (2, 2, 3)) for name, x in (dict.fromkeys(names, 1.0) | fields).items()}
+    found = dataclasses.replace(found, **fields)
+    assert dict(found.to_xarray().sizes) == {"ambient": 2, "capacity": 2, "time": 3}
+    assert "heat capacity [J/K]" in found.csv()
+    ax = found.plot()
+    words = [x.get_text() for x in ax.get_legend().get_texts()]
+    assert words == ["20 °C, 100 J/K", "20 °C, 200 J/K", "30 °C, 100 J/K", "30 °C, 200 J/K"]
+    np.testing.assert_array_equal(ax.get_lines()[0].get_xdata(), [0.0, 5.0, 10.0])
 
 
 @pytest.mark.slow

@@ -1,23 +1,15 @@
 """Which axis of a result's arrays runs over velocity, which over temperature, load or depth."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .._runtime import significant
 
 _ALIKE = 1e-6  # relative spread below which values count as one: a load that was asked for comes back within rounding
-_CANDIDATES = (
-    ("time", "time", "s"),
-    ("velocity", "velocity", "m/s"),
-    ("temperature", "temperature", "K"),
-    ("pressure", "pressure", "Pa"),
-    ("normal_force", "load", "N"),
-    ("force", "load", "N"),
-    ("depth", "depth", "m"),
-)
+_NAMES = {"normal_force": "load", "force": "load", "load_per_length": "load"}  # others: their field
 
 
 class Axis(NamedTuple):
@@ -28,17 +20,22 @@ class Axis(NamedTuple):
     unit: str  # "" where it has none
 
 
-def dimensions(fields: Mapping[str, np.ndarray]) -> list[Axis]:
-    """The axes of a result: each is named after the first quantity that changes along it and along no other."""
+def dimensions(fields: Mapping[Any, np.ndarray], given: Iterable[str]) -> list[Axis]:
+    """The axes of a result: each is named after the first quantity that changes along it and along no other.
+
+    `fields` are columns (with key and unit) and their values; `given` the keys of what may name an axis, in order.
+    """
     shape = np.shape(next(iter(fields.values())))
-    varying = {key: _varies_along(fields[key]) for key, _, _ in _CANDIDATES if key in fields}
+    known = {column.key: (column.unit, values) for column, values in fields.items()}
+    varying = {key: _varies_along(known[key][1]) for key in given if key in known}
     axes = []
     for i, length in enumerate(shape):
         axis = Axis(f"axis_{i}", np.arange(length), "")
-        for key, name, unit in _CANDIDATES:
-            if varying.get(key) == {i}:
+        for key, along in varying.items():
+            if along == {i}:
+                unit, values = known[key]
                 others = tuple(j for j in range(len(shape)) if j != i)
-                axis = Axis(name, np.fmax.reduce(fields[key], axis=others), unit)
+                axis = Axis(_NAMES.get(key, key), np.fmax.reduce(values, axis=others), unit)
                 break
         axes.append(axis)
     return axes
@@ -51,21 +48,20 @@ class Curve(NamedTuple):
     label: str  # "" where there is only one curve
 
 
-def curves(fields: Mapping[str, np.ndarray]) -> tuple[Axis, list[Curve]]:
-    """Splits a result into curves along its velocity axis, or along its last axis where velocity has none."""
-    axes = dimensions(fields)
+def curves(axes: list[Axis], along: str = "velocity") -> tuple[Axis, list[Curve]]:
+    """Splits a result into curves along one axis, or along its last one where none has that name."""
     if not axes:
-        return Axis("velocity", np.asarray(fields["velocity"])[None], "m/s"), [Curve((), "")]
+        return Axis(along, np.zeros(1), ""), [Curve((), "")]
     names = [axis.name for axis in axes]
-    along = names.index("velocity") if "velocity" in names else len(axes) - 1
-    others = [range(axis.values.size) if i != along else [slice(None)] for i, axis in enumerate(axes)]
-    return axes[along], [Curve(index, ", ".join(_labels(axes, index))) for index in product(*others)]
+    place = names.index(along) if along in names else len(axes) - 1
+    others = [range(axis.values.size) if i != place else [slice(None)] for i, axis in enumerate(axes)]
+    return axes[place], [Curve(index, ", ".join(_labels(axes, index))) for index in product(*others)]
 
 
 def _labels(axes: list[Axis], index: tuple[int | slice, ...]) -> Iterator[str]:
     for axis, i in zip(axes, index, strict=True):
         if isinstance(i, int) and axis.values.size > 1:
-            yield in_words(axis.name, float(axis.values[i])) if axis.unit else f"{axis.name} {i}"
+            yield in_words(axis.name, float(axis.values[i]), axis.unit) if axis.unit else f"no. {i}"
 
 
 class Peak(NamedTuple):
@@ -89,15 +85,21 @@ def peak(x: np.ndarray, y: np.ndarray) -> Peak | None:
     return Peak(float(x[i]), float(y[i]), 0 < i < y.size - 1)
 
 
-def in_words(name: str, value: float) -> str:
-    """A velocity, temperature, load or depth with the unit an engineer would write."""
-    if name == "temperature":
+def in_words(name: str, value: float, unit: str = "N") -> str:
+    """A quantity with the unit an engineer would write; `unit` is that of `value` where there is no usual one."""
+    if name in ("temperature", "ambient"):
         return f"{significant(round(value - 273.15, 3), 5)} degC"
     if name == "pressure":
         return f"{significant(1e-6 * value)} MPa"
-    if name in ("depth", "radius", "length"):
+    if name in ("depth", "radius", "length", "diameter"):
         return f"{significant(1e3 * value)} mm"
-    return f"{significant(value)} {'m/s' if name == 'velocity' else 'N'}"
+    if name in ("creep", "slip", "squeeze"):
+        return f"{name} {significant(100 * value)} %"
+    if name in ("belt", "goods"):
+        return f"{significant(value)} kg/m of {name}"
+    if unit == "-":
+        return f"{name} {significant(value)}"
+    return f"{significant(value)} {'m/s' if name == 'velocity' else unit}"
 
 
 def _varies_along(values: np.ndarray) -> set[int]:
@@ -105,6 +107,7 @@ def _varies_along(values: np.ndarray) -> set[int]:
 
     def changes(axis: int) -> bool:
         high, low = np.fmax.reduce(values, axis=axis), np.fmin.reduce(values, axis=axis)
-        return bool((high - low > _ALIKE * np.abs(high)).any())
+        with np.errstate(invalid="ignore"):  # infinite friction does not change
+            return bool((high - low > _ALIKE * np.abs(high)).any())
 
     return {axis for axis in range(values.ndim) if values.size and changes(axis)}

@@ -33,6 +33,7 @@ class FrictionBands(AbstractResult):
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
 
     quantity: ClassVar[str] = "Friction by frequency"
+    coordinates: ClassVar[tuple[str, ...]] = ("velocity", "temperature", "pressure", "frequency")
 
     @property
     def table(self) -> tuple[Column, ...]:

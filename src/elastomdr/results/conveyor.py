@@ -34,6 +34,7 @@ class Conveyor(AbstractResult):
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
 
     quantity: ClassVar[str] = "Indentation rolling resistance of a belt conveyor"
+    coordinates: ClassVar[tuple[str, ...]] = ("velocity", "temperature", "belt", "goods")
 
     @property
     def table(self) -> tuple[Column, ...]:

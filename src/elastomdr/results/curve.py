@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 
 from .._runtime import Array, significant
 from ..errors import InputError
-from .axes import curves, in_words, peak
+from .axes import in_words, peak
 from .friction_law import FrictionLaw, gridded
 from .table import AbstractResult, Column
 
@@ -70,7 +70,7 @@ class AbstractCurve(AbstractResult):
         yield "quantity", self.quantity
         yield from self.inputs
         yield "model", self.model
-        _, all_curves = curves(fields)
+        _, all_curves = self.curves()
         for curve in all_curves[:_SHOWN]:
             velocity, value, beyond = (
                 np.atleast_1d(fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[curve.at])

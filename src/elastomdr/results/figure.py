@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._runtime import significant
-from .axes import Peak, curves, in_words, peak
+from .axes import Axis, Curve, Peak, in_words, peak
 from .measured_figure import as_measured, draw_measured
 from .table import write_files
 
@@ -32,7 +32,7 @@ def draw(
     On axes that hold a curve already the title stays and the curve goes into the legend, by `label` or its material.
     """
     fields = {column.key: value for column, value in result.fields().items()}
-    axis, all_curves = curves(fields)
+    axis, all_curves = result.curves()
     ax = _new_axes(len(all_curves) > 1 or measured is not None) if ax is None else ax
     beside_others = ax.has_data()
     points = None if measured is None else as_measured(measured)
@@ -41,11 +41,11 @@ def draw(
     value, error = fields[result.coefficient_field], fields["error"]
     highest = float(np.fmax.reduce(value if cold is None else np.fmax(value, cold), axis=None, initial=0.0)) or 1.0
     highest = highest if points is None else max(highest, float(points["mu"].max()))
-    velocity, beyond = fields["velocity"], fields.get("extrapolated", np.zeros(value.shape, dtype=bool))
+    beyond = fields.get("extrapolated", np.zeros(value.shape, dtype=bool))
     against_velocity = axis.name == "velocity" or not axis.unit
     shaded = False
     for curve, colour, named in zip(all_curves, _colours(len(all_curves)), _named(len(all_curves)), strict=True):
-        x = np.atleast_1d(velocity[curve.at] if against_velocity else axis.values)
+        x = _across(fields, axis, "velocity", curve)
         order = np.argsort(x, kind="stable")
         x, y, e = x[order], np.atleast_1d(value[curve.at])[order], np.atleast_1d(error[curve.at])[order]
         top = peak(x, y)
@@ -73,9 +73,8 @@ def draw(
         draw_measured(ax, points, fields.get("temperature"), all_curves, _colours(len(all_curves)))
     if against_velocity:
         ax.set_xscale("log")
-        ax.set_xlabel(f"{'Sliding' if result.coefficient_field == 'mu' else 'Rolling'} velocity [m/s]")
-    else:
-        ax.set_xlabel(f"{axis.name.capitalize()} [{axis.unit}]")
+    motion = "Sliding" if result.coefficient_field == "mu" else "Rolling"
+    ax.set_xlabel(_axis_label(axis, "velocity", f"{motion} velocity [m/s]"))
     ax.set_ylabel(
         "Friction coefficient [-]" if result.coefficient_field == "mu" else "Rolling resistance coefficient [-]"
     )
@@ -152,6 +151,24 @@ def _in_words(top: Peak | None, name: str) -> str:
         return "no point converged"
     place = float(significant(top.x, 3)) if name == "velocity" else top.x
     return f"{top.kind} {significant(top.y, 3)} at {in_words(name, place)}".replace("degC", "°C")
+
+
+def _axis_label(axis: Axis, along: str, own: str) -> str:
+    """Of the horizontal axis: the figure's `own` one where the curves run `along` what it shows as a rule."""
+    if axis.name == along or not axis.unit:
+        return own
+    return f"{axis.name.capitalize()} [{axis.unit}]"
+
+
+def _across(fields: dict[str, np.ndarray], axis: Axis, along: str, curve: Curve) -> np.ndarray:
+    """The horizontal places of the points of one curve."""
+    return np.atleast_1d(fields[along][curve.at] if axis.name == along or not axis.unit else axis.values)
+
+
+def _spread(curves: list[Curve], most: int) -> list[Curve]:
+    """All curves, or of more than `most` as many, evenly spread."""
+    places = np.linspace(0, len(curves) - 1, min(len(curves), most)).round().astype(int)
+    return [curves[i] for i in np.unique(places)]
 
 
 def _colours(count: int) -> list[Any]:

@@ -32,6 +32,7 @@ class HalfPlaneCurve(AbstractCurve):
     quantity: ClassVar[str] = "Friction"
     symbol: ClassVar[str] = "mu"
     coefficient_field: ClassVar[str] = "mu"
+    coordinates: ClassVar[tuple[str, ...]] = ("velocity", "temperature", "load_per_length")
 
     @property
     def table(self) -> tuple[Column, ...]:

@@ -62,6 +62,7 @@ class Impact(AbstractResult):
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
 
     quantity: ClassVar[str] = "Impact"
+    coordinates: ClassVar[tuple[str, ...]] = ("velocity", "mass", "before", "temperature")
 
     @property
     def table(self) -> tuple[Column, ...]:

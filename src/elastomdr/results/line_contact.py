@@ -33,6 +33,7 @@ class LineContact(AbstractResult):
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
 
     quantity: ClassVar[str] = "Contact along the line"
+    coordinates: ClassVar[tuple[str, ...]] = ("x",)
 
     @property
     def table(self) -> tuple[Column, ...]:

@@ -16,7 +16,7 @@ import numpy as np
 from .. import __version__
 from .._runtime import is_traced, significant
 from ..errors import InputError
-from .axes import dimensions
+from .axes import Axis, Curve, curves, dimensions
 
 
 class Column(NamedTuple):
@@ -46,6 +46,16 @@ class AbstractResult(eqx.Module):
     converged: eqx.AbstractVar[Any]
 
     quantity: ClassVar[str]  # what the result is called in a title
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "time",
+        "velocity",
+        "temperature",
+        "pressure",
+        "normal_force",
+        "force",
+        "depth",
+    )
+    # the fields after which an axis may be called: of several that change along it the first
 
     @property
     @abc.abstractmethod
@@ -98,6 +108,14 @@ class AbstractResult(eqx.Module):
         values = {column: operator.attrgetter(column.field)(self) for column in self.table}
         return {column: np.asarray(value) for column, value in values.items() if value is not None}
 
+    def axes(self) -> list[Axis]:
+        """The axes of the fields by name, such as velocity and temperature, with their values."""
+        return dimensions(self.fields(), self.coordinates)
+
+    def curves(self, along: str = "velocity") -> tuple[Axis, list[Curve]]:
+        """One axis, the one named `along` or else the last, and where the curves along it are, with their labels."""
+        return curves(self.axes(), along)
+
     def columns(self) -> dict[str, np.ndarray]:
         """Column title with its unit, such as "velocity [m/s]", to the values, flattened in C order."""
         return {column.title: value.ravel() for column, value in self.fields().items()}
@@ -143,13 +161,13 @@ class AbstractResult(eqx.Module):
         return frame
 
     def to_xarray(self) -> Any:
-        """An xarray Dataset with velocity, temperature, load or depth as axes. Raises `InputError` without xarray."""
+        """An xarray Dataset, its axes what was given (velocity, temperature, load). Raises `InputError` without it."""
         try:
             import xarray
         except ImportError as error:
             raise _missing("xarray") from error
         fields = {column.key: (column, value) for column, value in self.fields().items()}
-        axes = dimensions({key: value for key, (_, value) in fields.items()})
+        axes = self.axes()
         coordinates = {axis.name: (axis.name, axis.values, {"units": axis.unit}) for axis in axes if axis.unit}
         data = {
             key: (tuple(axis.name for axis in axes), value, {"long_name": column.name, "units": column.unit})

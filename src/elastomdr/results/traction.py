@@ -46,14 +46,19 @@ class Traction(AbstractResult):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
-    slip: Float[Array, "..."] | None = None  # s, of the velocity of the road, where the scene was given by it
+    slip: Float[Array, "..."] | None = None  # s = (V - v)/V, where the scene was given by it
+    road: Float[Array, "..."] | None = None  # velocity V of the road, beside the slip [m/s]
 
     quantity: ClassVar[str] = "Traction"
+    coordinates: ClassVar[tuple[str, ...]] = (
+        "slip", "creep", "road", "velocity", "temperature", "normal_force", "depth", "friction",
+    )  # fmt: skip
 
     @property
     def table(self) -> tuple[Column, ...]:
         return (
-            Column("velocity", "velocity", "m/s"),
+            Column("road", "velocity of the road", "m/s", optional=True),
+            Column("velocity", "velocity" if self.road is None else "rolling velocity", "m/s"),
             Column("creep", "creep", "-"),
             Column("slip", "slip", "-", optional=True),
             Column("friction", "Coulomb's friction coefficient", "-"),

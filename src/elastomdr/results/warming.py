@@ -25,6 +25,7 @@ class Warming(AbstractResult):
     load: Float[Array, "..."]  # F_N [N]
     ambient: Float[Array, "..."]  # temperature of the surroundings T_a [K]
     conductance: Float[Array, "..."]  # H, from the body to its surroundings [W/K]
+    capacity: Float[Array, "..."] | None  # C [J/K]
     temperature: Float[Array, "..."]  # T [K]
     steady: Float[Array, "..."]  # T of the steady state [K]
     settling: Float[Array, "..."] | None  # time constant near the steady state [s]
@@ -37,6 +38,7 @@ class Warming(AbstractResult):
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
 
     quantity: ClassVar[str] = "Warming by rolling resistance"
+    coordinates: ClassVar[tuple[str, ...]] = ("time", "velocity", "load", "ambient", "conductance", "capacity")
 
     @property
     def table(self) -> tuple[Column, ...]:
@@ -46,6 +48,7 @@ class Warming(AbstractResult):
             Column("load", "normal force", "N"),
             Column("ambient", "ambient temperature", "K"),
             Column("conductance", "conductance", "W/K"),
+            Column("capacity", "heat capacity", "J/K", optional=True),
             Column("temperature", "temperature", "K"),
             Column("steady", "steady temperature", "K"),
             Column("settling", "time constant", "s", optional=True),

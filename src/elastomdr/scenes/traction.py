@@ -179,9 +179,12 @@ def _braked(found: Traction, slip: Any, road: Any) -> Traction:
         return found
     said = [pair for pair in found.inputs if pair[0] != "creep"]
     place = next(i for i, pair in enumerate(said) if pair[0] == "velocity")
-    said[place : place + 1] = [("velocity of the road", brief(road, "m/s")), ("slip", brief(slip, "").strip())]
-    xp = jnp if is_traced(slip) else np
-    return dataclasses.replace(found, slip=xp.broadcast_to(slip, np.shape(found.force)), inputs=tuple(said))
+    told = f"{brief(slip, '').strip()}; of the velocity V of the road, (V - v)/V, with v that of rolling"
+    said[place : place + 1] = [("velocity of the road", brief(road, "m/s")), ("slip", told)]
+    xp = jnp if is_traced(slip, road) else np
+    shape = np.shape(found.force)
+    slip, road = xp.broadcast_to(slip, shape), xp.broadcast_to(road, shape)
+    return dataclasses.replace(found, slip=slip, road=road, inputs=tuple(said))
 
 
 def _said(creep: Any, friction: Any, law: FrictionLaw | None) -> list[tuple[str, str]]:

@@ -120,10 +120,11 @@ def warming(
         "steady": steady,
         "error": error,
     }
-    fields["settling"] = None
+    fields["capacity"] = fields["settling"] = None
     now: dict[str, Any] = {"temperature": steady, "power": power, "time": None}
     if capacity is not None:
         heat = xp.broadcast_to(arrays["capacity"], together)
+        fields["capacity"] = heat
         fields["settling"] = heat / jax.lax.stop_gradient(h - slope)
         instants = as_float64("time", time)
         if instants.ndim != 1:
