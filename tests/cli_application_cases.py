@@ -110,7 +110,7 @@ BAD_BELTS = {
     "unknown key": (("goods", "gods"), "Did you mean 'goods'"),
     "no belt": (('belt = "28 kg/m"', ""), "[conveyor] belt is missing"),
     "a mass": (('"28 kg/m"', '"28 kg"'), "a mass per length"),
-    "less than no goods": (('"0 kg/m"', '"-1 kg/m"'), "goods must be zero or positive"),
+    "less than no goods": (('"0 kg/m"', '"-1 kg/m"'), "goods[0] must be zero or positive"),
     "shares that are not one": (("0.6", "0.5"), "[conveyor] sum of the shares must be 1"),
     "shares as a text": (("[0.2, 0.6, 0.2]", '"a fifth"'), "list of numbers"),
     "a load": (("velocity =", 'load = "1 kN"\nvelocity ='), "'load'"),
@@ -179,6 +179,7 @@ DRIVE = ROUGH_SLIDE.replace('[[stage]]\nduration = "2 ms"', _TABLE + '\nduration
 BAD_DRIVES = {
     "unknown key": (("stiffness", "stifness"), "Did you mean 'stiffness'"),
     "no mass": (('mass = "1 kg"\n', ""), "[drive] mass is missing"),
+    "a damping below zero": (("stiffness =", 'damping = "-1 N*s/m"\nstiffness ='), "zero or positive and finite"),
     "a mass that is a force": (('"1 kg"', '"1 N"'), "a mass"),
     "no force on the whole body": (('normal_force = "10 N"\n', ""), "normal_force must be given"),
     "a depth": (('pressure = "0.5 MPa"', 'depth = "1 um"'), "stages with a load"),

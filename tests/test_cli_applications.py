@@ -145,6 +145,15 @@ def test_drive(capsys):
     assert "times the drive's in the last fifth" in again.summary()
 
 
+def test_zero_where_nothing_is_something():
+    """A drive without a damper, or without a spring, is a drive."""
+    mount = read_stages(write(DRIVE, ("stiffness =", 'damping = "0 N*s/m"\nstiffness ='))).arguments["tangential"]
+    assert mount.damping == 0.0
+    damper = ('stiffness = "1 kN/m"', 'damping = "2 kN*s/m"\nstiffness = "0 N/m"')
+    mount = read_stages(write(DRIVE, damper)).arguments["tangential"]
+    assert mount.stiffness == 0.0
+
+
 CASES = {
     **{f"warming: {name}": ("rolling", WARMING, *case) for name, case in BAD_WARMINGS.items()},
     **{f"belt: {name}": ("rolling", BELT, *case) for name, case in BAD_BELTS.items()},

@@ -65,6 +65,14 @@ def test_histories():
     step = history('program = "hold"\ndepth = "1 mm"\nduration = "10 s"\nspacing = "linear"\npoints = 11')
     np.testing.assert_allclose(step["depth"], 1e-3)
     np.testing.assert_allclose(step["time"], np.arange(11.0))
+    at_once = history(
+        'program = "hold"\ndepth = "1 mm"\nduration = "10 s"\nrise = "0 s"\nspacing = "linear"\npoints = 11'
+    )
+    np.testing.assert_array_equal(at_once["depth"], step["depth"])
+    np.testing.assert_array_equal(
+        history('program = "triangle"\ndepth = "1 mm"\nduration = "2 s"\nrest = "0 s"')["time"],
+        history('program = "triangle"\ndepth = "1 mm"\nduration = "2 s"')["time"],
+    )
     twice = history('program = "triangle"\ndepth = "1 mm"\nduration = "2 s"\nrest = "1 s"\ncycles = 2')
     assert twice["time"][-1] == 6.0
     np.testing.assert_allclose(np.interp([1, 2, 3, 4, 5], twice["time"], twice["depth"]), [1e-3, 0, 0, 1e-3, 0])

@@ -7,7 +7,7 @@ from ..errors import InputError
 from .indenter import read_indenter
 from .keys import Keys, choice, one, one_or_more, positive_number, text, whole
 from .scene import Scene, in_file, read_material, read_toml
-from .units import ADHESION, DEPTH, DURATION, FORCE, FREQUENCY, INSTANT, LENGTH, PUSH, TEMPERATURE
+from .units import ADHESION, DEPTH, DURATION, FORCE, FREQUENCY, INSTANT, LENGTH, PAUSE, PUSH, TEMPERATURE
 
 _PROGRAMS = {
     "hold": ("duration", "rise", "spacing"),
@@ -78,7 +78,7 @@ def _hold(keys: Keys, points: int, _: Any) -> Any:
     import numpy as np
 
     duration = keys.get("duration", one(DURATION))
-    rise = keys.get("rise", one(DURATION)) if "rise" in keys else 0.0
+    rise = keys.get("rise", one(PAUSE)) if "rise" in keys else 0.0
     even = "spacing" in keys and keys.get("spacing", choice("log", "linear")) == "linear"
     since = (
         np.linspace(0, duration, points)
@@ -105,7 +105,7 @@ def _triangle(keys: Keys, points: int, _: Any) -> Any:
 
     duration = keys.get("duration", one(DURATION))
     cycles = keys.get("cycles", _count) if "cycles" in keys else 1
-    rest = keys.get("rest", one(DURATION)) if "rest" in keys else 0.0
+    rest = keys.get("rest", one(PAUSE)) if "rest" in keys else 0.0
     kinks, heights = [0.0], [0.0]
     for i in range(cycles):
         start = i * (duration + rest)

@@ -15,7 +15,7 @@ class Kind(NamedTuple):
     unit: str
     example: str
     usual: str = ""
-    accepted: str = "positive"  # or "of any sign"
+    accepted: str = "positive"  # or "zero or positive", or "of any sign"
 
 
 _LENGTHS = "m mm um nm cm km inch metre meter millimetre millimeter micrometre micrometer nanometre nanometer"
@@ -25,6 +25,7 @@ VELOCITY = Kind("a velocity", "m/s", "0.1 m/s", "m/s mm/s um/s nm/s cm/s km/h m/
 TEMPERATURE = Kind("a temperature", "K", "20 degC", "degC degF K kelvin celsius fahrenheit")
 _TIMES = "s ms us min h day hour second minute"
 DURATION = Kind("a time", "s", "10 s", _TIMES)
+PAUSE = DURATION._replace(accepted="zero or positive")
 INSTANT = Kind("a time", "s", "10 s", _TIMES, "of any sign")
 DEPTH = Kind("a length", "m", "0.1 mm", _LENGTHS, "of any sign")
 PUSH = Kind("a force", "N", "10 N", FORCE.usual, "of any sign")
@@ -39,12 +40,12 @@ LINE_LOAD = Kind("a force per length", "N/m", "1 N/mm", "N/m N/mm kN/m")
 CONDUCTIVITY = Kind("a thermal conductivity", "W/(m*K)", "0.2 W/(m*K)", "W/(m*K) W/m/K mW/m/K")
 HEAT_CAPACITY = Kind("a heat capacity per volume", "J/(m^3*K)", "2e6 J/(m^3*K)", "J/(m^3*K) J/m^3/K MJ/m^3/K")
 MASS = Kind("a mass", "kg", "5 kg", "kg g t")
-STIFFNESS = Kind("a stiffness", "N/m", "5 kN/m", "N/m N/mm kN/m")
-DAMPING = Kind("a damping", "N*s/m", "20 N*s/m", "N*s/m N*s/mm kN*s/m")
+STIFFNESS = Kind("a stiffness", "N/m", "5 kN/m", "N/m N/mm kN/m", "zero or positive")
+DAMPING = Kind("a damping", "N*s/m", "20 N*s/m", "N*s/m N*s/mm kN*s/m", "zero or positive")
 CONDUCTANCE = Kind("a thermal conductance", "W/K", "1.2 W/K", "W/K kW/K mW/K")
 CAPACITY = Kind("a heat capacity", "J/K", "1 kJ/K", "J/K kJ/K")
 LINE_MASS = Kind("a mass per length", "kg/m", "28 kg/m", "kg/m t/m g/m")
-LOADED_MASS = LINE_MASS._replace(example="120 kg/m", accepted="of any sign")  # an empty belt has none
+LOADED_MASS = LINE_MASS._replace(example="120 kg/m", accepted="zero or positive")  # an empty belt has none
 AREA_STIFFNESS = Kind("a stiffness per area", "Pa/m", "80 MPa/m", "Pa/m MPa/m N/m^3 N/mm^3")
 WAVE_NUMBER = Kind("a wave number", "1/m", "1e3 1/m", "1/m 1/mm 1/um rad/m")
 
@@ -57,7 +58,7 @@ def quantity(name: str, text: Any, kind: Kind) -> float:
 
     Number and unit are read apart from each other, so that "-35 degC" is a temperature and not a difference of two.
     Raises `InputError`, naming the argument, for a bare number, an unknown unit, a unit of another kind, or a value
-    that is not positive (a temperature: not above absolute zero) and finite.
+    that is not finite or of a sign that the kind does not take (a temperature: not above absolute zero).
     """
     if not isinstance(text, str):
         raise InputError(
@@ -72,7 +73,8 @@ def quantity(name: str, text: Any, kind: Kind) -> float:
             f'{name} must be {kind.name} with its unit, such as "{kind.example}", got "{text}" without one.'
         )
     value = number_in(name, number, unit, kind)
-    if not math.isfinite(value) or (value <= 0 and kind.accepted == "positive"):
+    refused = {"positive": value <= 0, "zero or positive": value < 0}.get(kind.accepted, False)
+    if not math.isfinite(value) or refused:
         accepted = "above absolute zero" if kind is TEMPERATURE else kind.accepted
         raise InputError(f'{name} must be {accepted} and finite, got "{text}".')
     if value and not 1 / _LARGEST < abs(value) < _LARGEST:
