@@ -39,6 +39,28 @@ def test_load_relaxes_as_the_modulus():
     np.testing.assert_allclose(direct.line_load, em.squeezed_cord(RUBBER, 3e-3, 0.08).line_load, rtol=1e-14)
 
 
+def test_table_summary_and_figure(tmp_path):
+    time, kelvin = np.array([1.0, 10.0, 100.0]), np.array([[293.15], [303.15]])
+    found = em.squeezed_cord(RUBBER, 3e-3, 0.08, time=time, temperature=kelvin)
+    found.to_csv(tmp_path / "cord.csv")
+    text = (tmp_path / "cord.csv").read_text()
+    for said in ("line load [N/m]", "mean pressure [Pa]", "# squeeze: 0.08 of the diameter", "Lindley"):
+        assert said in text
+    assert dict(found.to_xarray().sizes) == {"temperature": 2, "time": 3}
+    np.testing.assert_array_equal(found.to_dict()["width"], found.width)
+    low, high = 1e-6 * found.pressure.min(), 1e-6 * found.pressure.max()
+    assert f"{low:.4g} to {high:.4g} MPa" in found.summary()
+    ax = found.plot()
+    assert [x.get_text() for x in ax.get_legend().get_texts()] == ["20 °C", "30 °C"]
+    np.testing.assert_allclose(ax.get_lines()[1].get_ydata(), 1e-6 * found.pressure[1])
+    assert found.png().startswith(b"\x89PNG")
+    squeezed = em.squeezed_cord(RUBBER, 3e-3, SQUEEZE)
+    assert "relaxed" in squeezed.summary()
+    np.testing.assert_allclose(squeezed.plot(show="width").get_lines()[0].get_xdata(), 100 * SQUEEZE)
+    with pytest.raises(em.InputError, match="show must be one of pressure, width, line_load"):
+        squeezed.plot(show="presure")
+
+
 @pytest.mark.parametrize("formula", ["lindley", "hertz"])
 def test_derivatives(formula):
     def load(x):

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.results.stability import unstable
 
 MOUNT = em.Mount(2.0, 8e4, 5.0)
 K, TAU, HIGH = 2e3 * np.pi, 2e-3, 31.4  # 1/m, s, N: one wave in full contact, F = HIGH x/(1 + x^2), x = K v TAU
@@ -37,6 +38,48 @@ def test_uneven_velocities_and_more_curves():
     found = em.stability(MOUNT, velocity=np.exp(at), force=drags, wavelength=1e-3)
     np.testing.assert_allclose(found.slope * np.exp(at), [0.3 + 0 * at, -0.2 + 0.2 * at], atol=1e-13)
     assert found.ratio.shape == found.velocity.shape == found.follows.shape == (2, 5)
+
+
+def test_error_covers_the_differences():
+    """Against the slope in closed form; unknown for four velocities, and beside a force that is."""
+    x = K * SPEED * TAU
+    exact = HIGH * K * TAU * (1 - x**2) / (1 + x**2) ** 2
+    found = em.stability(MOUNT, velocity=SPEED, force=force(SPEED), wavelength=1e-3)
+    off = np.abs(found.slope - exact) * SPEED / (2 * np.sqrt(8e4 * 2.0))
+    said = found.error * SPEED
+    assert (off < 1.5 * said + 1e-2 * said.max()).all()
+    assert (said < 2 * off + 2e-2 * off.max()).all()
+    few = em.stability(MOUNT, velocity=SPEED[:4], force=force(SPEED[:4]), wavelength=1e-3)
+    assert np.isnan(few.error).all()
+    hole = np.where(np.arange(81) == 9, np.nan, force(SPEED))
+    holed = em.stability(MOUNT, velocity=SPEED, force=hole, wavelength=1e-3)
+    assert np.flatnonzero(~holed.converged).tolist() == [8, 9, 10]
+
+
+def test_table_summary_and_figure(tmp_path):
+    """Swings grow where F' < -c and friction follows: from one crossing of zero to the other, or to the end."""
+    light = em.Mount(2.0, 200.0, 4.0)
+    found = em.stability(light, velocity=SPEED, force=np.array([force(SPEED), 0.5 * force(SPEED)]), wavelength=1e-3)
+    ((low, high),) = unstable(SPEED, found.ratio[0], found.follows[0])
+    x = np.roots([4.0, 0, 8.0 - HIGH * K * TAU, 0, 4.0 + HIGH * K * TAU])  # c (1 + x^2)^2 + HIGH K TAU (1 - x^2) = 0
+    crossings = np.sort(x.real[(np.abs(x.imag) < 1e-12) & (x.real > 0)]) / (K * TAU)
+    np.testing.assert_allclose([low, high], crossings, rtol=1e-2)
+    assert f"swings grow at {low:.4g} to {high:.4g} m/s" in found.summary()
+    calm = em.stability(em.Mount(2.0, 200.0, 900.0), velocity=SPEED, force=force(SPEED), wavelength=1e-3)
+    assert "swings die out" in calm.summary()
+    slow = em.stability(em.Mount(2.0, 8e6, 5.0), velocity=SPEED, force=force(SPEED), wavelength=1e-3)
+    assert "no velocity at which the ratio decides" in slow.summary()
+    found.to_csv(tmp_path / "drive.csv")
+    text = (tmp_path / "drive.csv").read_text()
+    for said in ("damping ratio [-]", "# mount: 2 kg, 200 N/m, 4 N s/m", "# longest wave: 0.001 m"):
+        assert said in text
+    assert found.to_dict()["slope"].shape == (2, 81)
+    assert found.to_xarray().sizes["velocity"] == 81
+    ax = found.plot()
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert words == ["no. 0", "swings grow", "no. 1", r"$\lambda\sqrt{k/m}$: slower, it decides nothing"]
+    assert ax.get_xscale() == "log"
+    assert found.png().startswith(b"\x89PNG")
 
 
 def test_gradient():

@@ -12,26 +12,25 @@ compared with the paper; Kim et al., Eng. Failure Anal. 14 (2007) 1680: near to 
 measured); K. L. Johnson, Contact Mechanics (1985), section 5.6.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from .._runtime import Array, as_float64, in_float64, is_traced, not_negative, positive, require
+from .._runtime import as_float64, in_float64, is_traced, not_negative, positive, require
 from ..errors import InputError
 from ..foundation.law import as_foundation
+from ..results.squeezed_cord import SqueezedCord
+from .steady import brief
 
 _MOST = 0.25  # squeeze up to which the formula holds
 _STEPS = 8  # of Newton's method: u - ln u is nearly straight, and convex
 
 
-class SqueezedCord(NamedTuple):
-    """Contact of a squeezed cord with either wall."""
-
-    line_load: Float[Array, "..."]  # W, force per length of cord [N/m]
-    width: Float[Array, "..."]  # 2a, of the contact [m]
-    pressure: Float[Array, "..."]  # W/2a, mean pressure of the contact [Pa]; the largest is 4/pi of it
+MODELS = {
+    "lindley": "Lindley's formula for the load (measured cords), Hertz' width; straight cord, free to bulge",
+    "hertz": "plane contact at small strain, load and width of Hertz; straight cord, free to bulge",
+}
 
 
 @in_float64
@@ -61,6 +60,10 @@ def squeezed_cord(
     positive("diameter", d)
     accepted = f"positive and at most {_MOST:g}, a part of the diameter"
     require("squeeze", part, accepted, lambda c: (c > 0) & (c <= _MOST))
+    if time is not None:
+        time = as_float64("time", time)
+    if temperature is not None:
+        temperature = as_float64("temperature", temperature)
     young = 0.75 * _modulus(foundation, time, temperature)  # E* = E/(1 - nu^2) = 4 E/3
     if not is_traced(young) and not np.all(young > 0):
         raise InputError("time must be given for a material without an equilibrium modulus: it relaxes altogether.")
@@ -74,27 +77,39 @@ def squeezed_cord(
             f"of the modulus, {np.shape(young)}."
         ) from error
     load, width = young * d * relative, d * xp.sqrt(6 / np.pi * relative)
-    return SqueezedCord(*(xp.broadcast_to(x, shape) for x in (load, width, load / width)))
+    given = [
+        ("diameter", d, "m"),
+        ("squeeze", part, "of the diameter"),
+        ("time", time, "s"),
+        ("temperature", temperature, "K"),
+    ]
+    inputs = [("material", foundation.name or "given directly")]
+    inputs += [(name, brief(value, unit)) for name, value, unit in given if value is not None]
+    inputs += [("relaxed", "altogether")] if time is None else []
+    fields = {"line_load": load, "width": width, "pressure": load / width, "error": 0.0, "converged": True}
+    fields |= {name: value for name, value, _ in given}
+    return SqueezedCord(
+        **{name: None if x is None else xp.broadcast_to(x, shape) for name, x in fields.items()},
+        model=MODELS[formula], plan="closed form", inputs=tuple(inputs),
+    )  # fmt: skip
 
 
 def _modulus(foundation: Any, time: Any, temperature: Any) -> Any:
     """E*(t) at a temperature; relaxed without a time."""
     factor = 1.0
     if temperature is not None:
-        kelvin = as_float64("temperature", temperature)
-        positive("temperature", kelvin)
+        positive("temperature", temperature)
         if foundation.shift is None:
             raise InputError(f"temperature was given, but {foundation.name or 'the material'} has no shift law.")
-        factor = foundation.shift.a(kelvin)
+        factor = foundation.shift.a(temperature)
     if time is None:
         return foundation.equilibrium
-    since = as_float64("time", time)
-    not_negative("time", since)
+    not_negative("time", time)
     try:
-        return foundation.relaxation(since / factor)
+        return foundation.relaxation(time / factor)
     except ValueError as error:
         raise InputError(
-            f"time and temperature must broadcast, got {np.shape(since)} and {np.shape(factor)}."
+            f"time and temperature must broadcast, got {np.shape(time)} and {np.shape(factor)}."
         ) from error
 
 

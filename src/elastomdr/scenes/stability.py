@@ -8,25 +8,20 @@ so that its swings grow where zeta < 0, whatever k is. Friction follows at once 
 within a small part of a swing, V >> lambda sqrt(k/m). Slower, the rubber's memory of the waves decides: `em.drive`.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
 
-from .._runtime import Array, as_float64, ascending, in_float64, is_traced, not_negative, positive, scalar
+from .._runtime import as_float64, ascending, in_float64, is_traced, not_negative, positive, scalar
 from ..errors import InputError
+from ..results.stability import Stability
 from ..solve.dynamics import Mount
+from .steady import brief
 
-
-class Stability(NamedTuple):
-    """Damping of a drive about steady sliding, for each velocity; the last axis is that of the velocities."""
-
-    velocity: Float[Array, "..."]  # V [m/s]
-    slope: Float[Array, "..."]  # F'(V) [N s/m]
-    ratio: Float[Array, "..."]  # zeta; below zero swings grow
-    follows: Bool[Array, "..."]  # whether friction follows the speed at once, V > lambda sqrt(k/m): else ask em.drive
-    slowest: Float[Array, ""]  # lambda sqrt(k/m), from which on it does [m/s]
+MODEL = "steady sliding, friction that follows the speed at once (exact to first order in the swing)"
+PLAN = "closed form; slopes by central differences in ln V"
 
 
 @in_float64
@@ -42,7 +37,8 @@ def stability(mount: Any, *, velocity: Any, force: Any, wavelength: Any) -> Stab
 
     At V = lambda sqrt(k/m) a wave passes within a sixth of a swing. Slower than that the ratio decides nothing: the
     rubber holds a wave as long as it takes to pass, which acts as a spring and a damper of its own; `em.drive` has it.
-    F' is by central differences in ln V, of second order. Differentiable. Raises `InputError`. Source: `docs/seal.md`.
+    F' is by central differences in ln V, of second order; `error` is from points twice as far apart. Differentiable.
+    Raises `InputError`. Source: `docs/seal.md`.
     """
     if not isinstance(mount, Mount):
         raise InputError(f"mount must be an em.Mount(mass, stiffness, damping), got {mount!r}.")
@@ -63,13 +59,38 @@ def stability(mount: Any, *, velocity: Any, force: Any, wavelength: Any) -> Stab
         raise InputError(f"force must be finite, or NaN where it is not known, got {drag[np.isinf(drag)][0]:g}.")
     xp: Any = jnp if is_traced(mass, stiffness, damping, longest, v, drag) else np
     at = xp.log(v)
-    before, after = at[1:-1] - at[:-2], at[2:] - at[1:-1]
-    rise = (drag[..., 1:] - drag[..., :-1]) / (at[1:] - at[:-1])
-    inner = (rise[..., :-1] * after + rise[..., 1:] * before) / (before + after)
-    first = 2 * rise[..., :1] - inner[..., :1]  # a parabola through three points ends like that
-    last = 2 * rise[..., -1:] - inner[..., -1:]
-    slope = xp.concatenate([first, inner, last], axis=-1) / v
+    near = _slope(at, drag, 1)
+    rise = (drag[..., 1:] - drag[..., :-1]) / (at[1:] - at[:-1])  # a parabola through three points ends like this:
+    ends = 2 * rise[..., :1] - near[..., :1], 2 * rise[..., -1:] - near[..., -1:]
+    slope = xp.concatenate([ends[0], near, ends[1]], axis=-1) / v
+    root = 2 * xp.sqrt(stiffness * mass)
     slowest = longest * xp.sqrt(stiffness / mass)
-    ratio = (damping + slope) / (2 * xp.sqrt(stiffness * mass))
+    ratio = (damping + slope) / root
     everywhere = xp.broadcast_to(v, slope.shape)
-    return Stability(everywhere, slope, ratio, everywhere > slowest, slowest)
+    mounted = ", ".join(brief(x, unit) for x, unit in ((mass, "kg"), (stiffness, "N/m"), (damping, "N s/m")))
+    inputs = (("mount", mounted), ("velocity", brief(v, "m/s")), ("longest wave", brief(longest, "m")))
+    return Stability(
+        velocity=everywhere, force=drag, slope=slope, ratio=ratio, follows=everywhere > slowest,
+        error=jax.lax.stop_gradient(_missed(at, drag, near, xp) / v / root), converged=xp.isfinite(ratio),
+        slowest=slowest, model=MODEL, plan=PLAN, inputs=inputs,
+    )  # fmt: skip
+
+
+def _slope(at: Any, drag: Any, step: int) -> Any:
+    """dF/d ln V by a parabola through each point and those `step` before and after it."""
+    low, mid, high = slice(None, -2 * step), slice(step, -step), slice(2 * step, None)
+    before, after = at[mid] - at[low], at[high] - at[mid]
+    rises = (drag[..., mid] - drag[..., low]) / before, (drag[..., high] - drag[..., mid]) / after
+    return (rises[0] * after + rises[1] * before) / (before + after)
+
+
+def _missed(at: Any, drag: Any, near: Any, xp: Any) -> Any:
+    """Estimated error of dF/d ln V: a third of what neighbours twice as far away change, it being of second order.
+
+    Next to the ends as at the nearest point that has such neighbours; at the ends, whose parabola leans to one side,
+    twice that. NaN for fewer than five velocities.
+    """
+    if at.shape[0] < 5:
+        return xp.full_like(drag, xp.nan)
+    off = xp.abs(_slope(at, drag, 2) - near[..., 1:-1]) / 3
+    return xp.concatenate([2 * off[..., :1], off[..., :1], off, off[..., -1:], 2 * off[..., -1:]], axis=-1)
