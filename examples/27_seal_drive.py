@@ -91,7 +91,7 @@ def main(out: Path) -> None:
 
 
 def driven(rubbers: list[em.Prony], loads: np.ndarray, normals: np.ndarray, curves: list) -> dict[str, np.ndarray]:
-    """All motions at once, forces as of the whole seal; the line has its share of mass, stiffness and damping."""
+    """All motions at once, forces as of the whole seal, for which the line stands (`Mount.for_line`)."""
     which = np.array([case[0] for case in CASES])
     speed, stiffness = (np.array([case[i] for case in CASES]) for i in (1, 2))
     hold = (
@@ -100,12 +100,12 @@ def driven(rubbers: list[em.Prony], loads: np.ndarray, normals: np.ndarray, curv
     laws = [np.stack([np.asarray(getattr(r, k)) for r in rubbers])[which] for k in ("equilibrium", "moduli", "times")]
 
     def pulled(law: list, v: jax.Array, k: jax.Array, hold: jax.Array, load: jax.Array, normal: jax.Array) -> dict:
-        part, place = load / normal, hold * np.minimum(TIME / DRAWN, 1) + v * TIME
-        mount = em.Mount(part * MASS, part * k, part * DAMPING)
+        place = hold * np.minimum(TIME / DRAWN, 1) + v * TIME
+        mount = em.Mount(MASS, k, DAMPING).for_line(load, normal)
         found = em.drive(em.Prony(*law), LINE, time=TIME, position=place, load=load, tangential=mount, rtol=0.1)
+        spring = k * (place - found.position)  # of the whole drive [N]
         return {
-            "velocity": found.velocity, "swing": found.swing(PERIOD), "pull": found.pull / part,
-            "friction": found.friction_force / part,
+            "velocity": found.velocity, "swing": found.swing(PERIOD), "pull": spring, "friction": found.mu * normal,
         }  # fmt: skip
 
     with jax.enable_x64(True):

@@ -49,6 +49,17 @@ def test_rigid_drive_under_a_load_is_em_slide():
     np.testing.assert_allclose(drive.depth[2:], slide.depth[2:], rtol=1e-2)
 
 
+def test_mount_of_a_whole_body_shared_among_its_lines():
+    """A line under 20 N/m of 40 N has half of everything, so that it swings as the whole does."""
+    whole = em.Mount(5.0, 5e3, 20.0)
+    shared = whole.for_line(20.0, 40.0)
+    assert (shared.mass, shared.stiffness, shared.damping) == (2.5, 2.5e3, 10.0)
+    assert jax.grad(lambda f: whole.for_line(20.0, f).stiffness)(40.0) == pytest.approx(-2.5e3 / 40)
+    for arguments, words in (((0.0, 40.0), "load must be positive"), ((20.0, -1.0), "normal_force must be positive")):
+        with pytest.raises(em.InputError, match=words):
+            whole.for_line(*arguments)
+
+
 def test_swing_of_a_body_without_friction():
     """X' = V (1 - cos wt) without a damper: 2 in each period. With one the rest of it dies as exp(-c t/2m)."""
     mass, k, speed = 0.5, 800.0, 0.03

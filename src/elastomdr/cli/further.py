@@ -107,11 +107,11 @@ def read_drive(content: Any, history: dict[str, Any], per_length: bool) -> Furth
             if per_length
             else "[drive] normal_force belongs to a [surface]; an indenter has its load."
         )
-    part = 1.0
-    if per_length:
-        part = float(history["load"][-1]) / keys.get("normal_force", one(FORCE))
-        if not part > 0:
-            raise InputError("[drive] needs a load above zero in the last stage.")
     damping = keys.get("damping", one(DAMPING)) if "damping" in keys else 0.0
-    given = (keys.get("mass", one(MASS)), keys.get("stiffness", one(STIFFNESS)), damping)
-    return Further("drive", "slide", drive, {"tangential": Mount(*(part * x for x in given))})
+    mount = Mount(keys.get("mass", one(MASS)), keys.get("stiffness", one(STIFFNESS)), damping)
+    if per_length:
+        load, force = float(history["load"][-1]), keys.get("normal_force", one(FORCE))
+        if not load > 0:
+            raise InputError("[drive] needs a load above zero in the last stage.")
+        mount = mount.for_line(load, force)
+    return Further("drive", "slide", drive, {"tangential": mount})

@@ -25,7 +25,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from .._runtime import Array
+from .._runtime import Array, positive, scalar
 from ..errors import InputError
 from ..foundation.step import coefficients, fade
 from ..material.relaxation import Relaxation
@@ -42,6 +42,18 @@ class Mount(eqx.Module):
     mass: Any
     stiffness: Any = 0.0
     damping: Any = 0.0
+
+    def for_line(self, load: Any, normal_force: Any) -> "Mount":
+        """The share that a metre of rough line has of this mount of a whole body, load/normal_force of it.
+
+        `load` [N/m] of the line, `normal_force` [N] of the whole body on the rubber, for which the line stands. Raises
+        `InputError`.
+        """
+        given = scalar("load", load), scalar("normal_force", normal_force)
+        positive("load", given[0])
+        positive("normal_force", given[1])
+        part = given[0] / given[1]
+        return Mount(part * self.mass, part * self.stiffness, part * self.damping)
 
 
 class Scene(NamedTuple):
