@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import lambertw
 
 import elastomdr as em
+from elastomdr.solve.passage import _search
 
 BETA, COLD, LOAD, HEAT = 0.04, 293.15, 800.0, 200.0  # 1/K, K, N, J/K
 WHEEL = em.Cylinder(0.1, 0.05)
@@ -51,6 +52,15 @@ def test_history(power):
     assert warm.temperature.shape == warm.time.shape == (3, 6)
     assert "above the surroundings" in warm.summary()
     warm.plot()
+
+
+def test_one_program_for_everything(power):
+    """Scan, steady state and history of a few bodies, and their dissipation: compiled once."""
+    _search.clear_cache()
+    scene = SCENE | {"conductance": power[1] / 50, "capacity": HEAT, "time": [0.0, 10.0]}
+    em.warming(RUBBER, WHEEL, **scene)
+    em.dissipation(RUBBER, WHEEL, velocity=SCENE["velocity"], load=LOAD, temperature=COLD)
+    assert _search._cache_size() == 1
 
 
 def test_axes_in_any_order(power):

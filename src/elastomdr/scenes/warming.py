@@ -8,6 +8,7 @@ Rubber that gets warmer gets faster, so that P falls with T beyond the loss peak
 the glassy side P grows with T and there may be several steady states; a body that starts at T_a reaches the lowest.
 """
 
+import math
 import warnings
 from typing import Any
 
@@ -25,6 +26,8 @@ from .steady import brief
 _SCAN = 257  # temperatures at which the steady state is looked for: two that lie between the same ones are missed
 _NEAR = 5  # temperatures between the two on either side of it
 _WAY = 49  # temperatures between start and steady state, for the history
+_TOGETHER = 64  # points up to which one program is compiled (`solve.sweep`): few bodies are computed in such parts
+_FEW = 5  # bodies; of more, as many temperatures at a time as the history has
 _LEFT = 0.1  # of the last Newton step, what it may leave: its slope is good to a few per cent
 _REACHED = 10  # times rtol of the rise, the error up to which a temperature is handed out
 
@@ -151,12 +154,25 @@ def _bracket(run: Any, low: Any, h: Any, high: Any, count: int, xp: Any, ambient
     ambient = low if ambient is None else ambient
     part = np.linspace(0.0, 1.0, count).reshape(-1, *[1] * np.ndim(low))
     kelvin = jax.lax.stop_gradient(low + part * (high - low))
-    power = jax.lax.stop_gradient(run(kelvin).power)
+    power = jax.lax.stop_gradient(_powers(run, kelvin, xp))
     colder = ~(power - h * (kelvin - ambient) > 0)  # NaN ends the search, and the point is found not to be met
     colder = xp.concatenate([xp.zeros_like(colder[:1]), colder[1:-1], xp.ones_like(colder[:1])])
     index = argmax(colder)[None] if xp is jnp else np.argmax(colder, axis=0)[None]
     kelvin = xp.asarray(kelvin)
     return tuple(xp.take_along_axis(kelvin, index - i, axis=0)[0] for i in (1, 0))  # type: ignore[return-value]
+
+
+def _powers(run: Any, kelvin: Any, xp: Any) -> Any:
+    """Power at temperatures along the first axis, in parts of a size that is compiled once: that takes far longer."""
+    bodies = max(1, math.prod(np.shape(kelvin)[1:]))
+    each = _TOGETHER // bodies if bodies <= _FEW else _WAY
+    parts = -(-kelvin.shape[0] // each)
+    if xp is jnp or parts == 1:
+        return run(kelvin).power
+    power = np.empty(kelvin.shape)
+    for i in range(parts):  # each part from end to end, so that one spectrum is carried in all of them
+        power[i::parts] = run(kelvin[i::parts]).power
+    return power
 
 
 def _history(run: Any, ambient: Any, steady: Any, h: Any, heat: Any, time: Any, xp: Any) -> tuple[Any, Any, Any]:
@@ -168,7 +184,7 @@ def _history(run: Any, ambient: Any, steady: Any, h: Any, heat: Any, time: Any, 
     part = np.linspace(0.0, 1.0, _WAY).reshape(-1, *[1] * np.ndim(ambient))
     top = xp.where(xp.isfinite(steady), steady, ambient + 1.0)
     kelvin = ambient + part * (top - ambient)
-    net = xp.asarray(run(kelvin).power) - h * (kelvin - ambient)
+    net = xp.asarray(_powers(run, kelvin, xp)) - h * (kelvin - ambient)
     net = xp.concatenate([net[:-1], xp.zeros_like(net[:1])])  # at the steady state by definition
 
     def follow(kelvin: Any, net: Any) -> Any:

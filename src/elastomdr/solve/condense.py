@@ -60,7 +60,7 @@ def choose(law: Relaxation, shortest: float, longest: float, rtol: float, kinked
 
 
 def condensed(law: Relaxation, how: Condensation) -> Relaxation:
-    """The relaxation function with its slow and its fast branches lumped; padded so that few sizes are compiled."""
+    """The relaxation function with its slow and its fast branches lumped, `filled` so that few sizes are compiled."""
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
     springs, dashpots, kept = ([k for k in x if moduli[k] > 0] for x in (how.springs, how.dashpots, how.kept))
     fewer = [(moduli[kept], times[kept])]
@@ -70,8 +70,13 @@ def condensed(law: Relaxation, how: Condensation) -> Relaxation:
     if dashpots:
         first, second = (moduli[dashpots] * times[dashpots]).sum(), (moduli[dashpots] * times[dashpots] ** 2).sum()
         fewer.append(((first / second * first)[None], (second / first)[None]))
-    count = sum(e.size for e, _ in fewer)
-    padding = 4 - count if count < 4 else -count % (4 if count <= 8 else 8)
-    fewer.append((np.zeros(padding), np.ones(padding)))
     moduli, times = (np.concatenate(part) for part in zip(*fewer, strict=True))
+    return filled(Relaxation(law.equilibrium, moduli, times, law.viscosity))
+
+
+def filled(law: Relaxation) -> Relaxation:
+    """The same with branches of no modulus, up to one of few numbers of them, each of which is compiled once."""
+    moduli, times = np.asarray(law.moduli), np.asarray(law.times)
+    padding = 4 - moduli.size if moduli.size < 4 else -moduli.size % (4 if moduli.size <= 8 else 8)
+    moduli, times = np.pad(moduli, (0, padding)), np.pad(times, (0, padding), constant_values=1.0)
     return Relaxation(law.equilibrium, moduli, times, law.viscosity)

@@ -14,10 +14,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Bool, Float
 
-from .._runtime import Array
+from .._runtime import Array, is_traced
 from ..foundation.modes import recovery_modes
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
+from .condense import filled
 from .integrals import Passage, balance, branch_losses, exit_density, friction_force, normal_force
 from .rule import Rule, gauss
 
@@ -275,7 +276,8 @@ def solve_losses(
 ) -> Losses:
     """Steady passages, and what each branch turns into heat; differentiable as `solve_passages` is."""
     law, lines, value, velocity = jax.tree.map(jnp.asarray, (law, lines.refined(rule.strips), value, velocity))
-    found = _search(*jax.lax.stop_gradient((law, lines, value, velocity)), rule=rule, control=control)
+    sought = jax.tree.map(jnp.asarray, law if is_traced(law) else filled(law))  # the program of `solve_passages`
+    found = _search(*jax.lax.stop_gradient((sought, lines, value, velocity)), rule=rule, control=control)
     return _losses(law, recovery_modes(law), lines, value, velocity, jax.lax.stop_gradient(found), rule, control)
 
 
