@@ -94,9 +94,7 @@ def driven(rubbers: list[em.Prony], loads: np.ndarray, normals: np.ndarray, curv
     """All motions at once, forces as of the whole seal, for which the line stands (`Mount.for_line`)."""
     which = np.array([case[0] for case in CASES])
     speed, stiffness = (np.array([case[i] for case in CASES]) for i in (1, 2))
-    hold = (
-        np.array([np.interp(np.log(v), np.log(VELOCITY), curves[i].mu) * normals[i] for i, v, _ in CASES]) / stiffness
-    )
+    hold = np.array([float(curves[i].law()(v)) * normals[i] for i, v, _ in CASES]) / stiffness
     laws = [np.stack([np.asarray(getattr(r, k)) for r in rubbers])[which] for k in ("equilibrium", "moduli", "times")]
 
     def pulled(law: list, v: jax.Array, k: jax.Array, hold: jax.Array, load: jax.Array, normal: jax.Array) -> dict:
@@ -122,7 +120,7 @@ def check(moved: dict[str, np.ndarray], swings: np.ndarray, curves: list, normal
         given = np.trapezoid(pull + DAMPING * (speed - velocity) - friction, TIME[late])
         off = abs(MASS * (velocity[-1] - velocity[0]) - given) / np.trapezoid(friction, TIME[late])
         assert off < 1e-2, "the momentum of the rod"  # a tenth of what the motion was asked for
-        steady = np.interp(np.log(speed), np.log(VELOCITY), curves[which].mu) * normals[which]
+        steady = float(curves[which].law()(speed)) * normals[which]
         print(
             f"check     {1e3 * speed:g} mm/s: momentum off by {off:.0e}, friction {friction.mean() / steady - 1:+.1e}"
         )

@@ -30,6 +30,29 @@ BOUNDARY_ELEMENTS = [
 ]
 
 
+def test_full_contact_is_a_sum_over_waves():
+    """One wave by hand, mu = (1/2) A^2 k E*''(k v)/F, down to the load A |E*(k v)| at which it lifts; the engine."""
+    k, height, v, rubber = 2e3, 1e-5, np.array([0.05, 0.5, 5.0]), em.Foundation(4e6, [36e6], [1e-3])
+    x = 2 * np.pi / k * np.arange(64) / 64
+    line = em.RoughLine(x, height * np.cos(k * x))
+    modulus = rubber.complex_modulus(k * v)
+    load = 1.01 * height * np.abs(modulus)
+    mu = em.reference.full_contact_sliding(rubber, line, velocity=v, load=load)
+    np.testing.assert_allclose(mu, 0.5 * height**2 * k * modulus.imag / load, rtol=1e-12)
+    assert np.isnan(em.reference.full_contact_sliding(rubber, line, velocity=v, load=0.98 * load)).all()
+    engine = em.friction(rubber, line, velocity=v, load=2 * load, average=None, rtol=1e-4)
+    np.testing.assert_allclose(engine.mu, mu / 2, rtol=1e-3)
+    with jax.enable_x64(True):
+        slope = jax.grad(lambda f: em.reference.full_contact_sliding(rubber, line, velocity=0.5, load=f))(2 * load[1])
+    np.testing.assert_allclose(slope, -mu[1] / 2 / (2 * load[1]), rtol=1e-12)
+    for change, words in (({"material": em.layer(em.Prony(1e6, [], [], poisson=0.4), 1e-3)}, "RoughLine on a material"),
+                          ({"load": 0.0}, "load must be positive"), ({"temperature": 300.0}, "no shift law"),
+                          ({"load": [1.0, 2.0]}, "must broadcast")):  # fmt: skip
+        given = {"material": rubber, "line": line, "velocity": v, "load": 1.0} | change
+        with pytest.raises(em.InputError, match=words):
+            em.reference.full_contact_sliding(given.pop("material"), given.pop("line"), **given)
+
+
 def test_hunter():
     velocity = np.array(list(HUNTER))
     exact = np.array(list(HUNTER.values())).T
