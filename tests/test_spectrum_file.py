@@ -60,6 +60,14 @@ def test_what_one_over_metre_means_is_asked(tmp_path):
         em.spectrum_from_file(write(tmp_path, ["q [rad/m],C [m^4]"]), convention="2d", wave_number="1/lambda")
 
 
+def test_what_a_title_spells_out_is_not_asked(tmp_path):
+    for title, factor in (("1/lambda [1/mm]", 2 * np.pi), ("1/λ (1/mm)", 2 * np.pi), ("q = 2 π/λ [1/mm]", 1.0)):
+        file = write(tmp_path, [f"{title},C [m^4]"], Q * 1e-3 / factor, C)
+        same(em.spectrum_from_file(file, convention="2d"))
+    with pytest.raises(em.InputError, match="wave_number is '1/lambda', but"):
+        em.spectrum_from_file(file, convention="2d", wave_number="1/lambda")
+
+
 def test_density_over_spatial_frequency(tmp_path):
     """One-sided over n = 1/lambda, <h^2> = int G dn, as road profiles have it: of C = C_0 q^-3 a cut has, over all q,
     int C(root(q^2 + k^2)) dk = 2 C_0/q^2, and so G = 2 * 2 pi * 2 C_0/q^2."""
@@ -150,6 +158,7 @@ def test_scene(tmp_path, capsys):
         ('convention = "2d"\nq = [1.0, 2.0]\nc = [1.0, 1.0]\nfile = "road.csv"', "exclude each other"),
         ('convention = "2d"\nq = [1.0, 2.0]\nc = [1.0, 1.0]\nshortest = "1 mm"', "goes with a file"),
         ('convention = "2d"\nfile = "none.csv"', "none.csv"),
+        ('convention = "2d"\nfile = "road.csv"', "[surface] file: 'road.csv' gives wave numbers in 1/m"),
     ):
         scene.write_text(SCENE.format(keys=keys))
         assert main(["plan", str(scene)]) == 2

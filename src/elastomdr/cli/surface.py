@@ -43,7 +43,8 @@ def read_surface(content: Any, folder: Path, one_line: bool = False) -> tuple[An
         options |= {"detrend": keys.get("detrend", flag)} if "detrend" in keys else {}
         return surface_from_file(folder / keys.get("file", text), **options), more
     except InputError as error:
-        raise InputError(str(error) if str(error).startswith("[surface]") else f"[surface] {error}") from error
+        said = str(error).replace("path: ", "file: ", 1) if str(error).startswith("path: ") else str(error)
+        raise InputError(said if said.startswith("[surface]") else f"[surface] {said}") from error
 
 
 def read_heat(content: Any) -> dict[str, Any]:

@@ -47,9 +47,10 @@ def spectrum_from_file(
 
     `convention` is that of `em.Spectrum`, with q = 2 pi/lambda: a density over f = 1/lambda is "2d/4pi^2", "1d/2pi" or
     "1d one-sided/2pi". `wave_number`, "2 pi/lambda" or "1/lambda", says what a unit such as 1/mm counts; rad/mm,
-    cycles/mm and wavelengths (mm) need none. `q_unit` and `c_unit` stand in for units that the titles do not give,
-    `columns` names two of several, from 1. `longest` and `shortest` [m] cut the table. Rows without a number, repeated
-    and unsorted ones are mended and named in `report`. Raises `InputError`, with file, line and value.
+    cycles/mm, wavelengths (mm) and titles such as "1/lambda [1/mm]" need none. `q_unit` and `c_unit` stand in for units
+    that the titles do not give, `columns` names two of several, from 1. `longest` and `shortest` [m] cut the table.
+    Rows without a number, repeated and unsorted ones are mended and named in `report`. Raises `InputError`, with file,
+    line and value.
     """
     check_convention(convention)
     if wave_number not in (None, ANGULAR, CYCLES):
@@ -61,6 +62,10 @@ def spectrum_from_file(
     first, second = _columns(table, columns, name)
     given = _unit(table, first, q_unit, "q_unit", "rad/m", name, _first)
     counted, metres = _first(given) or ("", 1.0)
+    told = _told(table.titles[first]) if table.titles and not counted else None
+    if told and wave_number not in (None, told):
+        raise InputError(f"wave_number is {wave_number!r}, but {name!r} says {table.titles[first]!r}.")
+    wave_number = wave_number or told
     if not counted and wave_number is None:
         raise InputError(
             f"path: {name!r} gives wave numbers in {given}, which may be q = 2 pi/lambda or 1/lambda: say so, as "
@@ -103,6 +108,14 @@ def _first(text: str) -> tuple[str, float] | None:
         if match:
             return counted, METRES[next(length for length in match.groups() if length)]
     return None
+
+
+def _told(title: str) -> str | None:
+    """What a title in words says that wave numbers in 1/m count, such as "1/lambda [1/mm]"; None if it says nothing."""
+    bare = title.partition("[")[0].lower().replace("λ", "lambda").replace("π", "pi").replace(" ", "").replace("*", "")
+    if "2pi/lambda" in bare:
+        return ANGULAR
+    return CYCLES if "1/lambda" in bare else None
 
 
 def _second(text: str) -> tuple[float, int] | None:
