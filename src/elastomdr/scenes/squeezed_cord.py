@@ -88,9 +88,9 @@ def squeezed_cord(
     inputs += [("relaxed", "altogether")] if time is None else []
     fields = {"line_load": load, "width": width, "pressure": load / width, "error": 0.0, "converged": True}
     fields |= {name: value for name, value, _ in given}
+    whole: dict[str, Any] = {name: None if x is None else xp.broadcast_to(x, shape) for name, x in fields.items()}
     return SqueezedCord(
-        **{name: None if x is None else xp.broadcast_to(x, shape) for name, x in fields.items()},
-        model=MODELS[formula], plan="closed form", inputs=tuple(inputs),
+        **whole, model=MODELS[formula], plan="closed form", inputs=tuple(inputs),
     )  # fmt: skip
 
 
