@@ -33,8 +33,12 @@ def draw_squeezed_cord(result: "SqueezedCord", ax: Any = None, show: str = "pres
         order, marker = np.argsort(x, kind="stable"), "o" if x.size == 1 else None
         label = line.label.replace("degC", "°C")
         ax.plot(x[order], y[order], color=colour, linewidth=1.8, marker=marker, label=label)
-    if along == "time" and axis.values.max() > _LOG * axis.values.min() > 0:
-        ax.set_xscale("log")
+    later = axis.values[axis.values > 0]
+    if along == "time" and later.size and later.max() > _LOG * later.min():
+        if later.size < axis.values.size:  # the moment of squeezing itself has its place before the decades
+            ax.set_xscale("symlog", linthresh=later.min(), linscale=0.3)
+        else:
+            ax.set_xscale("log")
     own = "Time since it was squeezed [s]" if along == "time" else "Squeeze [% of the diameter]"
     ax.set(xlabel=_axis_label(axis, along, own), ylabel=ylabel)
     ax.set_ylim(0.0, None)
