@@ -92,3 +92,16 @@ def test_power_that_is_not_whole_is_covered_by_its_error() -> None:
     exact = 2 * 5.0 * 0.02 * found.contact_radius[1] * 1.5 / 2.5
     assert found.converged.all()
     assert 0 < abs(found.force[1] / exact - 1) <= found.error[1]
+
+
+def test_profile_far_smaller_than_its_first_point():
+    """A parabola's points have the parabola for their spline: a contact of 1e-3 to 1e-9 of the first interval keeps its
+    digits, those of the paraboloid, in mu and in the depth."""
+    r = np.linspace(0.0, 1.0, 8)
+    rubber = em.Foundation(1e6, [1e9, 1e3], [1e-8, 1e3])
+    asked = {"velocity": np.geomspace(1e-9, 1e6, 6), "depth": [[1e-19], [1e-12], [1e-7]], "rtol": 1e-6, "average": None}
+    found = em.friction(rubber, em.Profile(r, 0.5 * r**2, apex="smooth", curve="spline"), **asked)
+    exact = em.friction(rubber, em.Paraboloid(1.0), **asked)
+    np.testing.assert_allclose(found.mu, exact.mu, rtol=1e-11)
+    np.testing.assert_allclose(found.contact.leading, exact.contact.leading, rtol=1e-12)
+    assert (found.error < 1e-6 * found.mu).all()

@@ -107,11 +107,17 @@ class Profile(AbstractShape):
 
     def _profile(self, x: Array) -> Array:
         x = jnp.abs(x)
-        return self._guard(x, _interpolated(self.r, self.line[0], x))
+        linear, square, cubic = jnp.asarray(self.pieces)[:, 0]
+        near = x * (0.5 * jnp.pi * linear + x * (2 * square + 0.75 * jnp.pi * cubic * x))
+        return self._guard(x, jnp.where(x <= self.r[1], near, _interpolated(self.r, self.line[0], x)))
 
     def _slope(self, x: Array) -> Array:
+        # Up to the first point the curve is one cubic. Its own form keeps its digits in a contact far smaller than
+        # that, where a series that is right to rounding of its largest value has none left.
         sign, x = jnp.sign(x), jnp.abs(x)
-        return self._guard(x, sign * _interpolated(self.r, self.line[1], x))
+        linear, square, cubic = jnp.asarray(self.pieces)[:, 0]
+        near = 0.5 * jnp.pi * linear + x * (4 * square + 2.25 * jnp.pi * cubic * x)
+        return self._guard(x, sign * jnp.where(x <= self.r[1], near, _interpolated(self.r, self.line[1], x)))
 
     def _guard(self, x: Array, value: Array) -> Array:
         return jnp.where(x <= self.r[-1] * (1 + 1e-12), value, jnp.nan)
