@@ -23,8 +23,11 @@ from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
 from .steady import BARE, LAYER, brief, contact, describe
 
 _ACROSS = 24  # elements over the contact on the coarsest level
-_FINEST = 4  # levels beyond the coarsest
+_FINEST = 4  # levels beyond the coarsest, unless they are short
+_LONG = 1e9  # elements times steps times branches of what is not short: half a minute
 _ROOM = 3e7  # elements times steps times branches marched sooner than another program is compiled
+_EARLY = 4.0  # ratio of the instants that divide the first interval
+_MOST_EARLY, _TRACED_EARLY = 40, 12
 _PERIOD = 12  # steps per period of a mass on its spring and the contact, on the coarsest level
 
 
@@ -57,7 +60,8 @@ def drive(
     - `tangential`, `normal`: `em.Mount(mass, stiffness, damping)`. The spring of the normal one is free at d = 0.
     - `track`: a rough line that belongs to the rubber, under an indenter: heights towards the body.
     - `temperature` [K], one number. `rtol`, 1e-1 to 1e-6: the error of mu, depth and normal force to be
-      met, relative to their largest values; the place of the body is not looked at. `elements`: as for `em.slide`.
+      met, relative to their largest values, and the energy balance, relative to the work done; the place of the body
+      is not looked at. `elements`: as for `em.slide`.
 
     The bare line of the textbook; of second order. Raises `InputError`; instants that do not converge are NaN and
     counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7, 10 and 19; `docs/theory.md`.
@@ -123,8 +127,8 @@ def _solve(
         if track is not None and not traced:
             spacing = spacing / math.ceil(float(spacing) * _ACROSS / float(2 * jnp.sqrt(glassy * widest)))
     while True:
-        found, size = _within(body, history, law, mounts, track, spacing, reach, slope)
-        if traced or isinstance(body, RoughLine) or np.any(found.good) or float(reach) > 30 * float(widest):
+        found, size, outside = _within(body, history, law, mounts, track, spacing, reach, slope)
+        if not outside or float(reach) > 30 * float(widest):
             return found, size
         reach = 2 * reach
 
@@ -138,8 +142,8 @@ def _within(
     spacing: Any,
     reach: Any,
     slope: Any,
-) -> tuple[Levels, list[int]]:
-    """Marches elements up to `reach` [m] from where the drive comes."""
+) -> tuple[Levels, list[int], bool]:
+    """Marches elements up to `reach` [m] from where the drive comes; whether the outermost of them were touched."""
     time, place, load = (jnp.asarray(x) for x in (history.time, history.position, history.value))
     traced = history.traced or is_traced(body, mounts, track)
     low, high = jnp.min(place) - reach, jnp.max(place) + reach
@@ -151,9 +155,11 @@ def _within(
     else:
         count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
     samples = 8 if traced else _samples(history, spacing, mounts, law)
-    size = [0, 0]
-    work = count * samples * history.time.size * max(law.times.size, 1)
-    most = min(_FINEST, finest(work, traced))
+    shortest, early = _early(history)
+    size, outside = [0, 0], [False]
+    work = count * samples * (history.time.size + early) * max(law.times.size, 1)
+    most = finest(work, traced)
+    most = most if 4.0**most * work <= _LONG else min(_FINEST, most)
     shared = shared_level(work, most, _ROOM)
 
     def solve(level: int) -> tuple[History, Any]:
@@ -162,13 +168,15 @@ def _within(
         surface = _surface(body, track, low, jnp.asarray(spacing / finer), count * room, finer, room // finer)
         scene = Scene(law, surface, *mounts)
         used = jnp.asarray(samples * finer)
-        seen, line, done = run(scene, time, place, load, history.shortest, samples * room, used)
-        size[:] = count * finer, samples * finer * (history.time.size - 1)
+        seen, line, done = run(scene, time, place, load, shortest, samples * room, used, early)
+        size[:] = count * finer, samples * finer * (history.time.size - 1 + early)
         inside = jnp.bool_(True) if isinstance(body, RoughLine) else (line.u[0] == 0) & (line.u[count * finer - 1] == 0)
-        good = inside & done
-        return (seen, good) if is_traced(seen) else jax.tree.map(np.asarray, (seen, good))
+        if is_traced(seen):
+            return seen, inside & done
+        outside[0] = not inside
+        return jax.tree.map(np.asarray, (seen, inside & done))
 
-    return refine(solve, history.rtol, most, slope), size
+    return refine(solve, history.rtol, most, slope, _missing), size, outside[0]
 
 
 def _samples(history: GivenHistory, spacing: Any, mounts: list[Any], law: Any) -> int:
@@ -180,6 +188,16 @@ def _samples(history: GivenHistory, spacing: Any, mounts: list[Any], law: Any) -
             rate = math.sqrt(float(mount.stiffness) / float(mount.mass)) + float(mount.damping / mount.mass)
             most = max(most, _PERIOD * float(step.max()) * rate / (2 * math.pi))
     return 2 ** math.ceil(math.log2(max(2.0, most)))  # few numbers, so that few programs are compiled
+
+
+def _early(history: GivenHistory) -> tuple[Any, int]:
+    """The shortest time [s], and by how many instants the first interval is divided down to it."""
+    if not history.traced:
+        ratio = float(history.time[1] - history.time[0]) / history.shortest
+        return history.shortest, min(_MOST_EARLY, max(0, math.ceil(math.log(ratio) / math.log(_EARLY))))
+    law = history.law
+    times = jnp.where(jnp.asarray(law.moduli) > 0, jnp.asarray(law.times), jnp.inf)
+    return jnp.minimum(jnp.min(times, initial=jnp.inf), history.shortest), _TRACED_EARLY
 
 
 def _surface(
@@ -213,6 +231,14 @@ def _heights(track: RoughLine, x: Any) -> Any:
     return total - track.highest
 
 
+def _missing(seen: Any) -> tuple[Any, Any]:
+    """What the energy balance does not find at each instant, and the largest work that was done [J]."""
+    numpy = jnp if is_traced(seen) else np
+    given = seen.driven + seen.pressed
+    found = seen.kinetic + seen.spring + seen.work + seen.damped
+    return given - found, numpy.max(numpy.maximum(numpy.abs(given), numpy.abs(found)))
+
+
 def _pack(
     history: GivenHistory, found: Levels, mounts: list[Any], plan: Any, model: str, inputs: Any, per_length: bool
 ) -> Drive:
@@ -226,18 +252,8 @@ def _pack(
         return numpy.where(found.good, field, numpy.nan)
 
     seen: Any = found.forces
-    tangential, normal = mounts
-    kinetic, spring, pull = 0.0 * seen.depth, 0.0 * seen.depth, seen.drag
-    if tangential is not None:
-        stretch = history.position - seen.position
-        kinetic, spring = (
-            kinetic + tangential.mass * seen.velocity**2 / 2,
-            spring + tangential.stiffness * stretch**2 / 2,
-        )
-        pull = tangential.stiffness * stretch
-    if normal is not None:
-        kinetic, spring = kinetic + normal.mass * seen.sinking**2 / 2, spring + normal.stiffness * seen.depth**2 / 2
-    given = seen.driven + seen.pressed
+    tangential = mounts[0]
+    pull = seen.drag if tangential is None else tangential.stiffness * (history.position - seen.position)
     return Drive(
         time=history.time,
         drive=history.position,
@@ -248,11 +264,11 @@ def _pack(
         normal_force=shown(seen.normal),
         friction_force=shown(seen.drag),
         pull=shown(pull),
-        given=shown(given),
-        kinetic=shown(kinetic),
-        stored=shown(seen.stored + spring),
+        given=shown(seen.driven + seen.pressed),
+        kinetic=shown(seen.kinetic),
+        stored=shown(seen.stored + seen.spring),
         dissipated=shown(seen.work - seen.stored + seen.damped),
-        imbalance=shown(given - kinetic - spring - seen.work - seen.damped),
+        imbalance=shown(_missing(seen)[0]),
         error=shown(found.error),
         converged=found.good,
         per_length=per_length,

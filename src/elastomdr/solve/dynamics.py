@@ -30,7 +30,7 @@ from ..errors import InputError
 from ..foundation.step import coefficients, fade
 from ..material.relaxation import Relaxation
 from .over_line import AbstractOverLine
-from .slide import Line, energy, free, lag, press, settle, untouched
+from .slide import Line, energy, felt_by, free, lag, press, settle, untouched
 
 _NEWTON = 4  # steps for the place of a body that is pulled through a spring
 _INSTANT = 1e-12  # duration of the first touch, over the shortest time
@@ -149,11 +149,12 @@ def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motio
     line, weight = untouched(scene.law, scene.surface, position), scene.surface.weight
     fading = fade(c, line.f)
     spring = 0.0 if scene.normal is None else scene.normal.stiffness
-    depth = settle(free(c, line, fading) - rise, weight * c.stiffness[0], spring, load, jnp.zeros(()))
+    between, level = scene.surface.between, free(c, line, fading) - rise
+    depth = settle(level, weight * c.stiffness[0], spring, load, jnp.zeros(()), between)
     line, work = press(c, line, fading, rise, depth)
     work = jnp.sum(weight * work)
     zero = jnp.zeros(())
-    normal, drag = jnp.sum(weight * line.q), jnp.sum(weight * line.q * slope)
+    normal, drag = felt_by(weight, line.q, slope, depth - level if between else None)
     held = spring * depth**2 / 2
     return Motion(line, position + zero, zero, depth, zero, drag, normal, work, zero, work + held, zero)
 
@@ -163,6 +164,7 @@ def _advance(
 ) -> Motion:
     (drive, load), (drive_end, load_end) = before, after
     weight, up, along = scene.surface.weight, scene.normal, scene.tangential
+    between = scene.surface.between
     fading = fade(c, y.line.f)
     u_free = free(c, y.line, fading)
     # Mean force of an element over the step, if it follows the surface: mean S (w+ - idle).
@@ -171,18 +173,19 @@ def _advance(
 
     def depth_at(rise: Array, guess: Array) -> Array:
         if up is None:
-            return settle(u_free - rise, weight * c.stiffness[0], 0.0, load_end, guess)
+            return settle(u_free - rise, weight * c.stiffness[0], 0.0, load_end, guess, between)
         inertia = 2 * up.mass / h**2 + up.stiffness / 2 + up.damping / h
         known = 2 * up.mass * y.sinking / h + (load + load_end) / 2 - up.stiffness * y.depth
-        return settle(idle - rise, weight * mean, inertia, known + inertia * y.depth, guess)
+        return settle(idle - rise, weight * mean, inertia, known + inertia * y.depth, guess, between)
 
     def forces(moved: Array, guess: Array) -> tuple[Array, tuple[Array, Array]]:
         """Mean F_x of the step in which the body moves so far; mean F_N, and the depth at the end."""
         rise = scene.surface.rise(y.position + moved)
         _, slope = scene.surface.rise_and_slope(y.position + moved / 2)
         depth = depth_at(rise, guess)
-        q = weight * mean * jnp.maximum(depth + rise - idle, 0.0)
-        return jnp.sum(q * slope), (jnp.sum(q), depth)
+        excess = depth + rise - idle
+        normal, drag = felt_by(weight, mean * jnp.maximum(excess, 0.0), slope, excess if between else None)
+        return drag, (normal, depth)
 
     guess = y.depth + h * y.sinking
     if along is None:
@@ -209,6 +212,7 @@ def _advance(
     rise = scene.surface.rise(position)
     _, slope = scene.surface.rise_and_slope(position - lag(c) * moved)
     line, work = press(c, y.line, fading, rise, depth)
+    normal, drag = felt_by(weight, line.q, slope, depth + rise - u_free if between else None)
     sunk, driven, damped = depth - y.depth, drag_mean * moved, jnp.zeros(())
     if along is not None:
         stretch = along.stiffness * ((drive + drive_end) / 2 - y.position - moved / 2)
@@ -223,13 +227,25 @@ def _advance(
         velocity=moved / h if along is None else 2 * moved / h - y.velocity,
         depth=depth,
         sinking=sunk / h if up is None else 2 * sunk / h - y.sinking,
-        drag=jnp.sum(weight * line.q * slope),
-        normal=jnp.sum(weight * line.q),
+        drag=drag,
+        normal=normal,
         work=y.work + jnp.sum(weight * work),
         driven=y.driven + driven,
         pressed=y.pressed + (load + load_end) / 2 * sunk,
         damped=y.damped + damped,
     )
+
+
+def energies(scene: Scene, y: Motion, drive: Array) -> tuple[Array, Array]:
+    """Of the masses and of the springs they hang on [J]."""
+    kinetic, spring = jnp.zeros(()), jnp.zeros(())
+    if scene.tangential is not None:
+        kinetic = scene.tangential.mass * y.velocity**2 / 2
+        spring = scene.tangential.stiffness * (drive - y.position) ** 2 / 2
+    if scene.normal is not None:
+        kinetic = kinetic + scene.normal.mass * y.sinking**2 / 2
+        spring = spring + scene.normal.stiffness * y.depth**2 / 2
+    return kinetic, spring
 
 
 class History(NamedTuple):
@@ -246,25 +262,36 @@ class History(NamedTuple):
     driven: Array
     pressed: Array
     damped: Array
+    kinetic: Array  # [J]
+    spring: Array  # in the springs of the mounts [J]
 
 
 @eqx.filter_jit
 def run(
-    scene: Scene, time: Array, drive: Array, load: Array, shortest: Any, samples: int, used: Any
+    scene: Scene, time: Array, drive: Array, load: Array, shortest: Any, samples: int, used: Any, early: int = 0
 ) -> tuple[History, Line, Array]:
     """The whole motion in one `diffeqsolve`: what is known at the instants, the line at the end, whether it
-    succeeded. `used` contact steps are made between two instants, in a program that has room for `samples`."""
+    succeeded. `used` contact steps are made between two instants, in a program that has room for `samples`.
+
+    A load that is put on at once is answered on all time scales of the rubber: the first interval is divided by `early`
+    further instants in geometric series, from the `shortest` time on.
+    """
 
     def given(t: Any) -> tuple[Array, Array]:
         return jnp.interp(t, time, drive), jnp.interp(t, time, load)
 
     def seen(t: Any, y: Motion, args: Scene) -> History:
+        kinetic, spring = energies(args, y, given(t)[0])
         return History(
             y.depth, y.normal, y.drag, y.position, y.velocity, y.sinking, y.work,
             energy(args.law, y.line, args.surface.weight), y.driven, y.pressed, y.damped,
+            kinetic, spring,
         )  # fmt: skip
 
     start = put_down(scene, drive[0], load[0], shortest)
+    first = time[1] - time[0]
+    ratio = jax.lax.stop_gradient(jnp.minimum(shortest / first, 0.5)) ** (1 / max(early, 1))
+    instants = jnp.concatenate([time[:1], time[0] + first * ratio ** jnp.arange(early, 0, -1), time[1:]])
     solution = diffrax.diffeqsolve(
         DriveTerm(given),
         CoupledStep(samples, used),
@@ -273,15 +300,16 @@ def run(
         dt0=None,
         y0=start,
         args=scene,
-        stepsize_controller=diffrax.StepTo(ts=time),
+        stepsize_controller=diffrax.StepTo(ts=instants),
         saveat=diffrax.SaveAt(subs=[
             diffrax.SubSaveAt(t0=True, steps=True, fn=seen),
             diffrax.SubSaveAt(t1=True, fn=lambda t, y, args: y.line),
         ]),
-        max_steps=time.shape[0] - 1,
+        max_steps=instants.shape[0] - 1,
         throw=False,
     )  # fmt: skip
     saved: Any = solution.ys
     history, line = saved
+    history = jax.tree.map(lambda kept: jnp.concatenate([kept[:1], kept[early + 1 :]]), history)
     line = jax.tree.map(lambda last: last[-1], line)
     return history, line, solution.result == diffrax.RESULTS.successful

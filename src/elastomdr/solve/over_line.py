@@ -35,6 +35,11 @@ class AbstractOverLine(eqx.Module):
     def count(self) -> int:
         """Number of elements n."""
 
+    @property
+    @abc.abstractmethod
+    def between(self) -> bool:
+        """Whether the elements are neighbours, all of one weight, and the contact is taken to end between them."""
+
     @abc.abstractmethod
     def rise(self, position: Array) -> Float[Array, " n"]:
         """b [m], the surface over each element when the body stands at X [m] with d = 0."""
@@ -62,6 +67,10 @@ class Indenter(AbstractOverLine):
     @property
     def count(self) -> int:
         return self.x.shape[0]
+
+    @property
+    def between(self) -> bool:
+        return self.y is None
 
     def rise(self, position: Array) -> Array:
         return self.rise_and_slope(position)[0]
@@ -95,6 +104,10 @@ class Rough(AbstractOverLine):
     @property
     def count(self) -> int:
         return self.coefficients.shape[0]
+
+    @property
+    def between(self) -> bool:
+        return False  # of many contacts the errors cancel
 
     def rise(self, position: Array) -> Array:
         return self.rise_and_slope(position)[0]

@@ -1,9 +1,10 @@
 """A history marched at finer and finer resolution until the friction coefficient is known to the tolerance.
 
 Elements and steps are halved together. The scheme is of second order, so the limit is extrapolated from the last two
-levels; what is stated as the error is the whole of their difference, three times what a regular sequence would leave,
-since the edges of contact fall between elements differently at each level. For the same reason a difference may vanish
-by chance: so it is not taken smaller than those at the neighbouring instants, nor than a quarter of the one before.
+levels, and what is left falls by about 8 per level where the edges of contact are resolved (`solve.slide.carried`).
+What is stated as the error of a limit is its change against the limit of one level less, or that of the marches
+themselves if it is smaller. A difference may vanish by chance: so it is not taken smaller than those at the
+neighbouring instants, nor than an eighth of the one before.
 """
 
 from collections.abc import Callable
@@ -32,34 +33,47 @@ class Levels(NamedTuple):
     levels: int  # marches
 
 
-def refine(solve: Callable[[int], tuple[Any, Array]], rtol: float, most: int, slope: Any) -> Levels:
+def refine(
+    solve: Callable[[int], tuple[Any, Array]],
+    rtol: float,
+    most: int,
+    slope: Any,
+    missing: Callable[[Any], tuple[Array, Array]] | None = None,
+) -> Levels:
     """Halves elements and steps, `solve(level)`, up to level `most`.
 
     Good is a point whose error of mu is below rtol times the largest mu of the history (or 0.03 `slope`, that of the
-    body, if that is more), with depth and normal force known to rtol of their largest values. Under `jit` or `vmap`,
-    where errors cannot be looked at, two levels are made.
+    body, if that is more), with depth and normal force known to rtol of their largest values; and with an energy
+    balance that closes to it, where `missing` gives what is missing in it at each instant and what that is relative to.
+    Under `jit` or `vmap`, where errors cannot be looked at, two levels are made.
     """
-    coarse, fits = solve(0)
-    level, last = 0, 0.0
+    old, fits = solve(0)
+    level, last, before = 0, 0.0, None
     while True:
         level += 1
-        fine, fits = solve(level)
-        numpy = jnp if is_traced(fine) else np
-        mu = [_ratio(numpy, forces) for forces in (coarse, fine)]
-        change = numpy.abs(mu[1] - mu[0])
-        error = _spread(numpy, numpy.fmax(change, last))
+        new, fits = solve(level)
+        numpy = jnp if is_traced(new) else np
+        limit = type(new)(*(b + (b - a) / 3 for a, b in zip(old, new, strict=True)))
+        mu = _ratio(numpy, limit, new.normal)
+        pairs = [(_ratio(numpy, old), _ratio(numpy, new)), (old.depth, new.depth), (old.normal, new.normal)]
+        changes = [numpy.abs(b - a) for a, b in pairs]
+        seen = (mu, limit.depth, limit.normal)
+        if before is not None:
+            changes = [numpy.fmin(c, numpy.abs(b - a)) for c, a, b in zip(changes, before, seen, strict=True)]
+        error = _spread(numpy, numpy.fmax(changes[0], last))
         scale = numpy.maximum(
-            numpy.nanmax(numpy.where(numpy.isfinite(mu[1]), numpy.abs(mu[1]), 0.0)), _SYMMETRIC * slope + _ROUNDING
+            numpy.nanmax(numpy.where(numpy.isfinite(mu), numpy.abs(mu), 0.0)), _SYMMETRIC * slope + _ROUNDING
         )
-        sure = numpy.isfinite(fine.normal) & numpy.isfinite(fine.drag) & numpy.isfinite(fine.depth) & fits
-        for old, new in ((coarse.depth, fine.depth), (coarse.normal, fine.normal)):
-            sure = sure & (numpy.abs(new - old) <= rtol * numpy.max(numpy.abs(new)))
+        sure = numpy.isfinite(new.normal) & numpy.isfinite(new.drag) & numpy.isfinite(new.depth) & fits
+        for change, value in zip(changes[1:], seen[1:], strict=True):
+            sure = sure & (change <= rtol * numpy.max(numpy.abs(value)))
+        if missing is not None:
+            part, whole = missing(limit)
+            sure = sure & (numpy.abs(part) <= rtol * whole)
         good = sure & ~(error > rtol * scale)  # without contact there is no mu, and no error of it
-        if is_traced(fine) or level >= most or bool(np.all(good)) or not bool(np.any(fits)):
-            break
-        coarse, last = fine, change / 4
-    limit = type(fine)(*(new + (new - old) / 3 for old, new in zip(coarse, fine, strict=True)))
-    return Levels(limit, _ratio(numpy, limit, fine.normal), error, good, level + 1)
+        if is_traced(new) or level >= most or bool(np.all(good)) or not bool(np.any(fits)):
+            return Levels(limit, mu, error, good, level + 1)
+        old, last, before = new, changes[0] / 8, seen
 
 
 def finest(work: int, traced: bool) -> int:

@@ -75,36 +75,93 @@ def lag(c: Coefficients) -> Array:
     return jnp.where(rate > 0, centre, 0.0)
 
 
-@jax.custom_jvp
-def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array) -> Array:
+def carried(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
+    """The force where a contact ends between two elements, and how much it grows as all of `excess` grows by one.
+
+    It is the integral of the positive part of the line drawn through the elements, which are neighbours of one slope.
+    sum slope max(0, excess) errs by the square of their distance as well, but with a factor that depends on where the
+    contact ends, so that the limit of ever more elements could not be extrapolated from a few.
+    """
+    edge, rate = _edges(excess)
+    inside = excess > 0
+    force = jnp.sum(jnp.where(inside, excess, 0.0)) + jnp.sum(edge)
+    return slope * force, slope * (jnp.sum(inside) + jnp.sum(rate))
+
+
+def _edges(excess: Float[Array, " n"]) -> tuple[Float[Array, " n-1"], Float[Array, " n-1"]]:
+    """What the positive part of a line from a to b, a b < 0, has less than the mean of max(0, a) and max(0, b)."""
+    a, b = excess[:-1], excess[1:]
+    between = a * b < 0
+    apart = jnp.where(between, 2 * jnp.abs(a - b), 1.0)
+    return jnp.where(between, a * b / apart, 0.0), jnp.where(between, (a + b) / apart, 0.0)
+
+
+def felt_by(weight: Array, q: Array, slope: Array, excess: Array | None) -> tuple[Array, Array]:
+    """F_N and F_x of the forces q of the elements, db/dX at each of them being `slope`.
+
+    `excess` is what q is in proportion to where it is positive, if the contact ends between two elements (`carried`).
+    """
+    normal, drag = total(weight, q), total(weight, q * slope)
+    if excess is None:
+        return normal, drag
+    edge, _ = _edges(excess)
+    a, b = jnp.abs(excess[:-1]), jnp.abs(excess[1:])
+    there = (a * slope[1:] + b * slope[:-1]) / jnp.where(a + b > 0, a + b, 1.0)
+    # S is found from the element in contact.
+    at = jnp.argmax(excess)
+    stiffness = weight * q[at] / jnp.where(excess[at] > 0, excess[at], 1.0)
+    return normal + stiffness * jnp.sum(edge), drag + stiffness * jnp.sum(edge * there)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(5,))
+def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array, between: bool = False) -> Array:
     """The depth d at which spring d + sum slope max(0, d - level) = force, exactly, by Newton's method from above.
 
-    `slope` is W S, scalar or (n,). Without a spring the force must not be negative; for no force d is where the first
-    element is touched.
+    `slope` is W S, scalar or (n,). With `between` the sum is that of `carried`. Without a spring the force must not be
+    negative; for no force d is where the first element is touched.
     """
     lowest = jnp.min(level)
 
     def again(state):
-        _, stiffness, before, tries = state
-        return (stiffness != before) & (tries < 200)
+        depth, stiffness, before, last, tries = state
+        changes = (depth < last) | (tries < 2) if between else stiffness != before
+        return changes & (tries < 200)
 
     def improve(state):
         # From above the elements in contact only become fewer: as stiff as before is the same ones.
-        depth, before, _, tries = state
-        return *_newton(level, lowest, slope, spring, force, level < depth), before, tries + 1
+        depth, before, _, _, tries = state
+        found, stiffness = (
+            _corrected(level, lowest, slope, spring, force, depth)
+            if between
+            else _newton(level, lowest, slope, spring, force, level < depth)
+        )
+        return found, stiffness, before, depth, tries + 1
 
-    return jax.lax.while_loop(again, improve, (guess, -1.0, -2.0, 0))[0]
+    return jax.lax.while_loop(again, improve, (guess, -1.0, -2.0, jnp.inf, 0))[0]
 
 
 @settle.defjvp
-def _(given: tuple, tangents: tuple) -> tuple[Array, Array]:
+def _(between: bool, given: tuple, tangents: tuple) -> tuple[Array, Array]:
     """The elements in contact stay the same ones."""
-    depth = settle(*given)
+    depth = settle(*given, between)
 
     def moved(level: Array, slope: Array, spring: Any, force: Array) -> Array:
+        if between:
+            return _corrected(level, jnp.min(level), slope, spring, force, depth)[0]
         return _newton(level, jnp.min(level), slope, spring, force, given[0] < depth)[0]
 
     return depth, jax.jvp(moved, given[:4], tangents[:4])[1]
+
+
+def _corrected(
+    level: Array, lowest: Array, slope: Array, spring: Any, force: Array, depth: Array
+) -> tuple[Array, Array]:
+    """The depth after one step of Newton's from `depth`, and the stiffness there."""
+    now, stiffness = carried(slope, depth - level)
+    stiffness = jax.lax.stop_gradient(spring + stiffness)
+    nobody = stiffness <= 0
+    step = (force - spring * depth - now) / jnp.where(nobody, 1.0, stiffness)
+    return jnp.where(nobody, lowest + force / slope, depth + step), stiffness
 
 
 def _newton(level: Array, lowest: Array, slope: Array, spring: Any, force: Array, active: Array) -> tuple[Array, Array]:
@@ -160,11 +217,11 @@ def march(
 
     `viscous=False` saves some work for a law whose viscosity is known to be zero.
     """
-    weight = jnp.asarray(surface.weight)
+    weight, between = jnp.asarray(surface.weight), surface.between
 
-    def felt(line: Line, slope: Array, done: Array, depth: Array) -> tuple[Forces, Array]:
+    def felt(line: Line, slope: Array, done: Array, depth: Array, excess: Array | None) -> tuple[Forces, Array]:
         """The forces, and the depth once more: what needs that one comes after all that has been read here."""
-        normal, drag = total(weight, line.q), total(weight, line.q * slope)
+        normal, drag = felt_by(weight, line.q, slope, excess)
         return Forces(depth, normal, drag, total(weight, done), energy(law, line, weight)), depth
 
     def step(state: Any, now: Steps) -> tuple[Any, Forces]:
@@ -174,14 +231,16 @@ def march(
         if viscous:
             _, slope = surface.rise_and_slope(now.position - lag(c) * (now.position - before))
         fading = kept(now.h >= 0, functools.partial(fade, c), line.f)
+        level = free(c, line, fading) - rise
         if control == "load":
-            depth = settle(free(c, line, fading) - rise, weight * c.stiffness[0], 0.0, now.value, guess)
+            depth = settle(level, weight * c.stiffness[0], 0.0, now.value, guess, between)
         else:
             depth = now.value
         line, done = press(c, line, fading, rise, depth)
+        excess = depth - level if between else None
         # Sums of what is being computed take far longer than sums of what is there, and a line that something still
         # reads is copied before the next one is put in its place: hence `kept`, and w last.
-        seen, depth = kept(now.h >= 0, felt, line._replace(f=None, w=None, velocity=None), slope, done, depth)
+        seen, depth = kept(now.h >= 0, felt, line._replace(f=None, w=None, velocity=None), slope, done, depth, excess)
         return (line._replace(w=depth + rise), seen, 2 * depth - last.depth, now.position), seen
 
     @jax.checkpoint
@@ -206,9 +265,9 @@ def padded(steps: Steps, most: int) -> Steps:
     The last block is filled up with steps at rest; those of further blocks have no length and are not made.
     """
     count = steps.h.shape[0]
-    whole, blocks = (max(1, math.ceil(n / _BLOCK)) for n in (count, max(count, most)))
+    between, blocks = (max(1, math.ceil(n / _BLOCK)) for n in (count, max(count, most)))
     grain = 2 ** max(0, math.floor(math.log2(blocks)) - 2)
     missing = _BLOCK * grain * math.ceil(blocks / grain) - count
     xp = jnp if is_traced(steps) else np
     long = Steps(*(xp.concatenate([xp.asarray(x), xp.repeat(xp.asarray(x)[-1:], missing)]) for x in steps))
-    return long._replace(h=xp.where(np.arange(count + missing) < _BLOCK * whole, long.h, 0.0))
+    return long._replace(h=xp.where(np.arange(count + missing) < _BLOCK * between, long.h, 0.0))
