@@ -233,3 +233,18 @@ def test_table_and_figure():
     assert "tangential force [N]" in found.csv()
     assert "41, all converged" in found.summary()
     assert found.plot().get_ylabel() == "Tangential force [N]"
+
+
+def test_body_above_the_surface_feels_nothing():
+    """A negative depth is no contact, as for em.indent and em.slide."""
+    time = np.linspace(0, 1, 5)
+    laws = {"tangential": em.Foundation(3e6, [], []), "friction": 0.3, "elements": 200}
+    depth = np.array([1e-4, 0.0, -1e-4, 0.0, 1e-4])
+    found, bare = (
+        em.shear(em.Foundation(4e6, [], []), em.Paraboloid(0.01), time=time, displacement=1e-5 * time, depth=d, **laws)
+        for d in (depth, np.maximum(depth, 0))
+    )
+    assert found.converged.all()
+    assert found.force[2] == found.normal_force[2] == 0
+    np.testing.assert_allclose(found.force, bare.force, rtol=1e-12)
+    np.testing.assert_allclose(found.normal_force, bare.normal_force, rtol=1e-12)

@@ -20,7 +20,7 @@ class Drive(AbstractResult):
     """A body driven over rubber through springs and dampers, at the instants asked for; per metre for a rough line.
 
     `given` is the work of drive and load since the body was put down. It is in motion, springs and rubber (`kinetic`,
-    `stored`) or `dissipated`, but for `imbalance`, the error of the time integration, which is held against rtol as well.
+    `stored`) or `dissipated`, but for `imbalance`, the error of the time integration, held against rtol as well.
     """
 
     time: Float[Array, " n"]  # [s]

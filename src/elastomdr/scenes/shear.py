@@ -45,13 +45,14 @@ def shear(
 ) -> Shear:
     """Tangential force of a body in frictional contact, for any history of normal and tangential motion.
 
-    `time` [s] ascends; `displacement` [m] is the body's, tangential; `load` [N] or `depth` [m] is one number or a
-    history; all are linear between the instants. What the first instant asks for is put on at once, the load first.
-    `friction` is Coulomb's coefficient, zero and infinity included. The tangential law G* follows from a material; for
-    a `Foundation` (of E*) give it as `tangential`. Stick or slip is decided element by element; normal and tangential
-    loading do not influence each other otherwise, which for equal bodies, or for an incompressible one on a rigid one,
-    is no assumption. Where load and displacement of an elastic contact change at once, `work` and `slip_loss` are of
-    second order in the time between two instants, which is divided for that; the force is exact.
+    `time` [s] ascends; `displacement` [m] is the body's, tangential; `load` [N] or `depth` [m], below zero above the
+    surface, is one number or a history; all are linear between the instants. What the first instant asks for is put on
+    at once, the load first. `friction` is Coulomb's coefficient, zero and infinity included. The tangential law G*
+    follows from a material; for a `Foundation` (of E*) give it as `tangential`. Stick or slip is decided element by
+    element; normal and tangential loading do not influence each other otherwise, which for equal bodies, or for an
+    incompressible one on a rigid one, is no assumption. Where load and displacement of an elastic contact change at
+    once, `work` and `slip_loss` are of second order in the time between two instants, which is divided for that; the
+    force is exact.
 
     `error`, of the force, compares with half the steps, or two rules of summation where all is elastic, and bounds what
     a sum over even elements misses where stick or contact ends between two of them.
@@ -70,7 +71,10 @@ def shear(
     name = "depth" if load is None else "load"
     time, displacement = as_float64("time", time), as_float64("displacement", displacement)
     value, mu = as_float64(name, depth if load is None else load), scalar("friction", friction)
-    not_negative(name, value)
+    if depth is None:
+        not_negative(name, value)
+    else:
+        require(name, value, "finite", np.isfinite)
     require("displacement", displacement, "finite", np.isfinite)
     require("friction", mu, "zero or positive, infinity included", lambda x: x >= 0)
     if time.ndim != 1 or time.shape[0] < 2:
@@ -89,7 +93,7 @@ def shear(
     laws = normal.law(), tangential.law()
     seen = not is_traced(laws)
     dashpots = seen and any(float(law.viscosity) > 0 for law in laws)
-    if dashpots and not is_traced(value, displacement) and (displacement[0] != 0 or (load is None and value[0] != 0)):
+    if dashpots and not is_traced(value, displacement) and (displacement[0] != 0 or (load is None and value[0] > 0)):
         what = "displacement" if displacement[0] != 0 else name
         raise InputError(
             f"{what} must be 0 at the first instant, since a dashpot cannot follow a sudden motion, got "

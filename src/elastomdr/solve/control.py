@@ -122,8 +122,8 @@ def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: f
             if not which.size:
                 break
             levels = finer
-            some = (*frozen[:3], *(a[which] for a in (*frozen[3:], radius)))
-            for field, better in zip(found, indent_all(*some, levels, size), strict=True):
+            again = indent_all(*frozen[:3], frozen[3][which], frozen[4][which], radius[which], levels, size)
+            for field, better in zip(found, again, strict=True):
                 field[which] = better
     if found is None or is_traced(given):  # with derivatives
         parts = np.tile(np.append(cuts(levels)[:, :-1], 1.0), (len(time), 1))
