@@ -38,8 +38,8 @@ def test_error_covers_what_finer_steps_and_more_elements_change(monkeypatch):
     arguments = ([5.0, 0.4, 0.5, 0.5], [0.3, 0.3, np.inf, 100.0])
     found = strike(*arguments).oblique
     module = sys.modules["elastomdr.scenes.oblique"]
-    monkeypatch.setattr(module, "_ELEMENTS", 2000)
-    monkeypatch.setattr(module, "_STEPS", 64)
+    monkeypatch.setattr(module, "_ELEMENTS", 1000)
+    monkeypatch.setattr(module, "_STEPS", 48)
     assert (np.abs(found.after - strike(*arguments).oblique.after) <= found.error).all()
 
 
