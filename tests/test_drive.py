@@ -96,6 +96,15 @@ def test_energy_of_a_load_put_on_rubber_faster_than_the_steps():
     np.testing.assert_allclose(found.dissipated[-1], load**2 * (1 / 1e6 - 1 / 3.1e7) / 2, rtol=1e-3)
 
 
+def test_without_a_load_a_body_swings_freely():
+    time, mount, speed = np.linspace(0, 0.01, 33), em.Mount(1e-2, 1e4), 0.3
+    found = em.drive(RUBBER, em.Paraboloid(0.01), time=time, position=speed * time, load=0.0, tangential=mount)
+    omega = 1e3
+    assert found.converged.all()
+    assert not found.normal_force.any()
+    np.testing.assert_allclose(found.position, speed * (time - np.sin(omega * time) / omega), atol=1e-2 * speed / omega)
+
+
 def test_elements_are_added_only_where_the_outermost_are_touched(monkeypatch):
     """A motion that does not converge is not marched again over a longer line."""
     module, time = sys.modules["elastomdr.scenes.drive"], np.linspace(0, 4e-3, 5)

@@ -122,6 +122,8 @@ def _solve(
     slope = body.rms_slope if isinstance(body, RoughLine) else None
     if isinstance(body, AbstractLines):
         glassy, widest = contact_sizes(law, body, "load", load, gone)
+        if not traced and not np.any(history.value > 0):  # no contact, of which to choose elements
+            glassy = widest = jnp.asarray(max(float(np.ptp(history.position)), 1e-6))
         reach, spacing = 2 * widest, (track.spacing if track is not None else 2 * jnp.sqrt(glassy * widest) / _ACROSS)
         slope = body.depth(widest) / widest
         if track is not None and not traced:
@@ -174,6 +176,8 @@ def _within(
         if is_traced(seen):
             return seen, inside & done
         outside[0] = not inside
+        if not np.any(history.value > 0):  # what is left is rounding
+            seen = seen._replace(normal=0 * seen.normal, drag=0 * seen.drag)
         return jax.tree.map(np.asarray, (seen, inside & done))
 
     return refine(solve, history.rtol, most, slope, _missing), size, outside[0]

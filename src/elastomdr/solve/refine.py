@@ -65,8 +65,9 @@ def refine(
             numpy.nanmax(numpy.where(numpy.isfinite(mu), numpy.abs(mu), 0.0)), _SYMMETRIC * slope + _ROUNDING
         )
         sure = numpy.isfinite(new.normal) & numpy.isfinite(new.drag) & numpy.isfinite(new.depth) & fits
+        apart = numpy.max(numpy.abs(new.normal)) == 0  # the depth is then that of the elements' grid
         for change, value in zip(changes[1:], seen[1:], strict=True):
-            sure = sure & (change <= rtol * numpy.max(numpy.abs(value)))
+            sure = sure & (apart | (change <= rtol * numpy.max(numpy.abs(value))))
         if missing is not None:
             part, whole = missing(limit)
             sure = sure & (numpy.abs(part) <= rtol * whole)
