@@ -158,7 +158,7 @@ def test_swing_of_a_body_without_friction():
     """X' = V (1 - cos wt) without a damper: 2 in each period. With one the rest of it dies as exp(-c t/2m)."""
     mass, k, speed = 0.5, 800.0, 0.03
     period = 2 * np.pi * np.sqrt(mass / k)
-    time = period * np.arange(4 * 48 + 1) / 48
+    time = period * np.arange(3 * 24 + 1) / 24
 
     def pulled(c):
         found = em.drive(
