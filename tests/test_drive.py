@@ -50,11 +50,11 @@ def fully_wet(time, speed, mount, amplitude, wave, rubber, load):
 
 
 @pytest.mark.parametrize(
-    ("speed", "mount", "last", "slips"),
-    [(0.2, em.Mount(0.02, 2e3, 1.0), 0.02, 2.0), (0.1, em.Mount(0.002, 2e3, 0.1), 0.03, 8.0)],
+    ("speed", "mount", "last", "slips", "rtols"),
+    [(0.2, em.Mount(0.02, 2e3, 1.0), 0.02, 2.0, (1e-2, 1e-4)), (0.1, em.Mount(0.002, 2e3, 0.1), 0.03, 8.0, (1e-3,))],
     ids=["pulled along", "sticks, then slips"],
 )
-def test_meets_the_exact_motion_over_a_wave_and_its_error_covers_it(speed, mount, last, slips):
+def test_meets_the_exact_motion_over_a_wave_and_its_error_covers_it(speed, mount, last, slips, rtols):
     rubber, load, period, amplitude = em.Foundation(4e6, [12e6], [2e-3]), 200.0, 6.4e-4, 8e-6
     wave = 2 * np.pi / period
     x = period * np.arange(128) / 128
@@ -62,7 +62,7 @@ def test_meets_the_exact_motion_over_a_wave_and_its_error_covers_it(speed, mount
     time = np.linspace(0, last, 81)
     place, drag, velocity = fully_wet(time, speed, mount, amplitude, wave, rubber, load)
     assert velocity.max() > slips * speed
-    for rtol in (1e-2, 1e-4):
+    for rtol in rtols:
         found = em.drive(rubber, line, time=time, position=speed * time, load=load, tangential=mount, rtol=rtol)
         assert found.converged.all()
         off = np.abs(found.mu - drag / load)
@@ -77,7 +77,7 @@ def test_small_tolerances_are_met_on_a_ball():
     ball, speed, mount, time = em.Paraboloid(0.01), 0.5, em.Mount(0.01, 2e4, 20.0), np.linspace(0, 0.04, 21)
     steady = em.friction(RUBBER, ball, velocity=speed, load=5.0, average=None)
     marched = []
-    for rtol in (1e-3, 1e-4):
+    for rtol in (1e-2, 1e-3):
         found = em.drive(RUBBER, ball, time=time, position=speed * time, load=5.0, tangential=mount, rtol=rtol)
         assert found.converged.all()
         marched.append(found)
@@ -160,24 +160,22 @@ def test_swing_of_a_body_without_friction():
     period = 2 * np.pi * np.sqrt(mass / k)
     time = period * np.arange(3 * 24 + 1) / 24
 
-    def pulled(c):
-        found = em.drive(
+    def pulled(c, speed=speed):
+        return em.drive(
             em.Foundation.kelvin(1e4, 1.0), FLAT, time=time, position=speed * time, load=1.0, rtol=1e-1,
             tangential=em.Mount(mass, k, c),
         )  # fmt: skip
-        return found.swing(period)
 
-    np.testing.assert_allclose(pulled(0.0), 2.0, rtol=1e-2)
-    swing = jax.vmap(pulled)(jnp.array([0.0, 4.0]))  # zeta = 0.1
+    found = pulled(0.0)
+    np.testing.assert_allclose(found.swing(period), 2.0, rtol=1e-2)
+    for wrong in (0.0, 1e-9, 4 * period):
+        with pytest.raises(em.InputError, match="period must"):
+            found.swing(wrong)
+    assert np.isnan(pulled(0.0, 0.0).swing(period)).all()
+    swing = jax.vmap(lambda c: pulled(c).swing(period))(jnp.array([0.0, 4.0]))  # zeta = 0.1
     np.testing.assert_allclose(swing[0], 2.0, rtol=1e-2)
     fade = np.exp(-2 * np.pi * 0.1 / np.sqrt(1 - 0.1**2))
     np.testing.assert_allclose(swing[1, 2:] / swing[1, 1:-1], fade, rtol=3e-2)
-    found = em.drive(RUBBER, FLAT, time=time[:9], position=speed * time[:9], load=1.0, tangential=em.Mount(mass, k))
-    for wrong in (0.0, 1e-9, period):
-        with pytest.raises(em.InputError, match="period must"):
-            found.swing(wrong)
-    still = em.drive(RUBBER, FLAT, time=time[:9], position=0 * time[:9], load=1.0, tangential=em.Mount(mass, k))
-    assert np.isnan(still.swing(time[4])).all()
 
 
 @pytest.mark.slow

@@ -80,7 +80,7 @@ class Drive(AbstractResult):
         positive("period", length)
         number = np.ceil((time - time[0]) / length * (1 - 1e-12)).astype(int)  # 1 for the first, its end included
         count = int((time[-1] - time[0]) / length * (1 + 1e-12))
-        if count < 1 or min(int((number == j).sum()) for j in range(1, count + 1)) < 2:
+        if not 1 <= count < time.size or np.bincount(number, minlength=count + 1)[1 : count + 1].min() < 2:
             raise InputError(
                 f"period must leave two instants or more in each, and be no longer than the motion, got {length:g} s."
             )
