@@ -53,6 +53,27 @@ def test_full_contact_is_a_sum_over_waves():
             em.reference.full_contact_sliding(given.pop("material"), given.pop("line"), **given)
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_load_of_full_contact_depends_on_the_direction(way):
+    """Three waves, asymmetric, and their mirror image: NaN just where the engine loses contact, else its friction."""
+    rubber, v, x = em.Foundation(4e6, [36e6], [1e-3]), 0.5, 2e-3 * np.pi * np.arange(64) / 64
+    waves = ((1e3, 1e-5, 0.0), (2e3, 6e-6, 0.9), (3e3, 4e-6, 2.1))
+    line = em.RoughLine(x, sum(a * np.cos(way * k * x + angle) for k, a, angle in waves))
+    # By hand: the line moves towards +x, so that the rubber's force is ahead of the line's height, at larger x.
+    law = [rubber.complex_modulus(k * v) for k, _, _ in waves]
+    pull = (
+        abs(e) * a * np.cos(way * (k * x - np.angle(e)) + angle) for e, (k, a, angle) in zip(law, waves, strict=True)
+    )
+    limit = -sum(pull).min()
+    load = limit * np.array([0.97, 1.03])
+    mu = em.reference.full_contact_sliding(rubber, line, velocity=v, load=load)
+    engine = em.friction(rubber, line, velocity=v, load=load, average=None, rtol=1e-4)
+    np.testing.assert_array_equal(np.isnan(mu), [True, False])
+    assert engine.rough.share[0] < 0.999
+    assert engine.rough.share[1] == 1
+    np.testing.assert_allclose(mu[1], engine.mu[1], rtol=1e-4)
+
+
 def test_hunter():
     velocity = np.array(list(HUNTER))
     exact = np.array(list(HUNTER.values())).T

@@ -25,9 +25,10 @@ def full_contact_sliding(
 ) -> Float[Array, "..."]:
     """Friction coefficient of a rough line in full contact, mu = sum (1/2) A_k^2 k E*''(k v)/F_N.
 
-    `velocity` [m/s], `load` F_N [N/m] and `temperature` [K] (for a material with a shift law) broadcast. NaN where the
-    load does not keep the whole line in contact. Exact for the bare line (`em.friction(..., average=None)`), taken as
-    waves through its samples. Differentiable. Raises `InputError`. Source: Popov & Hess 2015, ch. 10.
+    The line moves towards +x, as in `em.friction`. `velocity` [m/s], `load` F_N [N/m] and `temperature` [K] (for a
+    material with a shift law) broadcast. NaN where the load does not keep the whole line in contact. Exact for the bare
+    line (`em.friction(..., average=None)`), taken as waves through its samples. Differentiable. Raises `InputError`.
+    Source: Popov & Hess 2015, ch. 10.
     """
     foundation = as_foundation(material)
     if foundation.per_area or not isinstance(line, RoughLine):
@@ -51,6 +52,7 @@ def full_contact_sliding(
     modulus = foundation.complex_modulus((jnp.asarray(v) * factor)[..., None] * k)
     twice = jnp.where(2 * jnp.arange(1, waves.shape[0] + 1) == line.count, 0.5, 1.0)  # the shortest wave counts once
     drag = 2 / line.count**2 * jnp.sum(twice * jnp.abs(waves) ** 2 * k * modulus.imag, axis=-1)
-    lifted = jnp.concatenate([jnp.zeros_like(modulus[..., :1]), modulus * waves], axis=-1)
+    # The line moves towards +x under the rubber, which meets the wave k as exp(-i k v t): conjugate of E*(k v).
+    lifted = jnp.concatenate([jnp.zeros_like(modulus[..., :1]), jnp.conj(modulus) * waves], axis=-1)
     least = jnp.min(jnp.fft.irfft(lifted, n=line.count), axis=-1)
     return jnp.where(jnp.asarray(force) + least >= 0, drag / force, jnp.nan)
