@@ -66,6 +66,48 @@ def test_what_a_title_spells_out_is_not_asked(tmp_path):
         same(em.spectrum_from_file(file, convention="2d"))
     with pytest.raises(em.InputError, match="wave_number is '1/lambda', but"):
         em.spectrum_from_file(file, convention="2d", wave_number="1/lambda")
+    angular = "2 pi (1/lambda)", "2*pi*(1/lambda)", "2 pi x 1/lambda", "wavenumber 2pi*1/lambda", "q = 2π·1/λ"
+    for title in angular:
+        same(em.spectrum_from_file(write(tmp_path, [f"{title} [1/mm],C [m^4]"], Q * 1e-3), convention="2d"))
+    for title in (
+        "tau 1/lambda",
+        "1/(2 pi lambda)",
+        "1/lambda 2 pi",
+        "q/2pi = 1/lambda",
+        "6.28*1/lambda",
+        "1/lambda^2",
+    ):
+        with pytest.raises(em.InputError, match=r"which may be q = 2 pi/lambda or 1/lambda: say so, as wave_number"):
+            em.spectrum_from_file(write(tmp_path, [f"{title} [1/mm],C [m^4]"]), convention="2d")
+
+
+@pytest.mark.parametrize(
+    ("title", "unit"),
+    [
+        ("1/lambda [rad/m]", "cycles/m"),
+        ("2 pi/lambda [cycles/m]", "rad/m"),
+        ("1/lambda [m]", "1/m"),
+        ("lambda [1/m]", "m"),
+        ("wavelength [rad/m]", "rad/m"),
+        ("q [m]", "rad/m"),
+    ],
+)
+def test_title_against_its_unit(tmp_path, title, unit):
+    """Nothing is taken for granted of a title that contradicts its unit; q_unit settles it, at the same length."""
+    x = {"cycles/m": Q / (2 * np.pi), "1/m": Q / (2 * np.pi), "rad/m": Q, "m": 2 * np.pi / Q}[unit]
+    file = write(tmp_path, [f"{title},C [m^4]"], x)
+    with pytest.raises(em.InputError, match=r"contradict each other: say what the numbers are, as q_unit"):
+        em.spectrum_from_file(file, convention="2d")
+    same(em.spectrum_from_file(file, convention="2d", q_unit=unit))
+    with pytest.raises(em.InputError, match="q_unit is"):
+        em.spectrum_from_file(file, convention="2d", q_unit="rad/mm")
+
+
+@pytest.mark.parametrize("title", ["log10 q [rad/m],C [m^4]", "logq [rad/m],C [m^4]", "q [rad/m],log_10(C) [m^4]"])
+def test_logarithms_in_a_title(tmp_path, title):
+    with pytest.raises(em.InputError, match=r"has logarithms in column [12].*turn them into numbers first"):
+        em.spectrum_from_file(write(tmp_path, [title]), convention="2d")
+    same(em.spectrum_from_file(write(tmp_path, ["q log-spaced [rad/m],C [m^4]"]), convention="2d"))
 
 
 def test_density_over_spatial_frequency(tmp_path):

@@ -30,6 +30,11 @@ _SPELLED = str.maketrans(
     {"µ": "u", "μ": "u", "⁻": "-", "¹": "1", "²": "2", "³": "3", "⁴": "4", "·": "*", "\u2212": "-"}
 )
 _LARGEST = 1e100
+# Titles without blanks, brackets and signs of multiplication: what they say that the numbers are. Nothing is concluded
+# from one that says anything else besides.
+_NAME = r"(?:(?:spatial|wave|number|vector|frequency|angular|q|k|f|n)+[=:,]?)?"
+_TOLD = {ANGULAR: rf"{_NAME}2pix?1?/lambda", CYCLES: rf"(?!.*angular){_NAME}1/lambda"}
+_LOGARITHM = re.compile(r"(?<![a-z])(?:log|lg|ln)(?![a-z]{2}|[ _-]*(?:spac|scale|grid|bin))")
 
 
 def spectrum_from_file(
@@ -48,9 +53,9 @@ def spectrum_from_file(
     `convention` is that of `em.Spectrum`, with q = 2 pi/lambda: a density over f = 1/lambda is "2d/4pi^2", "1d/2pi" or
     "1d one-sided/2pi". `wave_number`, "2 pi/lambda" or "1/lambda", says what a unit such as 1/mm counts; rad/mm,
     cycles/mm, wavelengths (mm) and titles such as "1/lambda [1/mm]" need none. `q_unit` and `c_unit` stand in for units
-    that the titles do not give, `columns` names two of several, from 1. `longest` and `shortest` [m] cut the table.
-    Rows without a number, repeated and unsorted ones are mended and named in `report`. Raises `InputError`, with file,
-    line and value.
+    that the titles do not give, or of which the title says another thing ("1/lambda [rad/m]"); `columns` names two of
+    several, from 1. `longest` and `shortest` [m] cut the table. Rows without a number, repeated and unsorted ones are
+    mended and named in `report`. Raises `InputError`, with file, line and value.
     """
     check_convention(convention)
     if wave_number not in (None, ANGULAR, CYCLES):
@@ -60,9 +65,22 @@ def spectrum_from_file(
     name = Path(path).name
     table = read_table(path, "wave numbers and spectrum", lambda text: bool(_first(text) or _second(text)))
     first, second = _columns(table, columns, name)
+    for place in (first, second):
+        if table.titles and _LOGARITHM.search(table.titles[place].lower()):
+            raise InputError(
+                f"path: {name!r} has logarithms in column {place + 1}, {table.titles[place]!r}: turn them into numbers "
+                "first, or name other columns, as columns = [1, 2]."
+            )
     given = _unit(table, first, q_unit, "q_unit", "rad/m", name, _first)
     counted, metres = _first(given) or ("", 1.0)
-    told = _told(table.titles[first]) if table.titles and not counted else None
+    title = _bare(table.titles[first]) if table.titles else ""
+    told = _told(title)
+    if q_unit is None and _contradicts(title, told, counted):
+        raise InputError(
+            f"path: {name!r} has the title {table.titles[first]!r} with the unit {given!r}, which contradict each "
+            f"other: say what the numbers are, as q_unit = 'rad/m', 'cycles/m' or, for wavelengths, 'm'."
+        )
+    told = None if counted else told
     if told and wave_number not in (None, told):
         raise InputError(f"wave_number is {wave_number!r}, but {name!r} says {table.titles[first]!r}.")
     wave_number = wave_number or told
@@ -110,12 +128,31 @@ def _first(text: str) -> tuple[str, float] | None:
     return None
 
 
-def _told(title: str) -> str | None:
-    """What a title in words says that wave numbers in 1/m count, such as "1/lambda [1/mm]"; None if it says nothing."""
-    bare = title.partition("[")[0].lower().replace("λ", "lambda").replace("π", "pi").replace(" ", "").replace("*", "")
-    if "2pi/lambda" in bare:
-        return ANGULAR
-    return CYCLES if "1/lambda" in bare else None
+def _bare(title: str) -> str:
+    """A title in one spelling, without unit, blanks, brackets and signs of multiplication."""
+    text = title.partition("[")[0].lower()
+    for old, new in (
+        ("λ", "lambda"),
+        ("π", "pi"),
+        ("\u00d7", "x"),
+        ("wavelength", "lambda"),
+        ("wave length", "lambda"),
+    ):
+        text = text.replace(old, new)
+    return re.sub(r"[\s*()·{}$\\]", "", text)
+
+
+def _told(bare: str) -> str | None:
+    """What a title spells out that its numbers are, such as "1/lambda [1/mm]"; None if that is not plain."""
+    return next((counted for counted, pattern in _TOLD.items() if re.fullmatch(pattern, bare)), None)
+
+
+def _contradicts(bare: str, told: str | None, counted: str) -> bool:
+    """Whether a title and its unit cannot both be right, such as "1/lambda [rad/m]" or "lambda [1/m]"."""
+    lengths = re.fullmatch("(lambda)+", bare) is not None
+    if counted == WAVELENGTH:
+        return not lengths and ("/lambda" in bare or "lambda^-" in bare or re.fullmatch(_NAME, bare or "-") is not None)
+    return lengths or bool(counted and "lambda" in bare and told != counted)
 
 
 def _second(text: str) -> tuple[float, int] | None:
@@ -150,6 +187,8 @@ def _unit(table: Table, place: int, user: Any, key: str, example: str, name: str
     said = table.units[place]
     if known(said) is not None:
         if user is not None and known(user) != known(said):
+            if key == "q_unit" and _settles(table, place, user):
+                return user
             raise InputError(f"{key} is {user!r}, but {name!r} says {said!r}.")
         return said
     if user is not None:
@@ -160,6 +199,13 @@ def _unit(table: Table, place: int, user: Any, key: str, example: str, name: str
         f"path: {name!r} has {wrong} in column {place + 1}{title}; write titles such as "
         f'"q [rad/m], C [m^4]", or give {key} = {example!r}.'
     )
+
+
+def _settles(table: Table, place: int, user: str) -> bool:
+    """Whether a unit says which of a title and its unit, which contradict each other, is right; of the same length."""
+    (counted, metres), (_, length) = _first(table.units[place]) or ("", 1.0), _first(user) or ("", 0.0)
+    bare = _bare(table.titles[place]) if table.titles else ""
+    return _contradicts(bare, _told(bare), counted) and metres == length
 
 
 def _rows(table: Table, first: int, second: int, name: str) -> np.ndarray:
