@@ -95,6 +95,8 @@ def in_words(name: str, value: float, unit: str = "N") -> str:
         return f"{significant(1e3 * value)} mm"
     if name in ("creep", "slip", "squeeze"):
         return f"{name} {significant(100 * value)} %"
+    if name == "friction_force":
+        return f"friction force {significant(value)} N"
     if name in ("belt", "goods"):
         return f"{significant(value)} kg/m of {name}"
     if unit == "-":

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array, significant
-from .axes import in_words
+from .axes import Axis, in_words
 from .table import AbstractResult, Column
 
 
@@ -24,7 +24,9 @@ class Stability(AbstractResult):
     slope: Float[Array, "..."]  # F'(V) [N s/m]
     ratio: Float[Array, "..."]  # zeta; below zero swings grow
     follows: Bool[Array, "..."]  # whether friction follows the speed at once, V > lambda sqrt(k/m): else ask em.drive
-    error: Float[Array, "..."]  # estimated error of zeta by the differences; NaN for fewer than five velocities
+    error: Float[
+        Array, "..."
+    ]  # estimated error of zeta by the differences; NaN for fewer than five velocities together
     converged: Bool[Array, "..."]
     slowest: Float[Array, ""]  # lambda sqrt(k/m), from which on friction follows [m/s]
     model: str = eqx.field(static=True)
@@ -45,6 +47,10 @@ class Stability(AbstractResult):
             Column("converged", "converged", ""),
         )
 
+    def axes(self) -> list[Axis]:
+        """The axes of the fields by name, with their values; a force that is the same at all velocities names one."""
+        return [axis._replace(name="friction_force") if axis.name == "load" else axis for axis in super().axes()]
+
     def plot(self, ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
         """Draws the damping ratio against velocity, dotted where it decides nothing, the unstable range shaded.
 
@@ -64,22 +70,35 @@ class Stability(AbstractResult):
         fields = {column.key: value for column, value in self.fields().items()}
         for curve in self.curves()[1][:_SHOWN]:
             velocity, ratio, counts = (fields[key][curve.at] for key in ("velocity", "ratio", "follows"))
-            yield "at " + curve.label if curve.label else "result", _said(velocity, ratio, counts & np.isfinite(ratio))
+            counts = counts & np.isfinite(ratio)
+            yield "at " + curve.label if curve.label else "result", _said(velocity, ratio, counts, float(self.slowest))
+        holes, alone = np.isnan(fields["force"]), fields["converged"] & np.isnan(fields["error"])
+        if holes.any():
+            text = f"{holes.sum()} of {holes.size} forces; the ratio there and beside them is left out"
+            yield "not known", text + (f", and its error at {alone.sum()} others" if alone.any() else "")
         yield "points", self.reached("error of the damping ratio")
 
 
 _SHOWN = 6  # curves that a summary lists one by one
+_ALIKE = 1e-9  # relative, of two velocities
 
 
-def unstable(velocity: np.ndarray, ratio: np.ndarray, counts: np.ndarray) -> list[tuple[float, float]]:
-    """Ranges of velocity in which swings grow, from where the ratio crosses zero, linear in ln V in between."""
+def unstable(velocity: np.ndarray, ratio: np.ndarray, counts: np.ndarray, limit: float) -> list[tuple[float, float]]:
+    """Ranges of velocity in which swings grow, from where the ratio crosses zero, linear in ln V in between.
+
+    One that begins below `limit`, from which on the ratio counts, begins there.
+    """
     found: list[tuple[float, float]] = []
     at = np.log(velocity)
     for i in np.flatnonzero(counts & (ratio < 0)):
         ends = []
         for j in (i - 1, i + 1):
-            beside = 0 <= j < ratio.size and counts[j] and ratio[j] >= 0
-            ends.append(at[i] + (at[j] - at[i]) * ratio[i] / (ratio[i] - ratio[j]) if beside else at[i])
+            known = 0 <= j < ratio.size and np.isfinite(ratio[j])
+            if known and ratio[j] >= 0:
+                crossing = at[i] + (at[j] - at[i]) * ratio[i] / (ratio[i] - ratio[j])
+                ends.append(max(crossing, np.log(limit)))
+            else:
+                ends.append(np.log(limit) if known and not counts[j] else at[i])
         if found and i > 0 and counts[i - 1] and ratio[i - 1] < 0:
             found[-1] = (found[-1][0], float(np.exp(ends[1])))
         else:
@@ -87,15 +106,19 @@ def unstable(velocity: np.ndarray, ratio: np.ndarray, counts: np.ndarray) -> lis
     return found
 
 
-def _said(velocity: np.ndarray, ratio: np.ndarray, counts: np.ndarray) -> str:
+def _said(velocity: np.ndarray, ratio: np.ndarray, counts: np.ndarray, limit: float) -> str:
     if not counts.any():
         return "no velocity at which the ratio decides"
     least = np.flatnonzero(counts)[ratio[counts].argmin()]
     place = in_words("velocity", float(velocity[least]))
     text = f"damping ratio at least {significant(float(ratio[least]))}, at {place}: "
-    ranges = unstable(velocity, ratio, counts)
+    ranges = unstable(velocity, ratio, counts, limit)
     if not ranges:
         return text + "swings die out"
-    words = (in_words("velocity", low) if low == high else f"{significant(low)} to {significant(high)} m/s"
-             for low, high in ranges)  # fmt: skip
-    return text + "swings grow at " + " and ".join(words)
+    return text + "swings grow " + " and ".join(_range(low, high, limit) for low, high in ranges)
+
+
+def _range(low: float, high: float, limit: float) -> str:
+    if low <= limit * (1 + _ALIKE):
+        return f"from below {significant(limit)} to {significant(high)} m/s"
+    return f"at {in_words('velocity', low)}" if low == high else f"at {significant(low)} to {significant(high)} m/s"
