@@ -35,8 +35,23 @@ def test_load_relaxes_as_the_modulus():
     modulus = 1e6 + 3e6 * np.exp(-time / (2.0 * np.array([[1.0], [a]])))
     np.testing.assert_allclose(found.line_load / found.line_load[0, 0], modulus / 4e6, rtol=1e-12)
     np.testing.assert_allclose(found.width, found.width[0, 0], rtol=1e-14)
-    direct = em.squeezed_cord(em.Foundation(4e6, [], []), 3e-3, 0.08)
-    np.testing.assert_allclose(direct.line_load, em.squeezed_cord(RUBBER, 3e-3, 0.08).line_load, rtol=1e-14)
+
+
+def test_compressible_cord_has_its_own_young_modulus():
+    """E = 2 G (1 + nu) and E* = 2 G/(1 - nu), or both of G and K by hand, at either end of the relaxation."""
+    g, nu, bulk = np.array([4e6, 1e6]), 0.4, 6e6
+    by_bulk = 9 * bulk * g / (3 * bulk + g), 4 * g * (3 * bulk + g) / (3 * bulk + 4 * g)
+    lindley = 1.25 * 0.1**1.5 + 50 * 0.1**6
+    s = 4 * np.exp(-1 + lambertw(-0.1 * np.e / 4, -1).real)
+    for (young, plane), kind in (((2 * g * (1 + nu), 2 * g / (1 - nu)), {"poisson": nu}), (by_bulk, {"bulk": bulk})):
+        rubber = em.Prony(1e6, [3e6], [2.0], **kind)
+        given = {"diameter": 3e-3, "squeeze": 0.1, "time": np.array([0.0, 1e3])}
+        found = em.squeezed_cord(rubber, **given)
+        np.testing.assert_allclose(found.line_load, young * 3e-3 * lindley, rtol=1e-12)
+        np.testing.assert_allclose(found.width, np.sqrt(8 * found.line_load * 3e-3 / (np.pi * plane)), rtol=1e-12)
+        small = em.squeezed_cord(rubber, **given, formula="hertz")
+        np.testing.assert_allclose(small.line_load, np.pi / 2 * plane * 3e-3 * s, rtol=1e-12)
+        np.testing.assert_allclose(small.width, 2 * 3e-3 * np.sqrt(s), rtol=1e-12)
 
 
 def test_table_summary_and_figure(tmp_path):
@@ -83,7 +98,9 @@ def test_derivatives(formula):
         ({"diameter": -1.0}, "diameter must be positive"),
         ({"time": -1.0}, "time must be zero or positive"),
         ({"formula": "green"}, "formula must be"),
-        ({"material": em.layer(em.Prony(1e6, [], [], poisson=0.45), 1e-3)}, "got a layer"),
+        ({"material": em.layer(em.Prony(1e6, [], [], poisson=0.45), 1e-3)}, "not a foundation"),
+        ({"material": em.half_space(RUBBER, RUBBER)}, "not a foundation: its load needs Young's modulus"),
+        ({"material": em.half_space(RUBBER, tangential=True)}, "not a foundation"),
         ({"material": em.Maxwell(1e6, 1.0)}, "it relaxes altogether"),
         ({"material": em.Prony(1e6, [], []), "temperature": 300.0}, "no shift law"),
         ({"squeeze": [0.1, 0.2], "diameter": [1e-3] * 3}, "must broadcast"),

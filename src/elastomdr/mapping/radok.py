@@ -37,6 +37,19 @@ def tangential_operator(material: Prony) -> Relaxation:
 
 
 @in_float64
+def young_operator(material: Prony) -> Relaxation:
+    """E(t) of a straight bar pulled along its axis [Pa].
+
+    Constant Poisson's ratio: E = 2G(1+nu). Constant bulk modulus: E = 9KG/(3K+G) = [1/(3G) + 1/(9K)]^-1. Exact.
+    Source: as `normal_operator`.
+    """
+    shear = material.law()
+    if material.poisson is not None:
+        return scaled(shear, 2 * (1 + material.poisson))
+    return series(scaled(shear, 3.0), spring(9 * material.bulk))
+
+
+@in_float64
 def layer_operator(material: Prony, bonded: bool) -> Relaxation:
     """Modulus of a thin layer on a rigid base [Pa]; divided by the thickness it is the layer's stiffness per area.
 

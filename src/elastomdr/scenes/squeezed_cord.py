@@ -1,10 +1,12 @@
 """A rubber cord squeezed between flat walls, such as an O-ring in its groove: its load and the width it touches on.
 
-Per length of cord of diameter d, squeezed by the part C of d, free to bulge, incompressible with E = 3 G(t):
+Per length of cord of diameter d, squeezed by the part C of d, free to bulge, E = 2 G(t) (1 + nu), E* = E/(1 - nu^2):
 
     "lindley"   W = E d (1.25 C^1.5 + 50 C^6)                        fitted to measurements, C up to 0.25
-    "hertz"     C = s [ln(4/s) - 1],  W = (2 pi/3) E d s             small strain, plane strain
-    both        2a = sqrt(6 W d/pi E) (Hertz),  p = W/2a             width and mean pressure
+    "hertz"     C = s [ln(4/s) - 1],  W = (pi/2) E* d s              small strain, plane strain
+    both        2a = sqrt(8 W d/pi E*) (Hertz),  p = W/2a            width and mean pressure
+
+Rubber is nearly incompressible: E = 3 G(t), E* = 4 E/3. Lindley measured rubber; for nu far below 0.5 nothing is known.
 
 In "hertz" s = (a/d)^2. With u = ln(4/s) - 1 it is u - ln u = ln(4/C) - 1, solved by Newton's method. Lindley's load is
 0.74 of it at C = 0.08 and 0.86 at C = 0.2. Sources: P. B. Lindley, J. Inst. Rubber Ind. 1 (1967) 209 (recalled, not
@@ -19,7 +21,9 @@ import numpy as np
 
 from .._runtime import as_float64, in_float64, is_traced, not_negative, positive, require
 from ..errors import InputError
-from ..foundation.law import as_foundation
+from ..mapping.radok import normal_operator, young_operator
+from ..material.prony import Prony
+from ..material.relaxation import Relaxation
 from ..results.squeezed_cord import SqueezedCord
 from .steady import brief
 
@@ -39,8 +43,11 @@ def squeezed_cord(
 ) -> SqueezedCord:
     """Line load, contact width and mean pressure of a cord (an O-ring) squeezed between flat walls, free to bulge.
 
-        W = E d (1.25 C^1.5 + 50 C^6),   2a = sqrt(6 W d/(pi E)),   p = W/2a,   E = 3 G(t)
+        W = E d (1.25 C^1.5 + 50 C^6),   2a = sqrt(8 W d/(pi E*)),   p = W/2a,   E = 2 G(t) (1 + nu)
 
+    with E* = E/(1 - nu^2): 3 G and 4 G for an incompressible rubber.
+
+    - `material`: the cord's own, between rigid walls. Not a foundation, which has E* but not E.
     - `diameter` d [m] of the cord, `squeeze` C, the part of d by which it is squeezed, up to 0.25.
     - `time` t [s] since it was squeezed, at once and held; without it the rubber is relaxed.
     - `temperature` [K], for a material with a shift law. All broadcast.
@@ -48,12 +55,14 @@ def squeezed_cord(
       16 % at C = 0.2. Between the two lies what is not known.
 
     Taken as straight: right for rings much larger than their cord. Free of friction at the walls, groove not filled;
-    relaxation scales the load (linear viscoelasticity at a constant shape). Differentiable. Raises `InputError`, for a
-    layer too. Source: P. B. Lindley, J. Inst. Rubber Ind. 1 (1967) 209, recalled.
+    relaxation scales the load (linear viscoelasticity at a constant shape). Differentiable. Raises `InputError`.
+    Source: P. B. Lindley, J. Inst. Rubber Ind. 1 (1967) 209, recalled.
     """
-    foundation = as_foundation(material)
-    if foundation.per_area:
-        raise InputError("material must be a material or a half-space of it, got a layer.")
+    if not isinstance(material, Prony):
+        raise InputError(
+            "material must be that of the cord (em.Prony, em.load_material(...)), not a foundation: its load needs "
+            f"Young's modulus, got {material!r}."
+        )
     if formula not in ("lindley", "hertz"):
         raise InputError(f"formula must be 'lindley' or 'hertz', got {formula!r}.")
     d, part = as_float64("diameter", diameter), as_float64("squeeze", squeeze)
@@ -64,11 +73,12 @@ def squeezed_cord(
         time = as_float64("time", time)
     if temperature is not None:
         temperature = as_float64("temperature", temperature)
-    young = 0.75 * _modulus(foundation, time, temperature)  # E* = E/(1 - nu^2) = 4 E/3
+    young, plane = (_modulus(law(material), material, time, temperature) for law in (young_operator, normal_operator))
     if not is_traced(young) and not np.all(young > 0):
         raise InputError("time must be given for a material without an equilibrium modulus: it relaxes altogether.")
     xp: Any = jnp if is_traced(young, d, part) else np
-    relative = 1.25 * part**1.5 + 50 * part**6 if formula == "lindley" else _small_strain(part, xp)  # W/(E d)
+    relative = 1.25 * part**1.5 + 50 * part**6 if formula == "lindley" else _small_strain(part, xp)  # W/(modulus d)
+    modulus = young if formula == "lindley" else plane
     try:
         shape = np.broadcast_shapes(np.shape(young), np.shape(d), np.shape(relative))
     except ValueError as error:
@@ -76,14 +86,14 @@ def squeezed_cord(
             f"diameter, squeeze, time and temperature must broadcast, got shapes {np.shape(d)}, {np.shape(part)} and, "
             f"of the modulus, {np.shape(young)}."
         ) from error
-    load, width = young * d * relative, d * xp.sqrt(6 / np.pi * relative)
+    load, width = modulus * d * relative, d * xp.sqrt(8 / np.pi * relative * modulus / plane)
     given = [
         ("diameter", d, "m"),
         ("squeeze", part, "of the diameter"),
         ("time", time, "s"),
         ("temperature", temperature, "K"),
     ]
-    inputs = [("material", foundation.name or "given directly")]
+    inputs = [("material", material.name or "given directly")]
     inputs += [(name, brief(value, unit)) for name, value, unit in given if value is not None]
     inputs += [("relaxed", "altogether")] if time is None else []
     fields = {"line_load": load, "width": width, "pressure": load / width, "error": 0.0, "converged": True}
@@ -94,19 +104,19 @@ def squeezed_cord(
     )  # fmt: skip
 
 
-def _modulus(foundation: Any, time: Any, temperature: Any) -> Any:
-    """E*(t) at a temperature; relaxed without a time."""
+def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> Any:
+    """A modulus at a time and a temperature; relaxed without a time."""
     factor = 1.0
     if temperature is not None:
         positive("temperature", temperature)
-        if foundation.shift is None:
-            raise InputError(f"temperature was given, but {foundation.name or 'the material'} has no shift law.")
-        factor = foundation.shift.a(temperature)
+        if material.shift is None:
+            raise InputError(f"temperature was given, but {material.name or 'the material'} has no shift law.")
+        factor = material.shift.a(temperature)
     if time is None:
-        return foundation.equilibrium
+        return law.equilibrium
     not_negative("time", time)
     try:
-        return foundation.relaxation(time / factor)
+        return law.relaxation(time / factor)
     except ValueError as error:
         raise InputError(
             f"time and temperature must broadcast, got {np.shape(time)} and {np.shape(factor)}."
@@ -114,9 +124,9 @@ def _modulus(foundation: Any, time: Any, temperature: Any) -> Any:
 
 
 def _small_strain(part: Any, xp: Any) -> Any:
-    """W/(E d) of two Hertzian contacts: both halves of the cord approach its middle by C d/2."""
+    """W/(E* d) of two Hertzian contacts: both halves of the cord approach its middle by C d/2."""
     target = xp.log(4 / part) - 1
     u = target + xp.log(target + 1)
     for _ in range(_STEPS):
         u = u - (u - xp.log(u) - target) / (1 - 1 / u)
-    return 2 * np.pi / 3 * 4 * xp.exp(-1 - u)
+    return np.pi / 2 * 4 * xp.exp(-1 - u)
