@@ -6,8 +6,9 @@ frequencies between which most of it arises. What decides the ranking is the los
 the road, not the loss tangent at a laboratory's 10 Hz. At 10 Hz and 0 degC that is a guess at the band by
 time-temperature superposition; at 20 or 60 degC, as for rolling resistance, it asks about other frequencies.
 
-Inputs: five compounds of the library, all illustrative, at 20 degC; road as in example 20: self-affine, H = 0.8, rms
-slope 1.3, wavelengths 5 mm to 0.1 mm, assumed; 0.2 MPa, sliding at 1 m/s. Hysteresis only, no flash temperature.
+Inputs: five compounds of the library, all illustrative, at 20 degC; the road is assumed here, of no measurement and
+steeper than that of example 20: self-affine, H = 0.8, rms slope 1.3, wavelengths 5 mm to 0.1 mm; 0.2 MPa, sliding at
+1 m/s. Hysteresis only, no flash temperature.
 
 Check: the band against 10 Hz by trial, the band taken from the road, not from the engine. The compound that rubs least
 is given 0.2 MPa more in one branch. In that of 10 Hz it gets the largest loss tangent at 10 Hz of all, and still rubs

@@ -209,6 +209,18 @@ class TestSlip:
         assert rolled.slip is None
         assert braked.peak().slip == pytest.approx(self.SLIP[np.argmax(np.abs(braked.coefficient))])
 
+    @pytest.mark.parametrize(("sign", "inside"), [(1, False), (-1, True)])
+    @pytest.mark.parametrize("low", [0.0, -0.3])
+    def test_peak_of_a_two_sided_curve(self, sign, inside, low):
+        """Friction that rises with the slip has its largest traction at an end, one that falls between the points."""
+        slip = np.linspace(low, 0.3, 13)
+        found = elastic(
+            creep=None, slip=slip, friction=0.5 + sign * np.abs(slip), tangential=em.Foundation(50 * G, [], [])
+        )
+        assert found.peak().inside == inside
+        dots = [line for line in found.plot().get_lines() if line.get_marker() == "o"]
+        assert len(dots) == inside
+
     def test_brush(self):
         """F_x/(mu F_N) = 1 - (1 - zeta)^3 with zeta of s/(1 - s), by hand; Carter's half-plane likewise."""
         slip = np.array([0.02, 0.1, 0.5])

@@ -113,9 +113,9 @@ def draw_traction(result: "Traction", ax: Any = None, title: str | None = None) 
         if (axis.name == along or not axis.unit) and np.isfinite(most).all() and np.ptp(most) > 0:
             # It depends on the sliding velocity: what a contact has that slips all over.
             ax.plot(x, np.where(x == 0, np.nan, np.sign(x) * most), "--", color=colour, linewidth=0.9, zorder=1)
-            pulled = np.where(np.isfinite(y), np.abs(y), -1.0)
-            top = int(pulled.argmax())
-            if 0 < np.argsort(np.argsort(np.abs(x)))[top] < x.size - 1 and pulled[top] >= 0:
+            there = np.flatnonzero(np.isfinite(y))
+            top = there[np.abs(y[there]).argmax()] if there.size else 0
+            if there.size and there[0] < top < there[-1]:  # at an end the largest may lie beyond
                 ax.plot(x[top], y[top], "o", color=colour, markersize=5.5, zorder=4)
     if constant:
         full = float(friction.flat[0])

@@ -86,8 +86,8 @@ class Traction(AbstractResult):
         creep = np.atleast_1d(np.asarray(self.creep))
         place = np.where(np.isfinite(pulled), pulled, -1.0).argmax(axis=-1)
         index = (*np.indices(place.shape), place)
-        order = np.argsort(np.abs(creep), axis=-1).argsort(axis=-1)[index]
-        inside = (order > 0) & (order < pulled.shape[-1] - 1)
+        known, top = np.isfinite(pulled), creep[index][..., None]
+        inside = (known & (creep < top)).any(axis=-1) & (known & (creep > top)).any(axis=-1)
         coefficient = np.atleast_1d(np.asarray(self.coefficient))[index]
         return TractionPeak(creep[index], np.where(pulled[index] >= 0, coefficient, np.nan), inside, index)
 
