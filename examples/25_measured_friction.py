@@ -14,7 +14,8 @@ SBR (Wu, Fujii, Kawahara and Isono, e-J. Soft Mater. 3 (2007) 41), written out h
 cutoff by which the points were made lies within three standard deviations; the other unknowns widen its interval at
 least threefold; and the direction of which the data say nothing is one in which more height is a smaller factor.
 Since the points come from the same engine, that engine is held, on a line of the calibrated surface pressed into full
-contact, against the sum over its waves, mu = sum (1/2) A^2 k E''(k v)/load.
+contact, against the sum over its waves, mu = sum (1/2) A^2 k E''(k v)/load, and, very slow, against v eta <h'^2>/load,
+eta the sum of the rubber's moduli times their relaxation times.
 
     python examples/25_measured_friction.py [--out DIR] [--data FILE]
 """
@@ -41,6 +42,8 @@ def main(out: Path, data: Path) -> None:
     points = em.fit.read_friction(data)
     error = NOISE * points.mu if points.error is None else points.error
     scene = SCENE if points.pressure is None else SCENE | {"pressure": points.pressure}
+    if points.temperature is None or np.ptp(points.temperature) == 0:
+        raise em.InputError("two temperatures or more are needed, since one cannot be shifted to another.")
     master = em.fit.friction_master(points.velocity, points.temperature, points.mu, 293.15, error=error)
     at = {"velocity": points.velocity, "temperature": points.temperature}
     measured = {"measured": points.mu, "error": error, **at, **scene, **LINES}
@@ -78,6 +81,12 @@ def check(master: em.fit.FrictionMaster, alone: em.fit.Calibration, free: em.fit
     expected = float(em.reference.full_contact_sliding(rubber, line, velocity=speed, load=load))
     print(f"check  full contact: mu = {pressed:.6e}, sum over waves {expected:.6e}")
     assert np.isclose(pressed, expected, rtol=1e-3), "the sum over waves in full contact"
+    slow = 1e-10  # m/s, so slow that the rubber is a spring with the viscosity sum E*_k tau_k
+    crept = float(em.friction(rubber, line, velocity=slow, load=load, average=None).mu)
+    viscosity = 4 * float(np.sum(rubber.moduli * rubber.times))  # E* = 4 G, incompressible
+    by_hand = slow * viscosity * float(line.rms_slope) ** 2 / load
+    print(f"check  full contact, slow: mu = {crept:.6e}, by slope and viscosity {by_hand:.6e}")
+    assert np.isclose(crept, by_hand, rtol=1e-3), "the viscous limit"
 
 
 def against_truth(master: em.fit.FrictionMaster, alone: em.fit.Calibration, free: em.fit.Calibration) -> None:
@@ -103,4 +112,7 @@ if __name__ == "__main__":
     parser.add_argument("--out", type=Path, default=Path(), help="folder for the figure (default: this one)")
     parser.add_argument("--data", type=Path, default=DATA, help="CSV file: velocity, temperature and mu, with units")
     given = parser.parse_args()
-    main(given.out, given.data)
+    try:
+        main(given.out, given.data)
+    except em.InputError as error:
+        parser.error(f"--data {given.data}: {error}")

@@ -51,6 +51,18 @@ def runs_and_draws(path, tmp_path, monkeypatch):
     assert not plt.get_fignums()
 
 
+@pytest.mark.parametrize("column", [("", ""), (",temperature [degC]", ",20")])
+def test_a_file_of_one_temperature(column, tmp_path, monkeypatch, capsys):
+    """Example 25 says in a line what is wrong with a user's own file."""
+    path = FOLDER / "25_measured_friction.py"
+    rows = "".join(f"{v},0.05{column[1]}\n" for v in (0.1, 1, 10))
+    (tmp_path / "own.csv").write_text(f"velocity [mm/s],mu{column[0]}\n{rows}")
+    monkeypatch.setattr(sys, "argv", [str(path), "--out", str(tmp_path), "--data", str(tmp_path / "own.csv")])
+    with pytest.raises(SystemExit):
+        runpy.run_path(str(path), run_name="__main__")
+    assert "own.csv: two temperatures or more are needed" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="no wait4 on this system")
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("**/[0-9][0-9]_*.py")), ids=lambda path: path.stem)
