@@ -245,6 +245,8 @@ class TestSlip:
         assert "velocity of the road" in found.summary()
         both = elastic(creep=None, slip=np.array([0.05, 0.1])[:, None], velocity=np.array([1.0, 2.0]))
         assert dict(both.to_xarray().sizes) == {"slip": 2, "road": 2}
+        faster = elastic(creep=None, slip=0.1, velocity=np.array([1.0, 2.0]))
+        assert faster.plot().get_xlabel() == "Velocity of the road [m/s]"
         assert [x.get_text() for x in both.plot().get_legend().get_texts()] == ["1 m/s", "2 m/s"]
         assert found.plot().get_xlabel() == "Slip [%]"
 

@@ -34,6 +34,10 @@ def test_steady_state(power):
     np.testing.assert_allclose(warm.power, power * np.exp(-BETA * rise), rtol=1e-5)
     np.testing.assert_allclose(warm.coefficient * LOAD * SCENE["velocity"], warm.power, rtol=1e-12)
     assert warm.settling is None
+    said = dict(warm.findings())
+    assert said["load"] == "800 N"  # once, though given to three points
+    assert said["velocity"] == "0.5 to 2 m/s (3 values)"
+    assert "steady at 0.5 m/s" in said
 
 
 def test_history(power):
@@ -69,6 +73,8 @@ def test_axes_in_any_order(power):
     scene = SCENE | {"velocity": SCENE["velocity"][:, None], "load": load}
     found = em.warming(RUBBER, WHEEL, conductance=power[1] / 50, **scene)
     assert dict(found.to_xarray().sizes) == {"velocity": 3, "load": 3}
+    lines = [line for line in found.summary().splitlines() if line.startswith("steady at")]
+    assert [line.partition("  ")[0] for line in lines] == ["steady at 0.5 m/s, 400 N", "steady at 2 m/s, 1200 N"]
     ax = found.plot()
     assert [x.get_text() for x in ax.get_legend().get_texts()] == ["400 N", "800 N", "1200 N"]
     for line, kelvin in zip(ax.get_lines(), found.temperature.T, strict=True):

@@ -157,7 +157,8 @@ def _axis_label(axis: Axis, along: str, own: str) -> str:
     """Of the horizontal axis: the figure's `own` one where the curves run `along` what it shows as a rule."""
     if axis.name == along or not axis.unit:
         return own
-    return f"{axis.name.capitalize()} [{axis.unit}]"
+    name = "velocity of the road" if axis.name == "road" else axis.name.replace("_", " ")
+    return f"{name.capitalize()} [{axis.unit}]"
 
 
 def _across(fields: dict[str, np.ndarray], axis: Axis, along: str, curve: Curve) -> np.ndarray:

@@ -75,7 +75,13 @@ class Warming(AbstractResult):
         steady, rise = np.asarray(self.steady), np.asarray(self.steady - self.ambient)
         if np.isfinite(rise).any():
             for i in dict.fromkeys((int(np.nanargmin(rise)), int(np.nanargmax(rise)))):
-                place = in_words("velocity", float(np.ravel(self.velocity)[i]))
+                place = ", ".join((in_words("velocity", float(np.ravel(self.velocity)[i])), *self._besides(i)))
                 kelvin = in_words("temperature", float(steady.ravel()[i]))
                 yield f"steady at {place}", f"{kelvin}, {significant(float(rise.ravel()[i]))} K above the surroundings"
         yield "points", self.reached("error of the temperature", " K")
+
+    def _besides(self, i: int) -> Iterator[str]:
+        """What sets a point apart from others at its velocity."""
+        for axis, at in zip(self.axes(), np.unravel_index(i, np.shape(self.steady)), strict=True):
+            if axis.values.size > 1 and axis.name not in ("velocity", "time"):
+                yield in_words(axis.name, float(axis.values[at]), axis.unit) if axis.unit else f"no. {at}"

@@ -284,6 +284,6 @@ def brief(array: Any, unit: str) -> str:
     if is_traced(array):
         return "traced"
     array = np.asarray(array)
-    if array.size == 1:
-        return f"{float(array.reshape(())):.6g} {unit}"
+    if array.size and array.min() == array.max():
+        return f"{float(array.flat[0]):.6g} {unit}"
     return f"{array.min():.4g} to {array.max():.4g} {unit} ({array.size} values)"
