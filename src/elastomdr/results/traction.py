@@ -87,7 +87,7 @@ class Traction(AbstractResult):
         place = np.where(np.isfinite(pulled), pulled, -1.0).argmax(axis=-1)
         index = (*np.indices(place.shape), place)
         known, top = np.isfinite(pulled), creep[index][..., None]
-        inside = (known & (creep < top)).any(axis=-1) & (known & (creep > top)).any(axis=-1)
+        inside = np.asarray((known & (creep < top)).any(axis=-1) & (known & (creep > top)).any(axis=-1))
         coefficient = np.atleast_1d(np.asarray(self.coefficient))[index]
         return TractionPeak(creep[index], np.where(pulled[index] >= 0, coefficient, np.nan), inside, index)
 
