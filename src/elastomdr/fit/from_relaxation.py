@@ -5,6 +5,8 @@ end above all: relaxation from t_0 on has lost what relaxes within t_0, and that
 frequencies a decade or two below 1/t_0 (of order (omega t_0)^(1 - n) where G ~ t^-n). The smooth spectrum carries on.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .findings import TWO_SIGMA
@@ -15,7 +17,7 @@ from .terms import Data
 _LN10 = float(np.log(10.0))
 _EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
 _PER_DECADE = 6  # estimates of the loss modulus
-_KNOWN = 0.04  # half a 95 % interval of ln(loss modulus) up to which relaxation is said to determine it
+_KNOWN = 0.03  # half a 95 % interval of ln(loss modulus) up to which relaxation is said to determine it
 _BEST = 1.5  # times the smallest such interval, up to which it counts as nearly as well known
 _WIDEST = 0.5  # standard deviation of ln(loss modulus) above which an estimate is worth nothing
 
@@ -47,7 +49,7 @@ def with_loss(data: Data, joint: Joint, state: AtReference) -> Data:
 
 def known_range(points: Points, joint: Joint, state: AtReference) -> tuple[float, float]:
     """Angular frequencies that the data determine the moduli at: those of dynamic data, and where relaxation
-    determines the loss modulus to 4 %, or nearly as well as anywhere; rounded [rad/s].
+    determines the loss modulus to 3 %, or nearly as well as anywhere; rounded [rad/s].
     """
     dynamic = points.log_rate[points.channel != RELAXATION]
     ends = [dynamic.min(), dynamic.max()] if dynamic.size else []
@@ -58,6 +60,22 @@ def known_range(points: Points, joint: Joint, state: AtReference) -> tuple[float
         ends += [known.min(), known.max()]
     low, high = (float(f"{np.exp(x):.4g}") for x in (min(ends), max(ends)))
     return low, high
+
+
+def known_to(
+    joint: Joint, state: AtReference, limits: tuple[float, float], loss: Callable[[np.ndarray], np.ndarray]
+) -> str:
+    """How well the loss modulus of a series is known between two angular frequencies [rad/s], in words.
+
+    Half of the widest 95 % interval, that of the smooth spectrum widened by its distance to the series.
+    """
+    omega = np.geomspace(*limits, _PER_DECADE * 4)
+    value, std = curve(joint, state, np.log(omega), np.full(omega.size, LOSS))
+    half = TWO_SIGMA * float(np.hypot(std, np.log(loss(omega)) - value).max())
+    return (
+        f"not measured; the series has it to +- {100 * half:.2g} % (95 %) from {limits[0]:.3g} to {limits[1]:.3g} "
+        "rad/s, and friction no better"
+    )
 
 
 def _grid(points: Points) -> np.ndarray:

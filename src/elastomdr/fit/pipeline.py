@@ -80,7 +80,7 @@ class MaterialFit(AbstractFindings):
         fit = self.prony
         parts = [f"{fit.terms} terms over {np.log10(fit.window[1] / fit.window[0]):.1f} decades."]
         if not fit.storage.size:
-            parts.append("From relaxation; both residuals are of the relaxation modulus.")
+            parts.append(f"From relaxation; both residuals are of the relaxation modulus. Loss: {fit.loss_known}.")
         if self.as_used:
             parts.append(f"Residuals are of the data as measured, by this file with its shift law; {self._own()}.")
         return " ".join([*parts, *self.warnings])

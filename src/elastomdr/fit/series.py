@@ -17,7 +17,7 @@ from .balance import weigh
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import KINDS
 from .findings import TWO_SIGMA, AbstractFindings
-from .from_relaxation import known_range, with_loss
+from .from_relaxation import known_range, known_to, with_loss
 from .isotherms import alike
 from .joint import AtReference, Joint, about, curve
 from .judge import judge_level, judge_series
@@ -26,7 +26,7 @@ from .master import MasterCurve
 from .posterior import one_thread
 from .shifting import join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
-from .terms import Data, choose_terms, most_terms
+from .terms import Data, check_terms, choose_terms
 
 TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
 _INCOMPRESSIBLE = (
@@ -108,6 +108,12 @@ class PronyFit(AbstractFindings):
         return f"; {self.asked} were asked for, the data give the others no modulus"
 
     @property
+    def loss_known(self) -> str:
+        """How well relaxation determines the loss modulus within the material's range; "" where it was measured."""
+        limits = None if self.loss.size or self.material.range is None else self.material.range.frequency
+        return "" if limits is None else known_to(self.joint, self._state, limits, lambda w: self.moduli_at(w)[1])
+
+    @property
     def _state(self) -> AtReference:
         return self.master.state if self.master is not None else about(self.joint, self.joint.shifts.temperature[0])
 
@@ -131,6 +137,8 @@ class PronyFit(AbstractFindings):
         sizes = (self.storage_residual, self.loss_residual, self.relaxation_residual)
         named = zip(("storage", "loss", "relaxation"), sizes, strict=True)
         yield "residuals", ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)) + " rms"
+        if known := self.loss_known:
+            yield "loss modulus", known
         level = float(self.material.equilibrium)
         slowest = float(self.material.times.max())
         none = "0: a liquid" if slowest * self.window[0] < 1 else "0: none is seen; the series flows beyond the data"
@@ -193,7 +201,7 @@ def prony(
     )
     if np.ptp(points.log_rate) < np.log(1.5):
         raise InputError(f"omega must span a range of frequencies, got {omega.size} points within a factor of 1.5.")
-    _check_terms(terms, points)
+    check_terms(terms, points.log_rate)
     if equilibrium not in (None, True, False):
         raise InputError(f"equilibrium must be True, False or None (the data decide), got {equilibrium!r}.")
     if balance is not None:
@@ -287,11 +295,3 @@ def _lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:
             )
         positive(name, array)
     return arrays
-
-
-def _check_terms(terms: Any, points: Points) -> None:
-    if terms is None:
-        return
-    most = max(4 * most_terms(points.log_rate), 4)
-    if isinstance(terms, bool) or not isinstance(terms, (int, np.integer)) or not 1 <= terms <= most:
-        raise InputError(f"terms must be a whole number from 1 to {most} for these data, got {terms!r}.")

@@ -17,6 +17,7 @@ import numpy as np
 
 from .posterior import GAIN, SETTLED, Posterior, Prior, infer
 from .spectrum import LOSS, PER_DECADE, Points, Prediction, nodes, predict
+from .unseen import early
 
 LN10 = float(np.log(10.0))
 _ENTROPY = (0.5, 0.75)  # mean and width of s
@@ -164,7 +165,7 @@ def join(
         points.log_value,
         points.channel,
         start,
-        _priors(shifts, start, vertical, roughness),
+        [*_priors(shifts, start, vertical, roughness), *early(points, reduced, log_times, n)],
         noise,
         temper=temper,
         wary=lambda p: model(p, wary=True)[1](),

@@ -1,11 +1,12 @@
 """The few terms of a Prony series: how many, where, and whether there is an equilibrium modulus."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import nnls
 
+from ..errors import InputError
 from .posterior import GAIN, Posterior, Prior, infer
 from .spectrum import LOSS, RELAXATION, Points, predict
 
@@ -48,6 +49,15 @@ def most_terms(log_rate: np.ndarray) -> int:
     """How many terms data over this range of ln(omega) may have: one and a half per decade."""
     decades = (log_rate.max() - log_rate.min()) / _LN10
     return max(1, int(np.floor(_MOST_PER_DECADE * decades)))
+
+
+def check_terms(terms: Any, log_rate: np.ndarray) -> None:
+    """Raises `InputError` for a number of terms that is none, or far more than data over this range may have."""
+    if terms is None:
+        return
+    most = max(4 * most_terms(log_rate), 4)
+    if isinstance(terms, bool) or not isinstance(terms, (int, np.integer)) or not 1 <= terms <= most:
+        raise InputError(f"terms must be a whole number from 1 to {most} for these data, got {terms!r}.")
 
 
 def choose_terms(data: Data, terms: int | None, solid: bool | None) -> Terms:

@@ -1,0 +1,54 @@
+"""What may have relaxed before the first instant of relaxation data: expected to go on as a power law, roughly.
+
+Relaxation from t_0 on says next to nothing of relaxation times below t_0/2, but they are a part of the loss at angular
+frequencies a decade or two below 1/t_0. A spectrum that is free there goes on with whatever slope its last ripple has,
+to nothing as a rule, and what is nothing has no uncertainty. It is expected to continue H = -dG/d(ln t) of the first
+two decades of data,
+
+    ln H(tau) = ln H(t_0) + n ln(t_0/tau) +- sqrt(A^2 + B^2 ln(t_0/tau)^2),
+
+at all times together too high or too low, too steep or too flat.
+"""
+
+import numpy as np
+
+from .posterior import Prior
+from .spectrum import PER_DECADE, RELAXATION, Points
+
+_LN10 = float(np.log(10.0))
+_SEEN = 0.5  # times t_0, the shortest relaxation time that data say enough of
+_DECADES = 2.0  # of the data that level and slope are taken from
+_LEVEL = 0.5  # A: standard deviation of ln H at the first instant
+_SLOPE = 0.25  # B: standard deviation of n
+_EACH = 0.5  # standard deviation of each ln H for itself
+_FEWEST = 6  # instants that a level and a slope are taken from,
+_NARROW = 0.3  # and the least number of decades that they have to span
+_INWARD = 0.15  # of their span, by how much inside of its ends a parabola's slope is taken
+_FLAT = 1e-3  # least -d(ln G)/d(ln t)
+_STEEPEST = 0.8  # largest n, least one 0: a steeper one would have no bounds to its loss
+
+
+def early(points: Points, reduced: np.ndarray, log_times: np.ndarray, size: int) -> list[Prior]:
+    """The expectation of ln H_k (the first of `size` unknowns) at times too short to be seen; none for other data.
+
+    `reduced` is ln(1/t) of the points at the anchor's temperature.
+    """
+    if points.channel[reduced.argmax()] != RELAXATION:
+        return []
+    start = -reduced.max()
+    hidden = np.flatnonzero(log_times < start + np.log(_SEEN))
+    at = (points.channel == RELAXATION) & (-reduced <= start + _DECADES * _LN10)
+    u = -reduced[at] - start
+    if np.unique(u).size < _FEWEST or np.ptp(u) < _NARROW * _LN10:
+        return []
+    curve = np.polynomial.Polynomial.fit(u, points.log_value[at], 2)
+    ends = np.array([_INWARD, 1 - _INWARD]) * np.ptp(u)
+    fall = np.log(np.maximum(-curve.deriv()(ends), _FLAT)) + curve(ends)  # ln H per unit of ln(tau)
+    steepness = float(np.clip((fall[0] - fall[1]) / (ends[1] - ends[0]), 0.0, _STEEPEST))
+    away = start - log_times[hidden]
+    target = fall[0] + steepness * (ends[0] + away) + np.log(_LN10 / PER_DECADE)
+    spread = _LEVEL**2 + _SLOPE**2 * np.outer(away, away) + _EACH**2 * np.eye(hidden.size)
+    whiten = np.linalg.inv(np.linalg.cholesky(spread))
+    rows = np.zeros((hidden.size, size))
+    rows[:, hidden] = whiten
+    return [Prior(rows, 1.0, None, whiten @ target)]
