@@ -3,6 +3,7 @@ the package.
 """
 
 import os
+import tomllib
 import warnings
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import elastomdr as em
 from elastomdr.fit import FitWarning
 
 DATA = Path(os.environ.get("ELASTOMDR_DATA", Path(__file__).parents[2] / "shared" / "data" / "dma"))
+LIBRARY = Path(__file__).parents[1] / "materials"
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="measured data are not here; set ELASTOMDR_DATA")
 
 
@@ -66,3 +68,24 @@ def test_sheet_and_table_of_the_encapsulant_agree():
     np.testing.assert_allclose(sheet.temperature, table.temperature)
     assert sheet.kind == table.kind == "tensile"
     assert read("pv-encapsulant/time_user_raw.csv").time.size == 210
+
+
+@pytest.mark.parametrize(
+    ("name", "file", "kelvin"),
+    [("epdm-70", "epdm-70/tf_015p.csv", 298.15), ("psa-468mp", "psa-468mp/frequency_sweep_tts.txt", 303.15)],
+)
+def test_the_library_holds_what_the_tool_makes_of_the_data(name, file, kelvin, tmp_path):
+    """benchmarks/fit_library.py writes the same bytes again; another machine may round the last digit otherwise."""
+    fit = em.fit.material(read(file), kelvin, name=name)
+    em.save_material(fit.material, tmp_path / "again.toml", info=fit.info())
+    again, kept = (
+        tomllib.loads((folder / f"{stem}.toml").read_text(encoding="utf-8"))
+        for folder, stem in ((tmp_path, "again"), (LIBRARY, name))
+    )
+    for key in ("equilibrium", "moduli", "times"):
+        assert again[key] == pytest.approx(kept[key], rel=1e-4), key
+    assert again["shift"] == {
+        key: value if isinstance(value, str) else pytest.approx(value, rel=1e-4) for key, value in kept["shift"].items()
+    }
+    assert again["range"]["frequency"] == pytest.approx(kept["range"]["frequency"], rel=1e-3)
+    assert again["source"]["moduli"]["note"] == kept["source"]["moduli"]["note"]

@@ -24,6 +24,7 @@ from .series import TEMPERATURE_DIGITS, PronyFit, prony
 from .tables import master_csv, prony_csv, shifts_csv
 
 LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
+_DIGITS = 8  # of a law in the material: what follows is rounding, and differs between machines
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
 
 
@@ -235,7 +236,8 @@ def _law(master: MasterCurve, name: str) -> Any:
             f"law must be one that these data allow ({', '.join([*master.laws, 'none'])}), got {name!r}: there are "
             f"{master.temperature.size} temperatures."
         )
-    return master.laws[name].law
+    law = master.laws[name].law
+    return type(law)(*(_round(float(getattr(law, field)), _DIGITS) for field in law.__dataclass_fields__))
 
 
 def _table(master: MasterCurve) -> ShiftTable:
@@ -244,7 +246,7 @@ def _table(master: MasterCurve) -> ShiftTable:
         raise InputError("law must be 'none' for data of one temperature, got 'table'.")
     away = np.abs(master.temperature - master.reference) > 0.5
     temperature = np.append(master.temperature[away], master.reference).round(TEMPERATURE_DIGITS)
-    log10_a = np.append(master.log10_a[away], 0.0)
+    log10_a = np.append(master.log10_a[away], 0.0).round(_DIGITS)
     order = np.argsort(temperature)
     return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))
 
