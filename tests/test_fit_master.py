@@ -292,3 +292,18 @@ def test_tables_and_figures(master, tmp_path):
     ax = master.plot()
     assert "rad/s" in ax.get_xlabel()
     assert "log10 a_T" in repr(master)
+
+
+def test_points_that_are_copies_count_once():
+    """A table pasted twice says no more than once: intervals must not shrink."""
+    rows = measure(RUBBER, noise=0.01)
+    both = np.concatenate([rows, rows])
+    once, twice = (
+        em.fit.master_curve(em.fit.dma(2 * np.pi * r[:, 0], r[:, 2], r[:, 3], r[:, 1] + 273.15, kind="shear"), 293.15)
+        for r in (rows, both)
+    )
+    np.testing.assert_array_equal(once.log10_a_std, twice.log10_a_std)
+    said = "104 of 208 points repeat others in all their numbers, and are left out."
+    assert said in twice.warnings
+    assert said not in once.warnings
+    assert said in twice.at_reference(303.15).warnings

@@ -293,3 +293,25 @@ def test_measurements_that_do_not_match_are_refused():
         em.fit.Dma(np.full(3, 293.15), np.ones(3), np.ones(2), np.ones(3), "shear")
     with pytest.raises(InputError, match="storage must be positive"):
         em.fit.Dma(np.full(2, 293.15), np.ones(2), -np.ones(2), np.ones(2), "shear")
+
+
+def test_rows_that_break_off_are_named(write):
+    """A row that breaks off after its first number is no remark. A file given twice is a mistake."""
+    rows = [f"{f},20,{1e6 * f:g},1e5" for f in (1, 2, 3, 4)]
+    text = "\n".join(["f (Hz),T (°C),G' (Pa),G'' (Pa)", *rows, "7", ",,,5", "end of run", ",,,"])
+    with pytest.warns(FitWarning, match="2 rows left out: line 6: .* no number; line 7: .* no number"):
+        dma = em.fit.read_dma(write(text))
+    np.testing.assert_allclose(dma.storage, [1e6, 2e6, 3e6, 4e6])
+    assert len(dma.bad_rows) == 2
+    path = write("\n".join(["f (Hz),T (°C),G' (Pa),G'' (Pa)", *rows]))
+    with pytest.raises(InputError, match=f"path must name every file once, got .*{path.name} twice"):
+        em.fit.read_dma([path, path])
+
+
+def test_typed_quotes_of_windows(tmp_path):
+    """Spreadsheets turn G' into a typed quote, and write it in the code page of Windows."""
+    path = tmp_path / "windows.csv"
+    path.write_bytes("Freq. (Hz),Temp. (°C),G\u2019 (Pa),G\u201d (Pa)\n1,20,2e6,1e5\n2,20,3e6,2e5\n".encode("cp1252"))
+    dma = em.fit.read_dma(path)
+    np.testing.assert_allclose(dma.loss, [1e5, 2e5])
+    assert dma.kind == "shear"

@@ -1,5 +1,6 @@
 """Files into rows of cells: text in several encodings and separators, spreadsheets."""
 
+import contextlib
 import csv
 import importlib.util
 import io
@@ -16,6 +17,7 @@ from ..files import read_bytes
 
 _PATIENCE = 60  # seconds for a spreadsheet
 _LATIN = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7")  # what a Latin-1 file of measurements holds beyond ASCII
+_TYPED = set("\u2018\u2019\u201c\u201d\u2013\u2014\u2026\u2022")  # what Windows-1252 has where Latin-1 has controls
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 _MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")  # a number, whatever its comma and point mean
 _BLANKS = re.compile("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)")  # that set thousands apart
@@ -55,7 +57,7 @@ def read_cells(path: Path) -> Sheet:
 
 
 def decode(raw: bytes, name: str) -> str:
-    """Text from UTF-8 or UTF-16 (with a mark, or UTF-8 without), Latin-1 or cp949, whichever its characters fit."""
+    """Text from UTF-8 or UTF-16 (with a mark, or UTF-8 without), Latin-1, Windows-1252 or cp949, whichever fits."""
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return raw.decode("utf-16", errors="replace")
     if b"\0" in raw[:4096]:
@@ -67,6 +69,10 @@ def decode(raw: bytes, name: str) -> str:
     latin = raw.decode("latin-1")
     if {character for character in latin if ord(character) > 127} <= _LATIN:
         return latin
+    with contextlib.suppress(UnicodeDecodeError):
+        windows = raw.decode("cp1252")
+        if {character for character in windows if ord(character) > 127} <= _LATIN | _TYPED:
+            return windows
     try:
         return raw.decode("cp949")
     except UnicodeDecodeError:

@@ -39,8 +39,8 @@ _SPELLED = {
     "degf": "degF", "n/m2": "N/m2", "n/mm2": "N/mm2",
 }  # fmt: skip
 _NAMES = {
-    "omega": r"w|ω|omega|angular frequency|ang\.? freq(uency)?|angular freq|kreisfrequenz|각주파수",
-    "frequency": r"f|freq|frequency|frequenz|주파수",
+    "omega": r"w|ω|omega|angular frequency|ang\.? freq(uency|\.)?|angular freq\.?|kreisfrequenz|각주파수",
+    "frequency": r"f|freq\.?|frequency|frequenz|주파수",
     "temperature": r"temp\.?|temperature|temperatur|sample temp(erature)?|온도",
     "time": r"time|zeit|시간",
     "storage": rf"{_STORAGE}|[ge]'|[ge]_?(1|p|prime|stor|storage)|"
@@ -211,5 +211,5 @@ def _clean(title: str) -> str:
     text = title.strip().strip('"').strip() if title.count('"') != 1 else title.strip()
     for mark in ("\u2032", "\u2019", "\u02b9", "`", "\u00b4"):
         text = text.replace(mark, "'")
-    text = text.replace("″", "''").replace("”", "''").replace('"', "''")
+    text = re.sub('[″“”"]', "''", text)
     return re.sub(r"\s+", " ", text)

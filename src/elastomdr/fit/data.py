@@ -39,6 +39,7 @@ class Dma:
     bad_rows: tuple[str, ...] = ()
     shifted: bool = False  # whether the frequencies are reduced ones: a master curve somebody else made
     source: str = ""
+    copies: int = 0  # points that were left out because they repeat others
 
     def __post_init__(self) -> None:
         _kind(self.kind)
@@ -173,6 +174,19 @@ def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
         return np.full(like.size, array[0])
     _same("temperature", array, "frequency", like)
     return array
+
+
+def without_copies(dma: Dma) -> Dma:
+    """The same data, each point once: a point that agrees in all its numbers with another one is no measurement."""
+    dynamic = np.stack([dma.temperature, dma.frequency, dma.storage, dma.loss], axis=1)
+    timed = np.stack([dma.time_temperature, dma.time, dma.relaxation], axis=1)
+    kept, of_time = (np.sort(np.unique(rows, axis=0, return_index=True)[1]) for rows in (dynamic, timed))
+    copies = dma.size - kept.size - of_time.size
+    if not copies:
+        return dma
+    parts = {name: getattr(dma, name)[kept] for name in ("temperature", "frequency", "storage", "loss")}
+    parts |= {name: getattr(dma, name)[of_time] for name in ("time", "relaxation", "time_temperature")}
+    return replace(dma, **parts, copies=dma.copies + copies)
 
 
 def describe_list(values: Sequence[float] | np.ndarray, unit: str, most: int = 12) -> str:

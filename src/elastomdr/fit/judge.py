@@ -96,6 +96,8 @@ def _details(master: "MasterCurve") -> Iterator[str]:
         )
     if temperature.size == 2:
         yield "There are two temperatures only: Arrhenius' law can be fitted, WLF and VFT cannot."
+    if copies := master.dma.copies:
+        yield f"{copies} of {master.dma.size + copies} points repeat others in all their numbers, and are left out."
     outliers = int((master.joint.shifts.posterior.weights < 1).sum())
     if outliers:
         total = master.joint.shifts.posterior.weights.size

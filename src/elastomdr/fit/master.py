@@ -13,7 +13,7 @@ from .._runtime import positive, scalar, significant
 from ..errors import InputError
 from .apart import told_apart
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
-from .data import Dma
+from .data import Dma, without_copies
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import isotherms
 from .joint import AtReference, Joint, about, fit_jointly, without_vertical
@@ -170,6 +170,8 @@ def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tole
         reference = float(scalar("reference", reference))
         positive("reference", reference)
     sorted_dma = isotherms(dma, tolerance)
+    if (once := without_copies(dma)) is not dma:
+        dma, sorted_dma = once, isotherms(once, tolerance)
     if reference is None:
         reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
     return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)

@@ -51,6 +51,9 @@ def read_dma(
     if isinstance(path, (str, os.PathLike)):
         found = _read(Path(path), options)
     elif isinstance(path, Sequence) and path and all(isinstance(one, (str, os.PathLike)) for one in path):
+        twice = {str(one) for one in path if [str(other) for other in path].count(str(one)) > 1}
+        if twice:
+            raise InputError(f"path must name every file once, got {', '.join(sorted(twice))} twice or more.")
         found = join(*(_read(Path(one), options) for one in path))
     else:
         raise InputError(f"path must be a file or a list of files, got {path!r}.")
@@ -119,13 +122,18 @@ def _blocks(rows: list[Row], options: Options) -> Iterator[Block]:
                 yield found
             found = Block(columns, [])
             skip = below if units else -1
-        elif found is not None and any(row.cells) and len([c for c in row.cells if c]) > 2:
-            found.rows.append(row)  # a row of a table that is no measurement: counted as bad below
+        elif found is not None and any(row.cells) and _broken([cell for cell in row.cells if cell]):
+            found.rows.append(row)  # counted as bad below
         elif found is not None and found.rows and row.cells and row.cells[0].startswith("["):
             yield found
             found = None
     if found is not None and found.rows:
         yield found
+
+
+def _broken(cells: list[str]) -> bool:
+    """Whether what is left of a row belongs to a table, and is no remark: several cells, or a number first."""
+    return len(cells) > 2 or number(cells[0]) is not None
 
 
 def _named(titles: list[str], columns: list[Column], units: list[str], options: Options) -> list[Column]:
