@@ -201,13 +201,15 @@ def test_moduli_that_contradict_each_other():
 
 
 def test_relaxation_has_an_interval_and_no_boundless_term():
-    rng = np.random.default_rng(0)
-    t = np.geomspace(1e-3, 10.0, 40)
-    values = np.asarray(SOLID.relaxation(t)) * (1 + 0.01 * rng.normal(size=t.size))
-    fit = em.fit.prony(time=t, relaxation=values, terms=9)
-    assert np.max(fit.material.moduli) < 100 * values.max()
-    band, truth = fit.relaxation_band(t), np.asarray(SOLID.relaxation(t))
-    assert np.mean((band.relaxation_low <= truth) & (truth <= band.relaxation_high)) > 0.85
+    t, held = np.geomspace(1e-3, 10.0, 40), []
+    truth = np.asarray(SOLID.relaxation(t))
+    for seed in range(6):
+        values = truth * (1 + 0.01 * np.random.default_rng(seed).normal(size=t.size))
+        fit = em.fit.prony(time=t, relaxation=values, terms=9)
+        assert np.max(fit.material.moduli) < 100 * values.max()
+        band = fit.relaxation_band(t)
+        held.append(np.mean((band.relaxation_low <= truth) & (truth <= band.relaxation_high)))
+    assert np.mean(held) > 0.87
     assert np.median(band.relaxation_high / band.relaxation_low - 1) < 0.05
     low, high = fit.material.range.frequency  # of 1/t, what determines the loss modulus
     assert 0.1 <= low < 3

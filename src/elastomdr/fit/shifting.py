@@ -165,7 +165,7 @@ def join(
         points.log_value,
         points.channel,
         start,
-        [*_priors(shifts, start, vertical, roughness), *early(points, reduced, log_times, n)],
+        _priors(shifts, start, vertical, roughness, early(points, reduced, log_times, n)),
         noise,
         temper=temper,
         wary=lambda p: model(p, wary=True)[1](),
@@ -175,12 +175,14 @@ def join(
     return shifts._replace(posterior=posterior)
 
 
-def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float) -> list[Prior]:
+def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float, unseen: list[Prior]) -> list[Prior]:
     """The first of them is that of the spectrum's smoothness, `roughness` its width to begin with."""
     n, k = start.size, shifts.log_times.size
     every = np.eye(n)
     second = np.zeros((k - 2, n))
     second[:, :k] = np.diff(np.eye(k), 2, axis=0)
+    hidden = sum(prior.rows.shape[0] for prior in unseen)  # the first times, of which little is seen
+    second = second[max(hidden - 1, 0) :]
     slopes, entropy = every[shifts.slopes], shifts.slopes.stop
     free = every[entropy + 1 : shifts.places.start]
     return [
@@ -191,6 +193,7 @@ def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float)
         Prior(every[[entropy]], _ENTROPY[1] if vertical else _FIXED, None, _ENTROPY[0] if vertical else 0.0),
         Prior(every[shifts.places], _PLACE * LN10 / PER_DECADE),
         Prior(free, 0.01 if vertical else _FIXED, _FREE if vertical else None),
+        *unseen,
     ]
 
 

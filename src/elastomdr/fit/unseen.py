@@ -1,13 +1,14 @@
 """What may have relaxed before the first instant of relaxation data: expected to go on as a power law, roughly.
 
-Relaxation from t_0 on says next to nothing of relaxation times below t_0/2, but they are a part of the loss at angular
+Relaxation from t_0 on says next to nothing of relaxation times below t_0/4, but they are a part of the loss at angular
 frequencies a decade or two below 1/t_0. A spectrum that is free there goes on with whatever slope its last ripple has,
 to nothing as a rule, and what is nothing has no uncertainty. It is expected to continue H = -dG/d(ln t) of the first
 two decades of data,
 
     ln H(tau) = ln H(t_0) + n ln(t_0/tau) +- sqrt(A^2 + B^2 ln(t_0/tau)^2),
 
-at all times together too high or too low, too steep or too flat.
+at all times together too high or too low, too steep or too flat. How smooth the spectrum is has to be learnt from the
+times that are seen: second differences of the others would all be small.
 """
 
 import numpy as np
@@ -16,7 +17,7 @@ from .posterior import Prior
 from .spectrum import PER_DECADE, RELAXATION, Points
 
 _LN10 = float(np.log(10.0))
-_SEEN = 0.5  # times t_0, the shortest relaxation time that data say enough of
+_SEEN = 0.25  # times t_0, the shortest relaxation time that data say enough of
 _DECADES = 2.0  # of the data that level and slope are taken from
 _LEVEL = 0.5  # A: standard deviation of ln H at the first instant
 _SLOPE = 0.25  # B: standard deviation of n
