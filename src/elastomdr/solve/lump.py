@@ -42,18 +42,14 @@ def lumped(
     second = (moduli * times**2 * fast).sum(axis=0)
     total, rate = (moduli * slow).sum(axis=0), (moduli / times * slow).sum(axis=0)
     some = slow.any(axis=0)
-    carried = np.concatenate([some[None], ~(slow | fast)])
+    nothing = np.zeros((1, step.size))
+    carried = np.concatenate([some[None], ~(slow | fast), nothing > 0])
     count = int(carried.sum(axis=0).max())
     count = max(2, count + count % 2)
-    missing = [(0, max(0, count - carried.shape[0])), (0, 0)]
     first = np.argsort(~carried, axis=0, kind="stable")[:count]  # what is carried goes before the rest, in its order
-
-    def packed(lump: np.ndarray, branches: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        every = np.where(carried, np.concatenate([lump[None], branches]), rest)
-        return np.pad(np.take_along_axis(every, first, axis=0), missing, constant_values=0.0)
-
-    rate = np.where(some, rate, 1.0)
-    new_moduli, new_times = packed(total, moduli, np.zeros(1)), packed(total / rate, times, step)
-    new_times = np.where(new_times > 0, new_times, step)
+    lump = total / np.where(some, rate, 1.0)
+    moduli = np.where(carried, np.concatenate([total[None], moduli, nothing]), 0.0)
+    times = np.where(carried, np.concatenate([lump[None], times, nothing]), step)
     spent = np.where(slow, np.where(fast, 0.0, cost), 0.0).sum(axis=0)
-    return Lanes(whole.relaxed, new_moduli, new_times, viscosity, second), spent
+    moduli, times = (np.take_along_axis(x, first, axis=0) for x in (moduli, times))
+    return Lanes(whole.relaxed, moduli, times, viscosity, second), spent

@@ -87,10 +87,7 @@ def coefficients(law: Lanes, step: Float[Array, " lanes"]) -> Coefficients:
 
 @partial(jax.jit, static_argnames=("slow", "exact"))
 def sweep(
-    rise: Float[
-        np.ndarray, " n"
-    ],  # heights against the highest, in the order in which an element meets them, the first
-    # again after the last [m]; what follows is not read, so that lines of many lengths share what is compiled
+    rise: Float[np.ndarray, " n"],  # heights against the highest [m], in the order in which an element meets them
     count: int,  # samples of the period
     stride: int,  # points of the line per sample
     depth: Float[np.ndarray, " lanes"],
@@ -100,7 +97,11 @@ def sweep(
     slow: int,  # number of branches whose sums are asked for, from the first on
     exact: bool,
 ) -> Swept:
-    """Runs through one period from u = d."""
+    """Runs through one period from u = d.
+
+    After the last height the first stands again. What follows it in `rise` is not read, so that lines of many lengths
+    share what is compiled.
+    """
     whole = one_kernel(partial(_sweep, slow=slow, exact=exact))
     return whole(rise, count, stride, depth, branches, by, free)
 
