@@ -37,7 +37,7 @@ _HOMES = {
     "scenes.slide": ("slide",),
     "scenes.drive": ("drive",),
     "scenes.stability": ("stability",),
-    "solve.dynamics": ("Mount",),
+    "solve.mount": ("Mount",),
     "fit.spectrum_file": ("spectrum_from_file",),
     "fit.surface_file": ("surface_from_file",),
     "results.bands": ("FrictionBands",),

@@ -15,7 +15,8 @@ from ..mapping.lines import AbstractLines, SingleLine
 from ..mapping.rough_line import RoughLine, spline_coefficients
 from ..mapping.shapes import Cylinder
 from ..results.drive import Drive
-from ..solve.dynamics import History, Mount, Scene, run
+from ..solve.dynamics import History, Scene, run
+from ..solve.mount import Mount
 from ..solve.over_line import AbstractOverLine, Indenter, rough
 from ..solve.refine import Levels, finest, refine
 from ..solve.sizes import contact_sizes, shared_level

@@ -17,7 +17,7 @@ import numpy as np
 from .._runtime import as_float64, ascending, in_float64, is_traced, not_negative, positive, scalar
 from ..errors import InputError
 from ..results.stability import Stability
-from ..solve.dynamics import Mount
+from ..solve.mount import Mount
 from .steady import brief
 
 MODEL = "steady sliding, friction that follows the speed at once (exact to first order in the swing)"

@@ -25,35 +25,16 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from .._runtime import Array, positive, scalar
+from .._runtime import Array
 from ..errors import InputError
 from ..foundation.step import coefficients, fade
 from ..material.relaxation import Relaxation
+from .mount import Mount
 from .over_line import AbstractOverLine
 from .slide import Line, energy, felt_by, free, lag, press, settle, untouched
 
 _NEWTON = 4  # steps for the place of a body that is pulled through a spring
 _INSTANT = 1e-12  # duration of the first touch, over the shortest time
-
-
-class Mount(eqx.Module):
-    """A mass m [kg] on a spring k [N/m] and a damper c [N s/m] beside it; per metre of line under a rough line."""
-
-    mass: Any
-    stiffness: Any = 0.0
-    damping: Any = 0.0
-
-    def for_line(self, load: Any, normal_force: Any) -> "Mount":
-        """The share that a metre of rough line has of this mount of a whole body, load/normal_force of it.
-
-        `load` [N/m] of the line, `normal_force` [N] of the whole body on the rubber, for which the line stands. Raises
-        `InputError`.
-        """
-        given = scalar("load", load), scalar("normal_force", normal_force)
-        positive("load", given[0])
-        positive("normal_force", given[1])
-        part = given[0] / given[1]
-        return Mount(part * self.mass, part * self.stiffness, part * self.damping)
 
 
 class Scene(NamedTuple):

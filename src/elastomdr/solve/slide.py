@@ -107,9 +107,8 @@ def felt_by(weight: Array, q: Array, slope: Array, excess: Array | None) -> tupl
     edge, _ = _edges(excess)
     a, b = jnp.abs(excess[:-1]), jnp.abs(excess[1:])
     there = (a * slope[1:] + b * slope[:-1]) / jnp.where(a + b > 0, a + b, 1.0)
-    # S is found from the element in contact.
-    at = jnp.argmax(excess)
-    stiffness = weight * q[at] / jnp.where(excess[at] > 0, excess[at], 1.0)
+    top = jnp.max(excess)  # q is S times what is positive of it
+    stiffness = weight * jnp.max(q) / jnp.where(top > 0, top, 1.0)
     return normal + stiffness * jnp.sum(edge), drag + stiffness * jnp.sum(edge * there)
 
 
@@ -265,9 +264,9 @@ def padded(steps: Steps, most: int) -> Steps:
     The last block is filled up with steps at rest; those of further blocks have no length and are not made.
     """
     count = steps.h.shape[0]
-    between, blocks = (max(1, math.ceil(n / _BLOCK)) for n in (count, max(count, most)))
+    whole, blocks = (max(1, math.ceil(n / _BLOCK)) for n in (count, max(count, most)))
     grain = 2 ** max(0, math.floor(math.log2(blocks)) - 2)
     missing = _BLOCK * grain * math.ceil(blocks / grain) - count
     xp = jnp if is_traced(steps) else np
     long = Steps(*(xp.concatenate([xp.asarray(x), xp.repeat(xp.asarray(x)[-1:], missing)]) for x in steps))
-    return long._replace(h=xp.where(np.arange(count + missing) < _BLOCK * between, long.h, 0.0))
+    return long._replace(h=xp.where(np.arange(count + missing) < _BLOCK * whole, long.h, 0.0))
