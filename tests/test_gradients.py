@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr._runtime import nan_unless
 
 FOUNDATION = em.Foundation(1e6, [4e6], [1e-3])
 PARAMETERS = {
@@ -86,3 +87,29 @@ def test_reverse_mode_with_single_precision_outside():
     with jax.enable_x64(False):
         forward = jax.jvp(mu, (4e6,), (1.0,))[1]
         np.testing.assert_allclose(jax.grad(mu)(4e6), forward, rtol=1e-5)
+
+
+def test_a_number_that_is_not_known_has_no_derivative():
+    """Zero would pass for a minimum. What is known beside it keeps its own."""
+
+    def shown(x):
+        return nan_unless(np.array([True, False]), np.array([2.0, 3.0]) * x)
+
+    with jax.enable_x64(True):
+        for derivative in (jax.jacfwd(shown), jax.jacrev(shown), jax.jit(jax.jacrev(shown))):
+            np.testing.assert_array_equal(derivative(1.0), [2.0, np.nan])
+        assert jax.grad(lambda x: shown(x)[0])(1.0) == 2.0
+        assert np.isnan(jax.grad(lambda x: shown(x).sum())(1.0))
+
+
+def test_a_march_off_its_grid_has_no_derivative():
+    """Under a transformation `elements` fixes the grid: here the way is far longer."""
+    time = np.linspace(0, 1, 5)
+
+    def mu(load):
+        law = em.StandardSolid(1e6, 4e6, 0.3)
+        return em.slide(law, em.Paraboloid(5e-3), time=time, position=0.1 * time, load=load, rtol=0.1, elements=64).mu
+
+    with jax.enable_x64(True):
+        values, slopes = jax.jit(lambda load: (mu(load), jax.jacfwd(mu)(load)))(1.0)
+        assert np.isnan([values[-1], slopes[-1]]).all()

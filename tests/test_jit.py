@@ -27,3 +27,21 @@ def test_an_elastic_body_sinks_with_the_load():
     """d of F = (4/3) E* sqrt(R) d^(3/2): its derivative is 2 d/(3 F)."""
     depth = CALLS["a load on an elastic body"]
     np.testing.assert_allclose(jax.grad(depth)(4.0), 2 * depth(4.0) / 12, rtol=1e-6)
+
+
+def test_a_march_under_jit():
+    """Its grid is given there, outside it is chosen: both within the tolerance."""
+
+    def mu(load):
+        return em.slide(RUBBER, BALL, time=TIME, position=1e-3 * TIME, load=load, rtol=1e-1, elements=256).mu
+
+    chosen = mu(1.0)
+    np.testing.assert_allclose(jax.jit(mu)(1.0), chosen, atol=0.1 * chosen.max())
+
+
+def test_what_diffrax_marches_asks_for_64_bit_types():
+    def mu(load):
+        return em.drive(RUBBER, BALL, time=TIME, position=1e-4 * TIME, load=load).mu
+
+    with pytest.raises(em.InputError, match=r"em\.drive under jit, grad or vmap needs JAX's 64-bit types"):
+        jax.jit(mu)(1.0)

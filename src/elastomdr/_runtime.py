@@ -35,6 +35,22 @@ def in_float64(function: Callable[P, R]) -> Callable[P, R]:
     return wrapper
 
 
+def needs_64_bit_types(function: Callable[P, R]) -> Callable[P, R]:
+    """Refuses arguments that JAX traces without 64-bit types: for what contains a loop of diffrax's, which JAX compiles
+    when `function` has returned, under the caller's setting, and fails."""
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        if is_traced(args, kwargs) and not jax.config.read("jax_enable_x64"):
+            raise InputError(
+                f"em.{function.__name__} under jit, grad or vmap needs JAX's 64-bit types: put "
+                "`with jax.enable_x64(True):` around the call, or set JAX_ENABLE_X64=1."
+            )
+        return function(*args, **kwargs)
+
+    return wrapper
+
+
 def one_kernel(function: Callable[..., R]) -> Callable[..., R]:
     """Compiles `function` of arrays into one kernel.
 
@@ -59,6 +75,28 @@ def argmax(x: Array) -> Array:
     x = jnp.asarray(x)
     place = jnp.arange(x.shape[0]).reshape(-1, *[1] * (x.ndim - 1))
     return jnp.min(jnp.where(x == jnp.max(x, axis=0), place, x.shape[0] - 1), axis=0)
+
+
+def nan_unless(good: Any, values: Any) -> Any:
+    """`values` where `good`, NaN elsewhere; under JAX's transformations so are the derivatives, which `jnp.where`
+    would give as zero, and a search by gradients would take for a minimum."""
+    if not is_traced(good, values):
+        return np.where(good, values, np.nan)
+    return _nan_unless(jnp.asarray(good) != 0, jnp.asarray(values, jnp.float64))
+
+
+@jax.custom_jvp
+def _nan_unless(good: Array, values: Array) -> Array:
+    return jnp.where(good, values, jnp.nan)
+
+
+@_nan_unless.defjvp
+def _nan_unless_derivative(primals: tuple, tangents: tuple) -> tuple:
+    # A linear map, the same from both ends, so that forward and reverse mode work alike: where not good, zero stays
+    # zero (what nobody asked about spoils nothing) and all else overflows to infinity, then times zero gives NaN.
+    good, _ = primals
+    huge, zero = jnp.where(good, 1.0, 1e300), jnp.where(good, 1.0, 0.0)
+    return _nan_unless(*primals), tangents[1] * huge * huge * zero * huge * huge
 
 
 def _as_numpy(leaf: Any) -> Any:

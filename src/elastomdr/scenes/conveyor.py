@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array, as_float64, in_float64, is_traced, not_negative, positive, require, scalar
+from .._runtime import Array, as_float64, in_float64, is_traced, nan_unless, not_negative, positive, require, scalar
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.shapes import Cylinder
@@ -104,8 +104,8 @@ def conveyor(
     ]
     good = sides[0].converged & sides[1].converged
     weight = (2 * mass + load) * g
-    loaded, empty = (xp.where(good, side.resistance, xp.nan) for side in sides)
-    error = xp.where(good, sides[0].error + sides[1].error, xp.nan) / weight
+    loaded, empty = (nan_unless(good, side.resistance) for side in sides)
+    error = nan_unless(good, sides[0].error + sides[1].error) / weight
     inputs = []
     for name, side in (("carry side", carry), ("return side", back)):
         rolls = "1 roll" if side.shares.size == 1 else f"{side.shares.size} rolls"

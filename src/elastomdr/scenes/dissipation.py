@@ -6,7 +6,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, in_float64, is_traced
+from .._runtime import Array, in_float64, is_traced, nan_unless
 from ..errors import ConvergenceWarning, InputError
 from ..mapping.direction import directions
 from ..material.relaxation import Relaxation
@@ -63,7 +63,7 @@ def dissipation(
         text = f"the losses of {lost} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
     share = xp.moveaxis(forces / total, 0, -1).reshape(*scene.shape, -1)
-    share = xp.where(good[..., None], share, xp.nan)
+    share = nan_unless(good[..., None], share)
     times = xp.asarray(scene.law.times)
     times = xp.concatenate([xp.zeros(1), times]) if with_dashpot else times
     factor = (scene.reduced / scene.velocity).reshape(scene.shape)[..., None]
@@ -80,7 +80,7 @@ def dissipation(
         resistance=force,
         power=force * found.velocity[..., None],
         normal_force=spread(found.normal_force),
-        error=spread(xp.where(good, missing.reshape(scene.shape), xp.nan)),
+        error=spread(nan_unless(good, missing.reshape(scene.shape))),
         converged=spread(good),
         model=scene.plan.model,
         plan=scene.plan,

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import in_float64, is_traced, not_negative, positive, scalar
+from .._runtime import in_float64, is_traced, nan_unless, needs_64_bit_types, not_negative, positive, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import AbstractLines, SingleLine
@@ -32,6 +32,7 @@ _MOST_EARLY, _TRACED_EARLY = 40, 12
 _PERIOD = 12  # steps per period of a mass on its spring and the contact, on the coarsest level
 
 
+@needs_64_bit_types
 @in_float64
 def drive(
     material: Any,
@@ -248,13 +249,12 @@ def _pack(
     history: GivenHistory, found: Levels, mounts: list[Any], plan: Any, model: str, inputs: Any, per_length: bool
 ) -> Drive:
     traced = is_traced(found)
-    numpy = jnp if traced else np
     if not traced and not found.good.all():
         text = f"{int((~found.good).sum())} of {found.good.size} instants did not converge to rtol={history.rtol:g}; "
         warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
 
     def shown(field: Any) -> Any:
-        return numpy.where(found.good, field, numpy.nan)
+        return nan_unless(found.good, field)
 
     seen: Any = found.forces
     tangential = mounts[0]

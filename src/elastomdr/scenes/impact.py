@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, positive
+from .._runtime import as_float64, in_float64, is_traced, nan_unless, positive
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.shapes import AbstractShape, Cylinder
@@ -61,14 +61,13 @@ def impact(
     scene = _scene(material, shape, mass, velocity, temperature, rtol, extra)
     found = impacts(scene.body, per_area=scene.per_area, rtol=float(rtol))
     traced = is_traced(found.motion.restitution)
-    xp = jnp if traced else np
     good = found.converged
 
     def shaped(field: Any) -> Any:
-        return xp.where(good, field, xp.nan).reshape(scene.shape)
+        return nan_unless(good, field).reshape(scene.shape)
 
     def series(field: Any) -> Any:
-        return xp.where(good, field, xp.nan).T.reshape((*scene.shape, -1))
+        return nan_unless(good, field).T.reshape((*scene.shape, -1))
 
     if not traced and not good.all():
         text = f"{int((~good).sum())} of {good.size} impacts did not converge to rtol={rtol:g}; they are NaN."
@@ -79,13 +78,13 @@ def impact(
         mass=scene.mass,
         velocity=scene.velocity,
         restitution=shaped(motion.restitution),
-        duration=shaped(xp.where(found.timed, motion.duration, xp.nan)),
+        duration=shaped(nan_unless(found.timed, motion.duration)),
         max_depth=shaped(motion.max_depth),
         max_force=shaped(motion.max_force),
         lost=shaped(0.5 * scene.mass.reshape(-1) * scene.velocity.reshape(-1) ** 2 * (1 - motion.restitution**2)),
         history=history,
         oblique=None if slips is None else solve_oblique(slips, scene, shape, history, found),
-        error=xp.where(good, found.error, xp.nan).reshape(scene.shape),
+        error=nan_unless(good, found.error).reshape(scene.shape),
         stuck=found.stuck.reshape(scene.shape),
         converged=good.reshape(scene.shape),
         temperature=scene.temperature,

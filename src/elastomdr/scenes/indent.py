@@ -6,7 +6,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, positive, require, scalar
+from .._runtime import as_float64, in_float64, is_traced, nan_unless, positive, require, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..foundation.modes import recovery_modes
@@ -86,7 +86,7 @@ def indent(
     inputs.append(("relative tolerance", f"{rtol:g}"))
 
     def known(field: Any) -> Any:
-        return numpy.where(found.converged, field, numpy.nan)
+        return nan_unless(found.converged, field)
 
     return Indentation(
         time=numpy.broadcast_to(course.time, found.depth.shape),

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, positive, require, scalar
+from .._runtime import as_float64, nan_unless, positive, require, scalar
 from ..errors import InputError
 from ..foundation.law import Foundation, half_space
 from ..mapping.reach import contact_size
@@ -117,7 +117,7 @@ def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: Histo
     good = jnp.asarray(found.converged) & ~jnp.asarray(found.stuck) & jnp.isfinite(after)
 
     def shaped(field: Any) -> Any:
-        field = jnp.where(good.reshape(-1, *[1] * (field.ndim - 1)), field, jnp.nan)
+        field = nan_unless(good.reshape(-1, *[1] * (field.ndim - 1)), field)
         return field.reshape((*scene.shape, *field.shape[1:]))
 
     return Oblique(

@@ -8,7 +8,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64
+from .._runtime import Array, as_float64, nan_unless
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
@@ -124,7 +124,7 @@ def rough_friction(
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
 
     def field(values: Array) -> Array:
-        return numpy.where(good, values, np.nan).reshape(shape)
+        return nan_unless(good, values).reshape(shape)
 
     outside = None if traced else _outside(foundation, surface, reduced)
     extrapolated = None if outside is None else outside > _OUTSIDE

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, known, not_negative, require, scalar
+from .._runtime import as_float64, in_float64, is_traced, known, nan_unless, not_negative, require, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation, half_space
 from ..mapping.reach import contact_measure, contact_size
@@ -132,7 +132,7 @@ def shear(
     if not is_traced(good) and not np.all(good):
         text = "the contact is wider than the body or the grid, and they are NaN"
         warnings.warn(f"{int((~good).sum())} of {good.size} instants: {text}.", ConvergenceWarning, stacklevel=3)
-    found = type(found)(*(xp.where(good, x, xp.nan) for x in found))
+    found = type(found)(*(nan_unless(good, x) for x in found))
     inputs = [("material", normal.name or "given directly"), ("shape", describe(shape))]
     inputs += [(name, brief(value, "N" if name == "load" else "m")), ("displacement", brief(displacement, "m"))]
     inputs += [
@@ -144,7 +144,7 @@ def shear(
         time=time,
         displacement=displacement,
         **{name: value for name, value in found._asdict().items() if name != "missed"},
-        error=xp.where(good, error, xp.nan),
+        error=nan_unless(good, error),
         converged=good,
         model=LAYER if per_area else HALF_SPACE,
         plan="marched element by element",

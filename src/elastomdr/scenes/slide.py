@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import in_float64, is_traced, known
+from .._runtime import in_float64, is_traced, known, nan_unless
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import AbstractLines, SingleLine
@@ -178,7 +178,7 @@ def _pack(
         warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
 
     def shown(field: Any) -> Any:
-        return numpy.where(found.good, field, numpy.nan)
+        return nan_unless(found.good, field)
 
     forces = found.forces
     gone = np.diff(history.time)

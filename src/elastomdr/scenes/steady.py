@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .._runtime import Array, as_float64, is_traced, positive, require
+from .._runtime import Array, as_float64, is_traced, nan_unless, positive, require
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.direction import BARE_LINE
@@ -148,11 +148,10 @@ def solve(scene: Scene) -> Steady:
     """Runs the plan; points that failed are NaN, and one warning counts them."""
     result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
     traced = is_traced(result.mu)
-    numpy = jnp if traced else np
     good = result.line.converged
 
     def shaped(field: Any) -> Any:
-        return numpy.where(good, field, numpy.nan).reshape(scene.shape)
+        return nan_unless(good, field).reshape(scene.shape)
 
     if not traced and not good.all():
         text = f"{int((~good).sum())} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."

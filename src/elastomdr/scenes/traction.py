@@ -8,7 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, known, positive, require
+from .._runtime import as_float64, in_float64, is_traced, known, nan_unless, positive, require
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation, same_shift
 from ..mapping.lines import SingleLine
@@ -125,7 +125,7 @@ def traction(
         warnings.warn(
             f"{lost} of {good.size} tractions did not converge; they are NaN.", ConvergenceWarning, stacklevel=3
         )
-    force = xp.where(good, xp.sign(creep) * pulled.force, xp.nan)
+    force = nan_unless(good, xp.sign(creep) * pulled.force)
     inputs = list(scene.inputs)
     inputs[-1:-1] = _said(creep, friction, law)
     answer = Traction(
@@ -134,13 +134,13 @@ def traction(
         friction=xp.broadcast_to(friction, scene.shape),
         coefficient=force / found.normal_force,
         force=force,
-        stick=xp.where(good, pulled.stick, xp.nan),
+        stick=nan_unless(good, pulled.stick),
         slip_power=abs(force * creep) * found.velocity,
         rolling=found.mu,
         normal_force=found.normal_force,
         depth=found.depth,
         contact=found.contact,
-        error=xp.where(good, pulled.error / found.normal_force, xp.nan),
+        error=nan_unless(good, pulled.error / found.normal_force),
         converged=good,
         temperature=scene.temperature,
         model=BRUSH + scene.plan.model,

@@ -16,7 +16,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import argmax, as_float64, ascending, in_float64, is_traced, not_negative, plain, positive
+from .._runtime import argmax, as_float64, ascending, in_float64, is_traced, nan_unless, not_negative, plain, positive
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..results.warming import Warming
@@ -109,7 +109,7 @@ def warming(
     steady = guess + step
     error = jax.lax.stop_gradient(_LEFT * abs(step) + at.error / at.coefficient * h * (guess - ta) / (h - slope))
     good = at.converged & (error <= _REACHED * rtol * (steady - ta)) & (h > slope)
-    steady, error = (xp.where(good, xp.asarray(x), xp.nan) for x in (steady, error))
+    steady, error = (nan_unless(good, xp.asarray(x)) for x in (steady, error))
     if not traced and not good.all():
         text = f"no steady temperature below {hottest:g} K, or none that can be found; they are NaN."
         text = f"{int((~good).sum())} of {good.size} points have {text}"
@@ -212,4 +212,4 @@ def _history(run: Any, ambient: Any, steady: Any, h: Any, heat: Any, time: Any, 
     fine = xp.where(known & xp.isfinite(fine), fine, xp.asarray(ambient)[..., None])
     power = xp.asarray(jnp.moveaxis(run(jnp.moveaxis(fine, -1, 0)).power, 0, -1))
     off = jax.lax.stop_gradient(abs(fine - coarse))
-    return tuple(xp.where(known, x, xp.nan) for x in (fine, power, off))  # type: ignore[return-value]
+    return tuple(nan_unless(known, x) for x in (fine, power, off))  # type: ignore[return-value]

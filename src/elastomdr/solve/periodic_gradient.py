@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array, argmax
+from .._runtime import Array, argmax, nan_unless
 from ..material.relaxation import Relaxation
 from .periodic import solve_states
 from .periodic_state import SLOW
@@ -51,8 +51,8 @@ def solve_traced(
     found = jax.pure_callback(solved, answer, *bits, vmap_method="sequential")
     state, depth, share, error, good = (jax.lax.bitcast_convert_type(x, jnp.float64) for x in found)
     mu, load, depth = _followed(jnp.asarray(height), law, velocity, value, state, depth, spacing, control)
-    fail = jnp.where(good > 0, 0.0, jnp.nan)
-    return Differentiable(mu + fail, load + fail, depth + fail, share + fail, error + fail, good)
+    mu, load, depth, share, error = (nan_unless(good, x) for x in (mu, load, depth, share, error))
+    return Differentiable(mu, load, depth, share, error, good)
 
 
 def _solved(*bits, spacing, control, rtol) -> tuple[np.ndarray, ...]:
