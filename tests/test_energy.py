@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 import elastomdr as em
+from elastomdr.solve import control
 from elastomdr.foundation.episode import energies, follow, pressed
 from elastomdr.foundation.modes import recovery_modes
 from elastomdr.mapping.lines import SingleLine
@@ -200,3 +201,24 @@ def test_steady_sliding_turns_all_its_power_into_heat():
     steady = em.friction(rubber, ball, velocity=speed, load=10.0, average=None)
     power = (found.dissipated[-1] - found.dissipated[-9]) / (time[-1] - time[-9])
     np.testing.assert_allclose(power, steady.friction_force * speed, rtol=1e-3)
+
+
+def test_heat_that_is_not_resolved_is_not_told(monkeypatch):
+    """Rubber that lets go within a dashpot's time of an interval a million times longer: the depth is soon known."""
+    rubber = em.Foundation(1e6, [1e6, 1e7], [1e-6, 1e-1], per_area=True, viscosity=1e7)
+    scene = {"time": [0.0, 1e4, 2e4, 3e4], "load": [2.0, 3.0, 0.0, 1.0], "rtol": 1e-2}
+    resolved = em.indent(rubber, em.Cylinder(0.01, 0.1), **scene)
+    assert np.isfinite(resolved.dissipated).all()
+    monkeypatch.setattr(control, "_MOST_STEPS", 200)
+    with pytest.warns(em.ConvergenceWarning, match="the heat at 2 of 4 instants did not converge"):
+        found = em.indent(rubber, em.Cylinder(0.01, 0.1), **scene)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.depth, resolved.depth, atol=1e-2 * resolved.depth.max())
+    np.testing.assert_array_equal(np.isnan(found.dissipated), [False, False, True, True])
+
+
+def test_halving_ends_where_nothing_will_come_of_it():
+    assert control._hopeless([375.0, 392.0, 325.0], 5)  # seen in a stress test: an hour to the last halving
+    assert not control._hopeless([161.0, 141.0, 16.9], 5)  # slow to begin with
+    assert not control._hopeless([5e3], 5)
+    assert control._hopeless([1.1], 0)

@@ -221,6 +221,16 @@ def test_average_corrected_for_an_asymmetric_contact():
         assert (plain.model_error[[0, -1]] < 2e-3 * plain.mu[[0, -1]]).all()
 
 
+def test_a_glassy_edge_much_thinner_than_a_cell_settles():
+    """One relaxation time, a modulus that rises by 1000 within v tau = 6 um, on cells of 80 um."""
+    law = em.Foundation(4e6, [4e9], [1e-3])
+    found = half_space_sliding(law, BALL, velocity=6.1e-3, load=LOAD, points=32)
+    assert found.converged
+    average = em.friction(law, BALL, velocity=6.1e-3, load=LOAD, average="corrected")
+    assert np.abs(found.mu - average.mu) < average.model_error
+    np.testing.assert_allclose(found.mu, 0.1361, rtol=5e-3)  # on 128 by 128 cells, with another place of the observer
+
+
 def test_what_is_not_resolved_is_flagged(monkeypatch):
     # One relaxation time and a modulus that rises by 1000 within v tau = 1e-5 m at the leading edge.
     monkeypatch.setattr(half_space, "LEADS", (0.0,))

@@ -29,7 +29,8 @@ class Indentation(AbstractResult):
     apart from the work so that `work - stored - dissipated` is an audit, and `locked`, the elastic energy in surface
     that is out of contact, which turns into heat as that recovers (a renewed contact before that brings it back).
     `error` is the estimated numerical error of what was asked for, the force under a given depth and the depth under a
-    given load, over its largest value in the history. An instant that did not converge is NaN with `converged=False`.
+    given load, over its largest value in the history. An instant that did not converge is NaN with `converged=False`;
+    heat for which the audit does not close to `rtol` of the largest work, under a load that falls, is NaN alone.
     With adhesion see `em.indent`.
     """
 

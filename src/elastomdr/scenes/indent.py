@@ -77,6 +77,9 @@ def indent(
         if found.reason:
             text += f" {found.reason}"
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
+    if not traced and (lost := int(np.sum(found.converged & np.isnan(found.heat)))) and adhesion is None:
+        text = f"the heat at {lost} of {found.converged.size} instants did not converge to rtol={rtol:g}; it is NaN."
+        warnings.warn(text, ConvergenceWarning, stacklevel=3)
     inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
     inputs += [(name, brief(value, unit)) for name, value, unit in course.words() if value is not None]
     if adhesion is not None:
