@@ -44,9 +44,9 @@ def read_dma(
     `frequency_unit` ("Hz", "rad/s"), `modulus_unit` ("Pa", "MPa", ...), `temperature_unit` ("degC", "K"), `time_unit`
     ("s"), which fill in what the file leaves out and never overrule it; `kind` ("shear", "tensile") likewise.
     `temperature` [K] is that of all points where the file has no such column. `columns` names columns that are not
-    recognised, as {"storage": "Modulus 1"} or by number from 1; logarithms are read where titles or units say which. Rows that are no measurement are left out, counted and
-    named in a `FitWarning` and in the result; so is what looks implausible. Raises `InputError` for what cannot be
-    read, and for units that nobody gives.
+    recognised, as {"storage": "Modulus 1"} or by number from 1; logarithms are read where titles or units say which.
+    Rows that are no measurement are left out, counted and named in a `FitWarning` and in the result; so is what looks
+    implausible. Raises `InputError` for what cannot be read, and for units that nobody gives.
     """
     options = _options(kind, frequency_unit, modulus_unit, temperature_unit, time_unit, temperature, columns)
     if isinstance(path, (str, os.PathLike)):
