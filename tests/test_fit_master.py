@@ -7,7 +7,7 @@ import elastomdr as em
 from elastomdr.errors import InputError
 from elastomdr.fit.laws import fit_laws
 
-from .dma_files import LAW, RUBBER, STEPS, data
+from .dma_files import KNOWN, LAW, RUBBER, STEPS, data
 
 
 @pytest.fixture(scope="module")
@@ -163,6 +163,20 @@ def test_relaxation_shifts_too():
     both = em.fit.master_curve(em.fit.join(dma, data()), 293.15)
     assert np.abs(both.log10_a - truth).max() < 0.03
     assert both.time.size == moduli.size
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_relaxation_that_has_come_to_an_end_is_level(noise):
+    """Its slow edge is the equilibrium modulus, and no slow branches in place of it that would still relax there."""
+    rng, t, parts = np.random.default_rng(0), np.geomspace(0.01, 1e3, 24), []
+    for T in np.arange(-10.0, 61.0, 10.0) + 273.15:
+        moduli = np.asarray(KNOWN.at(T).relaxation(t)) * (1 + noise * rng.normal(size=t.size))
+        parts.append(em.fit.relaxation(t, moduli, T, kind="shear"))
+    master = em.fit.master_curve(em.fit.join(*parts), 293.15)
+    time = 1 / np.geomspace(master.window[0], 0.1, 12)
+    band, truth = master.relaxation_band(time), np.asarray(KNOWN.at(293.15).relaxation(time))
+    assert np.abs(band.relaxation / truth - 1).max() < 1e-4 + noise
+    assert ((band.relaxation_low <= truth) & (truth <= band.relaxation_high)).mean() > 0.9
 
 
 def test_few_temperatures():
