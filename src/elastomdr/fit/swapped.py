@@ -19,6 +19,7 @@ _MISFIT = 0.1  # rms relative misfit as named above which the columns are suspec
 _CLOSER = 3.0  # the exchanged ones are so many times closer
 _TOLERANCE = 1.5  # between temperatures of one isotherm [K], as for master curves
 _LEAST_RANGE = 2.0  # ratio of the highest to the lowest frequency of an isotherm that says anything
+_HOTTEST = 1e4  # what is beyond is damaged [K]
 _FEWEST = 5  # points that say anything
 _MOST = 100  # points of an isotherm that are looked at
 _PER_DECADE = 4  # relaxation times,
@@ -47,7 +48,7 @@ def look_swapped(temperature: np.ndarray, omega: np.ndarray, storage: np.ndarray
     """
     if omega.size < _FEWEST:
         return False
-    number, mean = group(temperature, _TOLERANCE)
+    number, mean = group(np.minimum(temperature, _HOTTEST), _TOLERANCE)
     pairs = []
     for i in range(mean.size):
         at = np.flatnonzero(number == i)
