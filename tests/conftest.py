@@ -36,3 +36,15 @@ def forget_programs():
         import jax
 
         jax.clear_caches()
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes a text file and returns its path."""
+
+    def file(text: str, name: str = "dma.csv", encoding: str = "utf-8"):
+        path = tmp_path / name
+        path.write_bytes(text.encode(encoding))
+        return path
+
+    return file

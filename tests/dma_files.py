@@ -7,8 +7,18 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
+import elastomdr as em
+
+KNOWN = em.Prony(
+    6e5, np.geomspace(6e7, 2e5, 10), np.geomspace(1e-9, 1.0, 10), shift=em.WLF(5.8, 125.0, 293.15), name="known"
+)
 CELSIUS = np.arange(-10.0, 61.0, 10.0)
 HERTZ = np.geomspace(0.1, 100.0, 13)
+
+LAW = em.WLF(7.0, 120.0, 293.15)
+RUBBER = em.Prony(4e5, np.geomspace(4e7, 3e5, 9), np.geomspace(1e-8, 1.0, 9), shift=LAW)
+STEPS = np.arange(-20.0, 41.0, 10.0)  # degC
+SWEEP = np.geomspace(0.1, 50.0, 11)  # Hz
 
 
 def measure(material, celsius=CELSIUS, hertz=HERTZ, noise=0.003, seed=0, factor=1.0):
@@ -20,6 +30,13 @@ def measure(material, celsius=CELSIUS, hertz=HERTZ, noise=0.003, seed=0, factor=
     ])  # fmt: skip
     scatter = 1 + noise * rng.normal(size=(2, t.size))
     return np.column_stack([f, t, moduli.real * scatter[0], moduli.imag * scatter[1]])
+
+
+def data(celsius=STEPS, noise=0.005, seed=0, material=RUBBER, lift=None, hertz=SWEEP):
+    """Measurements as `em.fit` takes them; `lift` is a vertical shift, a function of degC."""
+    rows = measure(material, np.asarray(celsius), hertz, noise, seed)
+    up = np.ones(len(rows)) if lift is None else lift(rows[:, 1])
+    return em.fit.dma(2 * np.pi * rows[:, 0], up * rows[:, 2], up * rows[:, 3], rows[:, 1] + 273.15, kind="shear")
 
 
 def isotherms(rows):

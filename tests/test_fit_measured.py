@@ -12,16 +12,34 @@ import pytest
 
 import elastomdr as em
 from elastomdr.fit import FitWarning
+from elastomdr.fit.swapped import look_swapped
 
 DATA = Path(os.environ.get("ELASTOMDR_DATA", Path(__file__).parents[2] / "shared" / "data" / "dma"))
 LIBRARY = Path(__file__).parents[1] / "materials"
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="measured data are not here; set ELASTOMDR_DATA")
 
 
-def read(*names):
+def read(*names, **options):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FitWarning)
-        return em.fit.read_dma([path for name in names for path in sorted(DATA.glob(name))])
+        return em.fit.read_dma([path for name in names for path in sorted(DATA.glob(name))], **options)
+
+
+@pytest.mark.parametrize(
+    ("names", "options"),
+    [
+        (["epdm-70/tf_015p.csv", "epdm-70/sd_10hz.csv"], {}),
+        (["polyisoprene-34k/*.osc"], {}),
+        (["psa-468mp/frequency_sweep_tts.txt"], {}),
+        (["pv-encapsulant/freq_Eplexor_raw.xls", "pv-encapsulant/freq_user_raw.csv"], {"kind": "tensile"}),
+        (["pv-encapsulant/freq_user_master.csv"], {"kind": "tensile", "temperature": 300.0}),
+    ],
+    ids=lambda value: value[0].split("/")[0] if isinstance(value, list) else "",
+)
+def test_measured_moduli_are_not_taken_for_swapped_and_would_be_found(names, options):
+    dma = read(*names, **options)
+    assert not any("look exchanged" in text for text in dma.warnings)
+    assert look_swapped(dma.temperature, dma.frequency, dma.loss, dma.storage)
 
 
 def test_polyisoprene_follows_the_published_law():

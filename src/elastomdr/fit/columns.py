@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from ..errors import InputError
+from .logarithms import logarithm, other_logarithm
 
 _HZ = 2 * math.pi
 UNITS: dict[str, dict[str, float]] = {  # role -> unit -> factor to SI (rad/s, Pa, s, rad); K has an offset too
@@ -54,6 +55,7 @@ _NAMES = {
 }
 _KIND = {"omega": "frequency", "storage": "modulus", "loss": "modulus", "absolute": "modulus", "relaxation": "modulus",
          "phase": "angle", "tangent": "ratio"}  # fmt: skip
+_NO_LOGS = ("temperature", "phase", "torque")  # of which nobody writes logarithms
 _LONGEST = 80  # characters of a title
 _PATTERNS = {role: re.compile(pattern, re.IGNORECASE) for role, pattern in _NAMES.items()}
 
@@ -67,6 +69,7 @@ class Column(NamedTuple):
     unit: str  # "" where none was given, or none that is known
     letter: str  # "G", "E" or "" where the title does not say which modulus it is
     said: str = ""  # what stands in place of a unit and is none that is known
+    log: str = ""  # of `LOGS`, where the column holds logarithms
 
 
 def measure(role: str) -> str:
@@ -86,13 +89,19 @@ def known_unit(text: str) -> str:
 
 def unclear(text: str) -> bool:
     """Whether a text stands for a unit that may be one of several, so that the user has to say which."""
-    return re.sub(r"\s+", "", text) in ("1/s", "s-1", "s^-1", "s⁻¹", "/s", "MHz", "mPa")
+    return per_second(text) or re.sub(r"\s+", "", text) in ("MHz", "mPa")
+
+
+def per_second(text: str) -> bool:
+    """Whether a text is a unit of rates, which leaves open whether turns or radians are counted."""
+    return re.sub(r"\s+", "", text) in ("1/s", "s-1", "s^-1", "s⁻¹", "/s")
 
 
 def is_unit_row(cells: Sequence[str]) -> bool:
     """Whether a row gives units: some of its cells are, none is a number, few are anything else."""
     words = [cell.strip() for cell in cells if cell.strip()]
-    units = [word for word in words if known_unit(word) or word in ("-", "[-]", "N", "mm", "µm", "1/MPa")]
+    plain = [logarithm(word.strip("[]()"))[1] for word in words]
+    units = [word for word in plain if known_unit(word) or word in ("-", "N", "mm", "µm", "1/MPa")]
     numbers = [word for word in words if re.fullmatch(r"[+-]?[\d.,]+([eE][+-]?\d+)?", word)]
     return (len(units) >= 2 and not numbers) or (len(units) == 1 and len(words) == 1)
 
@@ -101,20 +110,24 @@ def understand(titles: Sequence[str], units: Sequence[str]) -> list[Column]:
     """The columns whose titles say what they hold; `units` from a row of its own go before those in the title."""
     columns = []
     for place, title in enumerate(titles):
-        name, unit, said = _split(title)
+        log, text = logarithm(_clean(title))
+        name, unit, said = _split(text)
         below = units[place].strip() if place < len(units) else ""
-        given = known_unit(below)
         role = _role(name)
         if role is None and (unit or said):  # the end of the title was no unit after all
-            role, unit, said, name = _role(_clean(title)), "", "", _clean(title)
-        if role is None:
+            role, unit, said, name = _role(text), "", "", text
+        if role is None or (log and role in _NO_LOGS):
             continue
-        unit, said = given or ("" if below.strip("[]()- ") else unit), "" if given else below.strip("[]()- ") or said
+        if below.strip("[]()- "):
+            unit, said = known_unit(below), "" if known_unit(below) else below.strip("[]()- ")
+        of_unit, inner = logarithm(said)
+        if of_unit and known_unit(inner) and log in ("", of_unit):
+            log, unit, said = of_unit, known_unit(inner), ""
         if unit and unit not in UNITS.get(measure(role), {unit: 1.0}):
             if role != "torque":
                 continue  # such as a "Phase" in volts
             unit = ""
-        columns.append(Column(place, role, title.strip(), unit, _letter(role, name), said))
+        columns.append(Column(place, role, title.strip(), unit, _letter(role, name), said, log))
     return columns
 
 
@@ -159,6 +172,24 @@ def checked_unit(name: str, text: str | None, kind: str) -> str | None:
         accepted = ", ".join(spelled(key) for key in UNITS[kind])
         raise InputError(f"{name} must be one of {accepted}, got {text!r}.")
     return unit
+
+
+def named(role: str, place: int, title: str, below: str | None, known: Column | None) -> Column:
+    """The column that a user names for a role; its title may be `known` already, the unit `below` it replaces the
+    title's. Raises `InputError` for logarithms of a base that is not clear.
+    """
+    if known is not None and measure(known.role) == measure(role):
+        return known._replace(role=role)
+    if other_logarithm(title):
+        raise InputError(unclear_logarithm(title))
+    log, text = logarithm(_clean(title))
+    of_unit, unit = ("", title_unit(text)) if below is None else logarithm(below.strip("[]() "))
+    return Column(place, role, title, known_unit(unit), "", log=log or of_unit)
+
+
+def unclear_logarithm(title: str) -> str:
+    """What is wrong with a title such as log2 G'."""
+    return f"{title!r} is a logarithm of a base that is not clear: write log10 or ln, and the unit behind it."
 
 
 def _role(name: str) -> str | None:

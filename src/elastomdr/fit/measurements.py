@@ -1,5 +1,6 @@
 """The rows below a header become numbers in SI; what is no measurement is left out and named."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -7,9 +8,11 @@ import numpy as np
 
 from ..errors import InputError
 from .cells import Row, number
-from .columns import UNITS, Column, convert, is_complete, measure, spelled, unclear
+from .columns import UNITS, Column, convert, is_complete, measure, per_second, spelled, unclear
 from .data import Dma
+from .logarithms import antilogarithm
 from .plausible import implausible, inconsistent
+from .swapped import swapped
 
 _NAMED = 6  # bad rows that a warning names one by one
 
@@ -52,6 +55,9 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     texts = list(inconsistent(arrays, {role: (values[role], given[role]) for role in checks}, dynamic))
     kind = _kind(chosen, options)
     texts += implausible(arrays, {role: chosen[role].title for role in needed}, given, modulus_given(options))
+    texts += _assumed([chosen[role] for role in needed])
+    if {"storage", "loss"} <= arrays.keys():
+        texts += swapped(arrays, chosen["storage"], chosen["loss"])
     if bad:
         more = f" and {len(bad) - _NAMED} more, all of them in bad_rows and in the master curve's table"
         more = more if len(bad) > _NAMED else ""
@@ -67,7 +73,7 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
             )
     common: dict[str, Any] = {
         "kind": kind,
-        "units": {role: spelled(given[role]) for role in needed},
+        "units": {role: _said(chosen[role].log, given[role]) for role in needed},
         "warnings": tuple(texts),
         "bad_rows": tuple(bad),
         "source": path.name,
@@ -86,7 +92,10 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
 
 
 def _chosen(columns: list[Column], options: Options) -> dict[str, Column]:
-    """One column per role: of several, the first whose unit is known. Raises `InputError` for moduli of two kinds."""
+    """One column per role: of several, the first whose unit is known and that is no logarithm.
+
+    Raises `InputError` for moduli of two kinds.
+    """
     letters = {column.letter for column in columns if measure(column.role) == "modulus"} - {""}
     if len(letters) > 1:
         if options.kind is None:
@@ -96,7 +105,7 @@ def _chosen(columns: list[Column], options: Options) -> dict[str, Column]:
         if not is_complete(columns):
             raise InputError(f"the file has no storage and loss modulus of {options.kind}, only one of both.")
     chosen: dict[str, Column] = {}
-    for column in sorted(columns, key=lambda column: bool(column.said)):
+    for column in sorted(columns, key=lambda column: (bool(column.said), bool(column.log))):
         chosen.setdefault(column.role, column)
     return chosen
 
@@ -123,9 +132,9 @@ def _numbers(
         for role in needed:
             column = chosen[role]
             cell = row.cells[column.place] if column.place < len(row.cells) else ""
-            value = number(cell)
-            if value is None or not np.isfinite(value):
-                wrong = f"{column.title} is {cell[:20]!r}, no number"
+            value = _value(cell, column)
+            if value is None:
+                wrong = f"{column.title} is {cell[:20]!r}, no {'logarithm of a ' * bool(column.log)}number"
             elif role not in ("temperature", "phase") and value <= 0:
                 wrong = f"{column.title} is {value:g} {spelled(given[role])}, not positive"
             elif role == "temperature" and convert([value], role, given[role])[0] <= 0:
@@ -138,18 +147,39 @@ def _numbers(
             continue
         for role in checks:
             column = chosen[role]
-            extra = number(row.cells[column.place]) if column.place < len(row.cells) else None
+            extra = _value(row.cells[column.place], column) if column.place < len(row.cells) else None
             found[role] = np.nan if extra is None else extra
         for role, value in found.items():
             values[role].append(value)
     return values, bad
 
 
+def _assumed(columns: list[Column]) -> Iterator[str]:
+    """A warning on titles whose logarithm has no base."""
+    titles = ", ".join(repr(column.title) for column in columns if column.log == "log")
+    if titles:
+        yield f"{titles}: assumed are decadic logarithms (log10); write ln in the title where they are natural ones."
+
+
+def _said(log: str, unit: str) -> str:
+    """How a column is written, in words: "MPa", or "log10 of MPa"."""
+    words = ["ln" if log == "ln" else "log10"] if log else []
+    return " of ".join([*words, spelled(unit)] if unit or not log else words)
+
+
+def _value(cell: str, column: Column) -> float | None:
+    """The number that a cell stands for, None where it stands for none."""
+    value = number(cell)
+    if value is None or not np.isfinite(value):
+        return None
+    return antilogarithm(value, column.log) if column.log else value
+
+
 def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
     """The unit of a column: the file's own, that of the format, or the user's."""
     kind = measure(column.role)
-    if column.role == "omega" and not column.unit:
-        return "rad/s"
+    if column.role == "omega" and per_second(column.said):
+        return "rad/s"  # the radian is 1, and the title says that the frequency is an angular one
     if kind == "ratio":
         return column.unit
     if column.said and not unclear(column.said):
@@ -166,6 +196,7 @@ def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
         )
     missing = f"may be several ({column.said})" if column.said else "is not in the file"
     example = {"frequency": "Hz", "modulus": "MPa", "temperature": "degC", "time": "s"}[kind]
+    example = "rad/s" if column.role == "omega" else example
     raise InputError(
         f"the unit of {column.title!r} {missing}; give it, as {option}={example!r} "
         f"(--{option.replace('_', '-')} {example})."

@@ -10,8 +10,9 @@ from typing import Any
 from .._runtime import positive, scalar
 from ..errors import InputError, closest
 from .cells import Row, Sheet, number, read_cells
-from .columns import Column, checked_unit, is_complete, is_unit_row, known_unit, title_unit, understand
+from .columns import Column, checked_unit, is_complete, is_unit_row, named, unclear_logarithm, understand
 from .data import KINDS, Dma, FitWarning, join
+from .logarithms import other_logarithm
 from .measurements import Block, Options, measurements
 
 _ROLES = ("frequency", "temperature", "storage", "loss", "time", "relaxation")
@@ -43,9 +44,9 @@ def read_dma(
     `frequency_unit` ("Hz", "rad/s"), `modulus_unit` ("Pa", "MPa", ...), `temperature_unit` ("degC", "K"), `time_unit`
     ("s"), which fill in what the file leaves out and never overrule it; `kind` ("shear", "tensile") likewise.
     `temperature` [K] is that of all points where the file has no such column. `columns` names columns that are not
-    recognised, as {"storage": "Modulus 1"} or by number from 1. Rows that are no measurement are left out, counted and
-    named in a `FitWarning` and in the result; so is what looks implausible. Raises `InputError` for what cannot be
-    read, and for units that nobody gives.
+    recognised, as {"storage": "Modulus 1"} or by number from 1; logarithms are read where titles or units say which.
+    Rows that are no measurement are left out, counted and named in a `FitWarning` and in the result; so is what looks
+    implausible. Raises `InputError` for what cannot be read, and for units that nobody gives.
     """
     options = _options(kind, frequency_unit, modulus_unit, temperature_unit, time_unit, temperature, columns)
     if isinstance(path, (str, os.PathLike)):
@@ -138,6 +139,7 @@ def _broken(cells: list[str]) -> bool:
 
 def _named(titles: list[str], columns: list[Column], units: list[str], options: Options) -> list[Column]:
     """Adds the columns that the user named."""
+    understood = columns
     for role, wanted in options.columns.items():
         if isinstance(wanted, int) and not isinstance(wanted, bool):
             place = wanted - 1
@@ -145,9 +147,10 @@ def _named(titles: list[str], columns: list[Column], units: list[str], options: 
             place = next((i for i, title in enumerate(titles) if title.strip() == str(wanted).strip()), -1)
         if not 0 <= place < len(titles):
             continue
-        unit = known_unit(units[place]) if place < len(units) else title_unit(titles[place])
+        known = next((column for column in understood if column.place == place), None)
+        below = units[place] if place < len(units) else None
         columns = [column for column in columns if column.place != place and column.role != role]
-        columns.append(Column(place, role, titles[place], unit, ""))
+        columns.append(named(role, place, titles[place], below, known))
     return columns
 
 
@@ -170,7 +173,9 @@ def _reptate(path: Path, sheet: Sheet, parameters: dict[str, str], options: Opti
     titles = _titles(sheet.text.splitlines(), start)
     columns = understand(*titles)
     if not is_complete(columns):
-        columns = [Column(i, role, role, "", "G") for i, role in enumerate(("omega", "storage", "loss"))]
+        titles = ["omega", "storage", "loss"], []
+        columns = [Column(i, role, role, "", "G") for i, role in enumerate(titles[0])]
+    columns = _named(titles[0], columns, titles[1], options)
     if master:
         columns = [column for column in columns if column.role != "temperature"]
     units = _FORMAT_UNITS | {"frequency": "rad/s"}
@@ -201,6 +206,9 @@ def _no_columns(rows: list[Row], options: Options) -> str:
             f"tan delta, or |G*| with the phase angle. Name its column, as columns={{{absent[0]!r}: 'Modulus 1'}} "
             f"(--column {absent[0]}='Modulus 1')."
         )
+    unclear = [cell for row in rows for cell in row.cells if other_logarithm(cell)]
+    if unclear:
+        return unclear_logarithm(unclear[0])
     shown = next((row.cells for row in rows if sum(bool(cell) for cell in row.cells) >= 2), [])
     return (
         "no header names frequency, storage and loss modulus (or time and relaxation modulus); "

@@ -25,6 +25,8 @@ _FREE = (0.003, 0.3)  # limits of the standard deviation of delta_i
 _FIXED = 1e-5  # width of a prior that fixes an unknown
 _SLOPE = np.log(0.06)  # usual -d(log10 a_T)/dT of rubbers and melts [1/K]
 _LEAST = 0.03  # least slope to begin with [1/K]
+_BIN = 0.5  # decades of time from which a first slope of relaxation is taken,
+_LEAST_FALL = 1e-3  # and the least one, -d(ln G)/d(ln t)
 _BEND = -0.012  # usual d(ln slope)/dT: that of WLF laws 150 K above their pole [1/K]
 _CHANGE = (0.1, 0.4)  # limits of the standard deviation of ln(slope ratio) over 10 K
 _CURVATURE = (0.04, 3.0)  # limits of the standard deviation of the second difference of ln H_k
@@ -217,12 +219,22 @@ def _anchor(points: Points, guess: np.ndarray) -> int:
 
 
 def _first_spectrum(points: Points, reduced: np.ndarray, log_times: np.ndarray) -> np.ndarray:
-    """ln H_k from the loss modulus, H = (2/pi) G'' per unit of ln tau, or from the slope of the other moduli."""
+    """ln H_k from the loss modulus, H = (2/pi) G'' per unit of ln tau, or from relaxation, H = -dG/d(ln t).
+
+    Relaxation that has come to an end must begin without slow times: beside an equilibrium modulus that is too low they
+    would stay, and bend the slow edge.
+    """
+    width = np.log(LN10 / PER_DECADE)
     at = points.channel == LOSS
-    at = at if at.any() else np.ones(at.size, dtype=bool)
-    order = np.argsort(-reduced[at])
-    level = points.log_value[at][order] + (0.0 if (points.channel == LOSS).any() else np.log(0.1))
-    return np.interp(log_times, -reduced[at][order], level) + np.log(2 / np.pi * LN10 / PER_DECADE)
+    if at.any():
+        order = np.argsort(-reduced[at])
+        return np.interp(log_times, -reduced[at][order], points.log_value[at][order]) + np.log(2 / np.pi) + width
+    bins = np.floor((reduced.max() - reduced) / (_BIN * LN10)).astype(int)
+    log_time, level = (np.bincount(bins, of) for of in (-reduced, points.log_value))
+    count = np.bincount(bins)
+    log_time, level = log_time[count > 0] / count[count > 0], level[count > 0] / count[count > 0]
+    fall = -np.gradient(level, log_time) if level.size > 1 else np.array([_LEAST_FALL])
+    return np.interp(log_times, log_time, level + np.log(np.maximum(fall, _LEAST_FALL))) + width
 
 
 def guess_shifts(points: Points, temperature: np.ndarray) -> np.ndarray:

@@ -1,0 +1,82 @@
+"""Whether storage and loss modulus look exchanged: which way round a passive material can have them.
+
+A passive linear material has G' = G_eq + sum_k H_k x_k^2/(1 + x_k^2) and G'' = sum_k H_k x_k/(1 + x_k^2), x_k = omega
+tau_k, with H_k >= 0: its storage modulus rises with frequency, and by how much, its loss modulus says. Non-negative
+least squares on the relative error finds how close any such spectrum comes to an isotherm as its columns are named,
+and how close with both exchanged. A passive material exchanged is off by 20 to 70 % rms, unless both moduli are nearly
+the same power law, omega^(1/2), which nothing tells apart.
+"""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from scipy.optimize import nnls
+
+from .columns import Column
+from .isotherms import group
+
+_MISFIT = 0.1  # rms relative misfit as named above which the columns are suspect, if
+_CLOSER = 3.0  # the exchanged ones are so many times closer
+_TOLERANCE = 1.5  # between temperatures of one isotherm [K], as for master curves
+_LEAST_RANGE = 2.0  # ratio of the highest to the lowest frequency of an isotherm that says anything
+_HOTTEST = 1e4  # what is beyond is damaged [K]
+_FEWEST = 5  # points that say anything
+_MOST = 100  # points of an isotherm that are looked at
+_PER_DECADE = 4  # relaxation times,
+_MARGIN = 2.3  # how far beyond the data ln(tau) goes on either side,
+_MOST_TIMES = 200  # and how many at most
+_LARGEST = 100.0  # |ln| of a modulus over the median one, and of omega tau: what is beyond is damaged
+
+
+def swapped(arrays: Mapping[str, np.ndarray], storage: Column, loss: Column) -> Iterator[str]:
+    """A warning where the columns of storage and loss modulus look exchanged; `arrays` in SI units by role."""
+    rate = arrays["omega" if "omega" in arrays else "frequency"]
+    temperature = arrays.get("temperature", np.zeros(rate.size))
+    if look_swapped(temperature, rate, arrays["storage"], arrays["loss"]):
+        s, l = storage.place + 1, loss.place + 1
+        yield (
+            f"{storage.title!r} and {loss.title!r} look exchanged: no passive material has them as they are named, and "
+            f"one has them the other way round. Assumed are the names; if they are wrong, give "
+            f"columns={{'storage': {l}, 'loss': {s}}} (--column storage={l} --column loss={s})."
+        )
+
+
+def look_swapped(temperature: np.ndarray, omega: np.ndarray, storage: np.ndarray, loss: np.ndarray) -> bool:
+    """Whether isotherms suit no passive material as named, and one if storage and loss modulus are exchanged.
+
+    Arrays of one shape in SI units. The median isotherm decides.
+    """
+    if omega.size < _FEWEST:
+        return False
+    number, mean = group(np.minimum(temperature, _HOTTEST), _TOLERANCE)
+    pairs = []
+    for i in range(mean.size):
+        at = np.flatnonzero(number == i)
+        at = at[np.argsort(omega[at], kind="stable")]
+        at = at[np.linspace(0, at.size - 1, min(at.size, _MOST)).astype(int)]
+        if omega[at[-1]] / _LEAST_RANGE > omega[at[0]]:
+            pairs.append([_misfit(omega[at], *both) for both in ((storage[at], loss[at]), (loss[at], storage[at]))])
+    if not pairs:
+        return False
+    named, exchanged = np.median(pairs, axis=0)
+    return bool(named > _MISFIT and named > _CLOSER * exchanged)
+
+
+def _misfit(omega: np.ndarray, storage: np.ndarray, loss: np.ndarray) -> float:
+    """Rms relative distance of the closest passive material; NaN where none is found."""
+    rate = np.log(omega)
+    ends = rate[-1] + _MARGIN, rate[0] - _MARGIN
+    count = min(int(np.ceil(_PER_DECADE * (ends[0] - ends[1]) / np.log(10.0))) + 1, _MOST_TIMES)
+    x = np.exp(np.clip(rate[:, None] - np.linspace(*ends, count), -_LARGEST, _LARGEST))
+    none, all_of_it = np.zeros(omega.size), np.ones(omega.size)
+    rows = [  # beyond these times there are springs (a modulus at all frequencies) and dashpots (a loss that is linear)
+        np.column_stack([1 / (1 + 1 / x**2), all_of_it, none]),
+        np.column_stack([1 / (x + 1 / x), none, x[:, 0] / x[-1, 0]]),
+    ]
+    log_value = np.log(np.concatenate([storage, loss]))
+    matrix = np.concatenate(rows) * np.exp(-np.clip(log_value - np.median(log_value), -_LARGEST, _LARGEST))[:, None]
+    try:
+        _, distance = nnls(matrix / matrix.max(axis=0), np.ones(log_value.size))
+    except RuntimeError:  # too many iterations
+        return np.nan
+    return float(distance) / np.sqrt(log_value.size)
