@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import quad
 
 import elastomdr as em
-from elastomdr.solve import control
 from elastomdr.foundation.episode import energies, follow, pressed
 from elastomdr.foundation.modes import recovery_modes
 from elastomdr.mapping.lines import SingleLine
 from elastomdr.material.relaxation import Relaxation
+from elastomdr.solve import control
 from elastomdr.solve.over_line import indenter
 from elastomdr.solve.slide import march
 from elastomdr.solve.timeline import Steps
