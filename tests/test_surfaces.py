@@ -119,6 +119,12 @@ def test_bad_surfaces():
         em.SelfAffine(0.8, rms_slope=0.1, rms_height=1e-6, q_low=1.0, q_high=2.0)
 
 
+@pytest.mark.parametrize("given", [{"rms_slope": 1e200}, {"rms_height": 1e-200}, {"rms_slope": 1.0, "q_high": 1e300}])
+def test_a_spectrum_beyond_double_precision(given):
+    with pytest.raises(em.InputError, match="whose power spectrum double precision holds, got rms_"):
+        em.SelfAffine(0.8, **{"q_low": 1e3, "q_high": 1e6, **given})
+
+
 def test_line_of_a_surface():
     """`surface.line(seed)` has the surface's rms height and, as its slope, the whole |grad h|."""
     surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)

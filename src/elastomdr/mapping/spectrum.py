@@ -168,8 +168,12 @@ class SelfAffine(AbstractSpectrum):
         numpy: Any = jnp if traced else np
         whole = q_rolloff is None or (not is_traced(low, knee) and knee == low)
         self.q = numpy.stack([low, high] if whole else [low, knee, high])
-        self.c = numpy.where(self.q <= knee, 1.0, (self.q / knee) ** (-2 - 2 * self.hurst))
-        self.c = self.c * (value / getattr(self, name)) ** 2
+        with np.errstate(all="ignore"):
+            self.c = numpy.where(self.q <= knee, 1.0, (self.q / knee) ** (-2 - 2 * self.hurst))
+            self.c = self.c * (value / getattr(self, name)) ** 2
+        if not traced and not (np.isfinite(self.c) & (self.c > 0)).all():
+            said = f"{name}={value:g} between {low:g} and {high:g} rad/m"
+            raise InputError(f"{name} must be of a surface whose power spectrum double precision holds, got {said}.")
 
     def __repr__(self) -> str:
         if is_traced(self):
