@@ -56,6 +56,11 @@ class AbstractLines(eqx.Module):
     def depth(self, size: Array) -> Array:
         """Indentation depth [m] at which the central line enters at `size`."""
 
+    def exponent(self, size: Float[Array, " points"]) -> Float[Array, " points"]:
+        """a g'(a)/g(a) on the central line: 1 for a cone, 2 for a paraboloid."""
+        entry, central = self.entry(size)[:1], jnp.zeros((1, 1), int)
+        return (entry * self.slope(entry, size, central) / self.profile(entry, size, central))[0]
+
 
 class SingleLine(AbstractLines):
     """The MDR line of a half-space contact, or the one line of a cylinder on a layer (weighted by its length)."""

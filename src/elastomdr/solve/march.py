@@ -24,7 +24,7 @@ from .._runtime import Array, is_traced
 from ..foundation.step import ContactStep, Elements, RigidSurface, rest
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
-from .passage import Control, Passages, estimate_sizes, exponent_at
+from .passage import Control, Passages, estimate_sizes
 
 _BLOCK = 64  # contact steps per step of the solver
 _FEWEST, _MOST = 256, 2**15  # samples per passage
@@ -100,7 +100,7 @@ def march_passages(
         depth=lines.depth(limit.size),
         leading=lines.entry(limit.size)[0],
         trailing=limit.trailing,
-        exponent=exponent_at(lines, limit.size),
+        exponent=lines.exponent(limit.size),
         error=error,
         converged=limit.good,
     )

@@ -238,7 +238,7 @@ def _polish(law, lines, value, velocity, found: _Found, *, rule: Rule, control: 
         depth=lines.depth(size),
         leading=entry[0],
         trailing=(ratio * entry)[0],
-        exponent=exponent_at(lines, size),
+        exponent=lines.exponent(size),
         error=jax.lax.stop_gradient((drag_error + jnp.abs(mu) * normal_error) / normal),
         converged=found.converged & settled,
     )
@@ -287,12 +287,6 @@ def _losses(law, modes, lines, value, velocity, found: _Found, rule: Rule, contr
     size, ratio, settled = _edges(p, value, found, control)
     dashpot, branches = branch_losses(p, modes, size, ratio)
     return Losses(dashpot, branches, friction_force(p, size, ratio)[0], found.converged & settled)
-
-
-def exponent_at(lines: AbstractLines, size: Array) -> Array:
-    """a g'(a)/g(a) on the central line: 1 for a cone, 2 for a paraboloid."""
-    entry, central = lines.entry(size)[:1], jnp.zeros((1, 1), int)
-    return (entry * lines.slope(entry, size, central) / lines.profile(entry, size, central))[0]
 
 
 def _small(step: Array, base: Array) -> Array:
