@@ -224,7 +224,8 @@ def from_points(r: np.ndarray, z: np.ndarray) -> Body:
     """The body of the spline through points (smooth on its axis), by Gauss' rule on Abel's integral.
 
     g = x int f'(x sin t) dt and g' = int [f' + r f''](x sin t) dt over a quarter turn, cut where x sin t meets a point;
-    kept between two points as Chebyshev series in sqrt(x - r_i), which is how they start behind a point.
+    kept between two points as Chebyshev series in sqrt(x - r_i), which is how they start behind a point. Before the first
+    point, where the spline is one cubic, by the rule itself: a series has no digits left far closer to the axis.
     """
     spline = CubicSpline(r, z, bc_type=((1, 0.0), "not-a-knot"))
     node, weight = np.polynomial.legendre.leggauss(16)
@@ -247,6 +248,10 @@ def from_points(r: np.ndarray, z: np.ndarray) -> Body:
         x = np.abs(np.asarray(x, dtype=float))
         i = np.clip(np.searchsorted(r, x, side="right") - 1, 0, r.size - 2)
         t = 2 * np.sqrt(np.maximum(x - r[i], 0) / np.diff(r)[i]) - 1
-        return np.polynomial.chebyshev.chebval(t, series[:, i, which], tensor=False)
+        radius = np.minimum(x, r[1])[..., None] * np.sin(0.25 * np.pi * (1 + node))
+        first, second = spline(radius, 1), spline(radius, 2)
+        near = x[..., None] * first if which == 0 else first + radius * second
+        far = np.polynomial.chebyshev.chebval(t, series[:, i, which], tensor=False)
+        return np.where(x <= r[1], 0.25 * np.pi * near @ weight, far)
 
     return Body(lambda x: line(x, 0), lambda x: np.sign(x) * line(x, 1), tuple(r[:-1]))

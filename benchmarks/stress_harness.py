@@ -85,7 +85,7 @@ def run(suite: Suite) -> int:
     options.add_argument("--processes", type=int, default=os.cpu_count(), help="that judge")
     options.add_argument("--fresh", action="store_true", help="forget what an earlier run has finished")
     options.add_argument("--older", action="store_true", help="keep what older code has finished; the record says so")
-    options.add_argument("--report", action="store_true", help="only sum up what is finished; the record says so")
+    options.add_argument("--report", action="store_true", help="only sum up what is finished, by older code too")
     options.add_argument("--show", type=int, default=10, help="how many wrong or crashed ones are printed")
     options.add_argument("--others", type=int, default=0, help="how many flagged and uncovered ones are printed")
     chosen = options.parse_args()
@@ -98,13 +98,16 @@ def run(suite: Suite) -> int:
         for number in range(max(1, round(share * chosen.scenes / together)))
     }
     path = ROOT / "out" / f"{suite.name}-{chosen.seed}.jsonl"
-    done = {} if chosen.fresh else _kept(path, chosen.older)
+    done = {} if chosen.fresh else _kept(path, chosen.older or chosen.report)
     if chosen.report:
         wanted &= set(done)
+        if not wanted:
+            options.error(f"--report: nothing of this has finished, in {path.name}")
         record["inputs"].append(f"a part: {len(wanted)} batches that have finished")
     if older := sum(one.code != _code() for one in done.values()):
         record["inputs"].append(f"{older} batches answered and judged by an older version of the code")
-    _begin(path, done)
+    if not chosen.report:
+        _begin(path, done)
     order = [one for one in _in_order(suite, wanted) if one not in done]
     if len(order) < len(wanted):
         print(f"  {len(wanted) - len(order)} of {len(wanted)} batches are kept from before, in {path.name}", flush=True)

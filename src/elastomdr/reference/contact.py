@@ -19,6 +19,8 @@ from jaxtyping import Bool, Float
 from .._runtime import Array
 from ..material.relaxation import Relaxation
 
+# Shares of a cell by which the observer is moved back where contacts do not settle from centre to centre.
+LEADS = (0.0, 0.125, 0.25, 0.375, 0.5)
 _PIVOTS = 60
 _PATIENCE = 2  # pivots in which fewer cells change than ever before, or those that pull are let go first
 _ITERATIONS = 100
@@ -42,7 +44,11 @@ class Solution(NamedTuple):
 
 
 def grid(
-    kernel: Float[Array, "offsets across"], law: Relaxation, velocity: Array, sides: tuple[Array, Array], lead: float
+    kernel: Float[Array, "offsets across"],
+    law: Relaxation,
+    velocity: Array,
+    sides: tuple[Array, Array],
+    lead: float | Array,
 ) -> Grid:
     """Transforms of a kernel that is even across the motion, given for offsets 0 to (m-1) h across."""
     along, across = (kernel.shape[0] + 1) // 2, kernel.shape[1]

@@ -15,7 +15,7 @@ from ..foundation.law import as_foundation
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..results.curve import Contact
 from ..results.half_plane import HalfPlaneCurve
-from .contact import grid, settle, work_against
+from .contact import LEADS, grid, settle, work_against
 from .kernel import sliding_kernel, strip_cell
 from .points import broadcast
 
@@ -99,7 +99,7 @@ def _one(
 ) -> tuple[_Found, _Found]:
     relaxed = float(np.sqrt(4 * load * radius / (np.pi * law.equilibrium)))  # Hertz, the widest that there can be
     window = np.array([-1.2 * relaxed, 1.2 * relaxed])
-    for lead in (0.0, 0.125, 0.25):
+    for lead in LEADS:
         solve = functools.partial(_solve, radius, law, chain, load, velocity, lead=lead)
         rough = solve(window, count=128)
         for _ in range(_WINDOWS):  # a glassy contact is narrow: look closer until it fills half of the window
@@ -118,8 +118,8 @@ def _one(
     return _FAILED, _FAILED
 
 
-@functools.partial(jax.jit, static_argnames=("count", "lead"))
-def _solve(radius, law, chain, load, velocity, window, *, count: int, lead: float) -> _Found:
+@functools.partial(jax.jit, static_argnames=("count",))
+def _solve(radius, law, chain, load, velocity, window, *, count: int, lead: Array) -> _Found:
     length = window[1] - window[0]
     h = length / count
     x = window[0] + h * (jnp.arange(count) + 0.5)
@@ -129,12 +129,15 @@ def _solve(radius, law, chain, load, velocity, window, *, count: int, lead: floa
     def elastic(at):
         return strip_cell(at[:, None], h, far)
 
-    kernel = sliding_kernel(elastic, chain, velocity, h, count, lead)
+    def kernel_of(lead):
+        return sliding_kernel(elastic, chain, velocity, h, count, lead)
+
+    kernel = kernel_of(lead)
     height = ((x - lead * h) ** 2 / (2 * radius))[:, None]
     on = grid(kernel.displacement, law, velocity, (h, h), lead)
     solution = settle(on, height, jnp.abs(x[:, None] - 0.5 * (window[0] + window[1])) < 0.3 * length, "load", load / h)
     p = solution.pressure
-    slope = kernel.slope if lead == 0.0 else sliding_kernel(elastic, chain, velocity, h, count, 0.0).slope
+    slope = jax.lax.cond(lead == 0, lambda: kernel.slope, lambda: kernel_of(0.0).slope)  # from centre to centre
     mu = work_against(slope, p) * h / load
     touching = (p > 0)[:, 0]
     # The pressure falls as the root of the distance: its square meets zero along a line through the last two cells.

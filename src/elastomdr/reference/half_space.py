@@ -19,14 +19,12 @@ from ..results.curve import Contact, FrictionCurve
 from ..results.half_space import HalfSpaceCurve
 from ..scenes.steady import describe
 from ..solve.passage import Control, estimate_sizes
-from .contact import grid, settle, work_against
+from .contact import LEADS, grid, settle, work_against
 from .kernel import area_cell, sliding_kernel
 from .periodic import slide_periodic
 from .points import Points, broadcast
 
 MODEL = "half-space in three dimensions, cells of constant pressure (no reduction)"
-# Shares of a cell by which the observer is moved back where the centre does not settle.
-LEADS = (0.0, 0.125, 0.25, 0.375, 0.5)
 _WINDOWS = 8  # windows tried until the contact lies well inside
 
 
@@ -169,15 +167,21 @@ def _seen(touching: Array, window: Array, closer: Array, count: int) -> Bool[np.
     return np.asarray(touching)[np.ix_(i, j)]
 
 
-@functools.partial(jax.jit, static_argnames=("control", "lead"))
-def _solve(shape, law, chain, control: Control, value, velocity, window, start, *, lead: float) -> _Found:
+@functools.partial(jax.jit, static_argnames=("control",))
+def _solve(shape, law, chain, control: Control, value, velocity, window, start, *, lead: Array) -> _Found:
     """The contact in a window from window[0] to window[1] along the motion, and window[2] to either side."""
     count = start.shape[0]
     h, width = (window[1] - window[0]) / count, 2 * window[2] / count
     x = window[0] + h * (jnp.arange(count) + 0.5)
     y = width * (jnp.arange(count) - 0.5 * (count - 1))
     across = jnp.arange(count) * width
-    kernel = sliding_kernel(lambda at: area_cell(at[:, None], across[None], h, width), chain, velocity, h, count, lead)
+
+    def of_cells(lead):
+        return sliding_kernel(
+            lambda at: area_cell(at[:, None], across[None], h, width), chain, velocity, h, count, lead
+        )
+
+    kernel = of_cells(lead)
     r = jnp.hypot((x - lead * h)[:, None], y[None])
     height = shape._height(jnp.minimum(r, shape.largest_contact * (1 - 1e-9)))
     beyond = r >= shape.largest_contact
@@ -186,7 +190,7 @@ def _solve(shape, law, chain, control: Control, value, velocity, window, start, 
     solution = settle(on, height, start, control, value / (h * width) if control == "load" else value)
     p = solution.pressure
     force = jnp.sum(p) * h * width
-    slope = kernel.slope if lead == 0.0 else _centred(across, chain, velocity, h, width, count)
+    slope = jax.lax.cond(lead == 0, lambda: kernel.slope, lambda: of_cells(0.0).slope)  # from centre to centre
     mu = work_against(slope, p) * h * width / force
     touching = p > 0
     line = touching[:, count // 2]
@@ -196,10 +200,3 @@ def _solve(shape, law, chain, control: Control, value, velocity, window, start, 
     half_width = jnp.max(jnp.where(jnp.any(touching, axis=0), jnp.abs(y), 0.0)) + width / 2
     border = jnp.any(touching[jnp.array([0, -1])]) | jnp.any(touching[:, jnp.array([0, -1])])
     return _Found(mu, force, solution.depth, jnp.stack(edges), half_width, touching, solution.settled, ~border)
-
-
-def _centred(across: Array, chain: KelvinChain, velocity: Array, h: Array, width: Array, count: int) -> Array:
-    """Slope of the kernel from centre to centre, whatever the contact was solved with."""
-    return sliding_kernel(
-        lambda at: area_cell(at[:, None], across[None], h, width), chain, velocity, h, count, 0.0
-    ).slope

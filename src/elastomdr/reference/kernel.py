@@ -63,7 +63,9 @@ def strip_cell(x: Array, h: float | Array, length: float | Array) -> Array:
     return 2 / math.pi * (part(x + h / 2) - part(x - h / 2))
 
 
-def sliding_kernel(elastic: Elastic, chain: KelvinChain, velocity: Array, h: Array, count: int, lead: float) -> Kernel:
+def sliding_kernel(
+    elastic: Elastic, chain: KelvinChain, velocity: Array, h: Array, count: int, lead: float | Array
+) -> Kernel:
     """`Kernel` for `count` cells along the motion. `lead` moves the observer back by that share of a cell."""
     offsets = (jnp.arange(-(count - 1), count) - lead) * h
     # Pieces between one observer and the next end where a cell ends: there e has kinks.
