@@ -113,3 +113,15 @@ def test_all_elements_are_touched_again_at_the_same_instant(call):
     assert (exact == 0).any()
     assert exact[-1] > 0
     np.testing.assert_allclose(found, width * exact, rtol=1e-3, atol=1e-3 * width * exact.max())
+
+
+@pytest.mark.parametrize("power", [2.0, 6.0, 12.0, 40.0])
+def test_a_steep_body_under_a_load_that_falls(power):
+    """An elastic contact forgets: F = 2 n/(n+1) c a^(n+1) E* at d = c a^n, c of the MDR profile."""
+    body, load = em.PowerLaw(power, 1.0), np.array([5.0, 4.9, 0.5, 3.0])
+    found = em.indent(ELASTIC, body, time=[0, 1, 2, 3], load=load)
+    c = float(body.profile_1d(np.array(0.5))) / 0.5**power
+    radius = (load * (power + 1) / (2 * power * c * 4e6)) ** (1 / (power + 1))
+    np.testing.assert_allclose(found.contact_radius, radius, rtol=1e-7)
+    np.testing.assert_allclose(found.depth, c * radius**power, rtol=1e-10)
+    np.testing.assert_allclose(found.dissipated, 0, atol=1e-10 * found.work.max())

@@ -25,10 +25,11 @@ from ..foundation.step import Elements, advance, coefficients, phi1, rest
 from ..mapping.disc import Disc, gauss
 from ..material.relaxation import Relaxation
 
-_NODES = 3  # per panel
+_NODES = 3  # per panel between the edges
+_INNER = 16  # per panel of what never parts: few panels, whatever the steps, and a profile may rise as r^40
 _MARCHES = 4  # to find the edges
 _GRADING = 3  # power by which steps narrow
-_TIP = np.concatenate([[0.0], 0.3 ** np.arange(12.0, 0.0, -1)])
+_TIP = np.concatenate([[0.0], 0.3 ** np.arange(12.0, -1.0, -1)])
 _NEWTON = 100
 _EARLY = 4.0  # ratio of the first steps after a sudden load, and share of the shortest time with which they begin
 _MOST_EARLY = 24
@@ -171,8 +172,10 @@ def _once(
 ) -> tuple[tuple[Array, ...], Array, Array]:
     """(depth, force, work, stored, locked, heat), contact radius, whether the shape was wide enough, at every step."""
     tip = jnp.min(jnp.where(edges > 0, edges, reach)) * _TIP  # a light load is carried near the axis
-    edges = jnp.sort(jnp.concatenate([tip, jax.lax.stop_gradient(edges)]))
-    x, dx = gauss(edges, *np.polynomial.legendre.leggauss(_NODES))
+    outer = jnp.sort(jnp.append(jax.lax.stop_gradient(edges), tip[-1]))
+    rules = (np.polynomial.legendre.leggauss(n) for n in (_INNER, _NODES))
+    parts = [gauss(ends, *rule) for ends, rule in zip((tip, jnp.maximum(outer, tip[-1])), rules, strict=True)]
+    x, dx = (jnp.concatenate(part) for part in zip(*parts, strict=True))
     weight, g = disc.weight(x) * dx, disc.profile(x)
     strength = jnp.where(law.moduli > 0, 0.5 / jnp.where(law.moduli > 0, law.moduli, 1.0), 0.0)
 
