@@ -224,8 +224,8 @@ def from_points(r: np.ndarray, z: np.ndarray) -> Body:
     """The body of the spline through points (smooth on its axis), by Gauss' rule on Abel's integral.
 
     g = x int f'(x sin t) dt and g' = int [f' + r f''](x sin t) dt over a quarter turn, cut where x sin t meets a point;
-    kept between two points as Chebyshev series in sqrt(x - r_i), which is how they start behind a point. Before the first
-    point, where the spline is one cubic, by the rule itself: a series has no digits left far closer to the axis.
+    kept between two points as Chebyshev series in sqrt(x - r_i), which is how they start behind a point. Before the
+    first point, where the spline is one cubic, by the rule itself: a series has no digits left far closer to the axis.
     """
     spline = CubicSpline(r, z, bc_type=((1, 0.0), "not-a-knot"))
     node, weight = np.polynomial.legendre.leggauss(16)

@@ -110,7 +110,7 @@ def main() -> None:
             rows.append((name, decades, contrast, f"{part['own'].size} of {SPEEDS - 1}", *worst, *bounds))
             clouds[name, decades, contrast] = found
             for model in AVERAGES:
-                covered[model] += list(np.abs(part[model]) <= part[f"{model} bound"] + REFERENCE + 2 * part["own"])
+                covered[model] += list(np.abs(part[model]) <= part[f"{model} bound"] + REFERENCE + part["own"])
     record["table"] = table(COLUMNS, rows)
     print()
     for model, hits in covered.items():

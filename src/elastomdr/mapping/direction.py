@@ -19,6 +19,7 @@ from .._runtime import Array, is_traced
 from ..material.relaxation import Relaxation
 
 _STENCIL = 14  # points of local Lagrange interpolation in log v
+_STEEPEST = 4.05  # power of a profile up to which the validity map says how far the average is off
 BARE_LINE = 0.52  # of mu: how far below the line of the textbook the half-space lay at most on the validity map
 
 
@@ -131,7 +132,7 @@ def asymmetry(average: Array, line: Array, leading: Array, trailing: Array, expo
     with the edges a and b of the line in the direction of motion and the power n = a g'(a)/g(a) of its profile there. s
     is of first order in the loss, so that the average stays exact to first order; both factors tend to limits, and s to
     0, at low and at high velocity. An empirical rule, fitted to three-dimensional solutions with n = 1, 2 and 4 and
-    contrasts up to 1000 (docs/accuracy.md), as are the two bounds.
+    contrasts up to 1000 (docs/accuracy.md), as are the two bounds, which are NaN for steeper profiles.
     """
     numpy = jnp if is_traced(average, line, leading, trailing, exponent) else np
     s = numpy.maximum((leading - trailing) / (leading + trailing), 1e-12)
@@ -140,7 +141,8 @@ def asymmetry(average: Array, line: Array, leading: Array, trailing: Array, expo
     share = numpy.maximum(2 * ratio - 1, 1e-9) ** numpy.minimum(n - 1, 1.0)
     factor = (0.28 - 0.225 * n + 0.096 * n**2) * s ** (1 + numpy.abs(n - 2) / 4)
     excess = numpy.where(line > 0, factor * share, 0.0)
-    return Asymmetry(excess, 1.5 * excess + 0.1 * s, 0.5 * excess + 0.1 * s, 4 * factor)
+    known = numpy.where(exponent <= _STEEPEST, 1.0, numpy.nan)
+    return Asymmetry(excess, known * (1.5 * excess + 0.1 * s), known * (0.5 * excess + 0.1 * s), 4 * factor)
 
 
 def _spacing(rtol: float) -> float:

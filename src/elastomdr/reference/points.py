@@ -39,7 +39,7 @@ def broadcast(
     if (load is None) == (depth is None):
         got = "neither" if load is None else f"{name}={load} and depth={depth}"
         raise InputError(f"{name} or depth must be given, and only one of them, got {got}.")
-    if isinstance(points, bool) or not isinstance(points, int) or points % 2 or not 16 <= points <= 4096:
+    if isinstance(points, bool) or not isinstance(points, (int, np.integer)) or points % 2 or not 16 <= points <= 4096:
         raise InputError(f"points must be an even whole number from 16 to 4096, got {points!r}.")
     control: Control = "load" if depth is None else "depth"
     value, velocity = as_float64(control, load if depth is None else depth), as_float64("velocity", velocity)
@@ -62,5 +62,5 @@ def broadcast(
     value, given, reduced, kelvins = arrays
     return Points(
         control, value.ravel(), reduced.ravel(), given.ravel(), None if kelvin is None else kelvins.copy(),
-        given.shape, points,
+        given.shape, int(points),
     )  # fmt: skip
