@@ -49,6 +49,16 @@ def test_polyisoprene_follows_the_published_law():
     assert float(em.fit.prony(master).material.equilibrium) == 0
 
 
+@pytest.mark.parametrize("kelvin", [None, 253.15, 263.15])
+def test_the_material_of_polyisoprene_follows_it_too(kelvin):
+    fit = em.fit.material(read("polyisoprene-34k/*.osc"), kelvin)
+    at = fit.master.temperature
+    published = em.WLF(4.965, 139.3, 298.15).at_reference(fit.master.reference).log10_a(at)
+    for found in (fit.master.log10_a, fit.material.shift.log10_a(at)):
+        assert np.sqrt(np.mean((np.asarray(found) - np.asarray(published)) ** 2)) < 0.03
+    assert any("The data leave no doubt of them" in text for text in fit.warnings)
+
+
 @pytest.mark.parametrize("kelvin", [293.15, 298.15])
 def test_epdm_is_met_and_judged(kelvin):
     dma = read("epdm-70/tf_015p.csv")
