@@ -50,6 +50,19 @@ def test_bad_rows_are_counted_and_named(write):
     assert "not above absolute zero" in dma.bad_rows[-1]
 
 
+@pytest.mark.parametrize("bad", [0.0, -1.5, 90.0, 93.0, 270.0])
+def test_a_phase_angle_that_no_material_has_costs_its_row_only(write, bad):
+    rows = [f"{f},20,2e6,{bad if f == 3 else 30}" for f in (1, 2, 3, 4)]
+    said = rf"1 row left out: line 4: phase \[deg\] is {bad:g} deg, not between 0 and 90 deg"
+    with pytest.warns(FitWarning, match=said):
+        dma = em.fit.read_dma(write("f [Hz],T [degC],|G*| [Pa],phase [deg]\n" + "\n".join(rows)))
+    np.testing.assert_allclose(dma.loss, [1e6, 1e6, 1e6])
+    with pytest.raises(
+        InputError, match=r"is a measurement \(line 2: phase \[rad\] is 30 rad, not between 0 and 90 deg"
+    ):
+        em.fit.read_dma(write("f [Hz],T [degC],|G*| [Pa],phase [rad]\n1,20,2e6,30\n"))
+
+
 def test_every_bad_row_is_in_the_table_of_the_master_curve(write, tmp_path):
     """The warning names six; a person at the command line finds the others, with their file, in what was written."""
     bad = [f"{k},20,none,1e5" for k in range(1, 10)]

@@ -14,6 +14,7 @@ from .logarithms import antilogarithm
 from .plausible import implausible, inconsistent
 from .swapped import swapped
 
+_QUARTER = np.pi / 2 * (1 - 1e-9)  # phase angle of a liquid without elasticity, whose storage modulus is 0 [rad]
 _NAMED = 6  # bad rows that a warning names one by one
 
 
@@ -139,6 +140,8 @@ def _numbers(
                 wrong = f"{column.title} is {value:g} {spelled(given[role])}, not positive"
             elif role == "temperature" and convert([value], role, given[role])[0] <= 0:
                 wrong = f"{column.title} is {value:g} {spelled(given[role])}, not above absolute zero"
+            elif role == "phase" and not 0 < convert([value], role, given[role])[0] < _QUARTER:
+                wrong = f"{column.title} is {value:g} {given[role]}, not between 0 and 90 deg"
             if wrong:
                 break
             found[role] = value
