@@ -12,6 +12,8 @@ import pytest
 
 import elastomdr as em
 from elastomdr.fit import FitWarning
+from elastomdr.fit.columns import Column
+from elastomdr.fit.misread import misread
 from elastomdr.fit.swapped import look_swapped
 
 DATA = Path(os.environ.get("ELASTOMDR_DATA", Path(__file__).parents[2] / "shared" / "data" / "dma"))
@@ -40,6 +42,11 @@ def test_measured_moduli_are_not_taken_for_swapped_and_would_be_found(names, opt
     dma = read(*names, **options)
     assert not any("look exchanged" in text for text in dma.warnings)
     assert look_swapped(dma.temperature, dma.frequency, dma.loss, dma.storage)
+    tangent = dma.loss / dma.storage
+    rows = {"omega": dma.frequency, "temperature": dma.temperature, "storage": dma.storage, "tangent": tangent}
+    titles = {role: Column(0, role, role, "", "") for role in rows}
+    assert not list(misread(rows, titles, {"tangent": ""}))
+    assert list(misread(rows | {"tangent": 100 * tangent}, titles, {"tangent": ""}))
 
 
 def test_polyisoprene_follows_the_published_law():

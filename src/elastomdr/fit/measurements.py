@@ -11,7 +11,8 @@ from .cells import Row, number
 from .columns import UNITS, Column, convert, is_complete, measure, per_second, spelled, unclear
 from .data import Dma
 from .logarithms import antilogarithm
-from .plausible import implausible, inconsistent
+from .misread import misread, moduli, moduli_roles
+from .plausible import implausible, inconsistent, mixed_up
 from .swapped import swapped
 
 _QUARTER = np.pi / 2 * (1 - 1e-9)  # phase angle of a liquid without elasticity, whose storage modulus is 0 [rad]
@@ -39,7 +40,7 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     if dynamic:
         chosen.pop("time", None)
         rate = "omega" if "omega" in chosen else "frequency"
-        needed = [rate, *_moduli(chosen)]
+        needed = [rate, *moduli_roles(chosen)]
     else:
         needed = ["time", "relaxation"]
     if "temperature" in chosen:
@@ -55,7 +56,13 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     arrays = {role: np.array(convert(values[role], role, given[role])) for role in needed}
     texts = list(inconsistent(arrays, {role: (values[role], given[role]) for role in checks}, dynamic))
     kind = _kind(chosen, options)
-    texts += implausible(arrays, {role: chosen[role].title for role in needed}, given, modulus_given(options))
+    titles = {role: chosen[role].title for role in needed}
+    texts += implausible(arrays, titles, given, modulus_given(options))
+    storage = loss = none = np.zeros(0)
+    if dynamic:
+        storage, loss = moduli(arrays)
+        misnamed = [*misread(arrays, chosen, given)]
+        texts += misnamed or mixed_up(storage, loss, [chosen[role] for role in moduli_roles(arrays)], given)
     texts += _assumed([chosen[role] for role in needed])
     if {"storage", "loss"} <= arrays.keys():
         texts += swapped(arrays, chosen["storage"], chosen["loss"])
@@ -79,16 +86,9 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
         "bad_rows": tuple(bad),
         "source": path.name,
     }
-    none = np.zeros(0)
     if not dynamic:
         return Dma(none, none, none, none, time=arrays["time"], relaxation=arrays["relaxation"],
                    time_temperature=temperature, **common)  # fmt: skip
-    if "loss" in arrays:
-        storage, loss = arrays["storage"], arrays["loss"]
-    elif "tangent" in arrays:
-        storage, loss = arrays["storage"], arrays["storage"] * arrays["tangent"]
-    else:
-        storage, loss = (arrays["absolute"] * part(arrays["phase"]) for part in (np.cos, np.sin))
     return Dma(temperature, arrays[needed[0]], storage, loss, **common)
 
 
@@ -116,12 +116,6 @@ def modulus_given(options: Options) -> bool:
     return options.units["modulus"] is not None
 
 
-def _moduli(chosen: dict[str, Column]) -> tuple[str, str]:
-    if {"storage", "loss"} <= chosen.keys():
-        return "storage", "loss"
-    return ("storage", "tangent") if "tangent" in chosen and "storage" in chosen else ("absolute", "phase")
-
-
 def _numbers(
     rows: list[Row], chosen: dict[str, Column], given: dict[str, str], needed: list[str], checks: list[str]
 ) -> tuple[dict[str, list[float]], list[str]]:
@@ -141,7 +135,8 @@ def _numbers(
             elif role == "temperature" and convert([value], role, given[role])[0] <= 0:
                 wrong = f"{column.title} is {value:g} {spelled(given[role])}, not above absolute zero"
             elif role == "phase" and not 0 < convert([value], role, given[role])[0] < _QUARTER:
-                wrong = f"{column.title} is {value:g} {given[role]}, not between 0 and 90 deg"
+                asked = " (is it in deg?)" if given[role] == "rad" else ""
+                wrong = f"{column.title} is {value:g} {given[role]}, not between 0 and 90 deg{asked}"
             if wrong:
                 break
             found[role] = value

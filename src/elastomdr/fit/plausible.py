@@ -1,10 +1,10 @@
 """What looks wrong in measured data: moduli no polymer has, columns that contradict each other."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from .columns import convert, spelled
+from .columns import Column, convert, spelled
 
 _LARGEST = 3e10  # [Pa], above any polymer
 _SMALLEST = 1e3  # [Pa], below what the stiffest point of any solid polymer or melt in its plateau has
@@ -30,13 +30,6 @@ def implausible(
                 f"moduli from {low:.3g} to {high:.3g} Pa are implausibly {side} for a polymer; assumed is the unit, "
                 f"{whose}: {', '.join(f'{title} in {unit}' for title, unit in units.items() if unit)}. Check it."
             )
-    if "storage" in arrays and "loss" in arrays:
-        ratio = float(np.median(arrays["loss"] / arrays["storage"]))
-        if not _LEAST_TANGENT < ratio < _LARGEST_TANGENT:
-            yield (
-                f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is implausible: are "
-                "their units mixed up? Assumed are those of the file."
-            )
     if "temperature" in arrays:
         low, high = float(arrays["temperature"].min()), float(arrays["temperature"].max())
         if low < _TEMPERATURES[0] or high > _TEMPERATURES[1] or (given["temperature"] == "degc" and low > _HOT):
@@ -46,6 +39,19 @@ def implausible(
             )
     if given.get("omega") == "hz":
         yield f"{titles['omega']!r} is an angular frequency in Hz: are Hz and rad/s mixed up? Assumed is Hz."
+
+
+def mixed_up(storage: np.ndarray, loss: np.ndarray, columns: Sequence[Column], given: dict[str, str]) -> Iterator[str]:
+    """A warning on a ratio of both moduli that a polymer hardly has; `columns` are those that they come from."""
+    ratio = float(np.median(loss / storage))
+    if not _LEAST_TANGENT < ratio < _LARGEST_TANGENT:
+        said = " and ".join(
+            f"{one.title!r} {f'in {unit}' if (unit := spelled(given[one.role])) else 'as a ratio'}" for one in columns
+        )
+        yield (
+            f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is implausible: are "
+            f"their units mixed up? Assumed are those of the file, {said}."
+        )
 
 
 def inconsistent(
