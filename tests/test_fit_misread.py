@@ -24,7 +24,7 @@ def measured(material, noise=0.01):
 
 
 def table(f, celsius, first, second, titles):
-    rows = [",".join(f"{x:.7g}" for x in row) for row in zip(f, celsius, first, second, strict=True)]
+    rows = [",".join(f"{x:.12g}" for x in row) for row in zip(f, celsius, first, second, strict=True)]
     return "\n".join([f"f [Hz],T [degC],{titles}", *rows])
 
 
@@ -40,8 +40,8 @@ def test_right_units_are_read_without_a_word(name, write):
             ("|G*| [Pa],phase [rad]", absolute, angle),
         ):
             dma = em.fit.read_dma(write(table(f, celsius, first, second, titles)))
-            np.testing.assert_allclose(dma.storage, storage, rtol=1e-4)
-            np.testing.assert_allclose(dma.loss, loss, rtol=1e-4)
+            np.testing.assert_allclose(dma.storage, storage, rtol=1e-9)
+            np.testing.assert_allclose(dma.loss, loss, rtol=1e-9)
 
 
 def wrong(name):
@@ -74,3 +74,36 @@ def wrong(name):
 def test_wrong_units_and_names_are_said(name, said, write):
     with pytest.warns(FitWarning, match=said):
         em.fit.read_dma(write(wrong(name)))
+
+
+@pytest.mark.parametrize(
+    ("titles", "factor", "said"),
+    [
+        ("|G*| [Pa]", 10.0, "the absolute modulus '|G*| [Pa]' is 10 times"),
+        ("|G*| [kPa]", 1.0, "the absolute modulus '|G*| [kPa]' is 1e+03 times"),
+        ("|G*|", 1.0, ""),  # in what, nobody says
+        ("|G*| [kPa]", 1e-3, ""),
+        ("phase [deg]", 1.0, "the phase angle 'phase [deg]' is 0.0175 times"),
+        ("phase [rad]", 1.0, ""),
+        ("tan delta", 2.0, "the loss tangent 'tan delta' is 2 times"),
+    ],
+)
+def test_columns_that_say_the_same_are_compared(titles, factor, said, write):
+    f, celsius, storage, loss, absolute, tangent, angle = measured(KNOWN)
+    third = {"|": absolute, "p": angle, "t": tangent}[titles[0]] * factor
+    text = table(f, celsius, storage, loss, f"G' [Pa],G'' [Pa],{titles}").splitlines()
+    text[1:] = [f"{line},{x}" for line, x in zip(text[1:], third, strict=True)]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        em.fit.read_dma(write("\n".join(text)))
+    assert [said in str(one.message) and 'Assumed are "G\' [Pa]" and' in str(one.message) for one in caught] == (
+        [True] if said else []
+    )
+
+
+def test_a_loss_tangent_beside_modulus_and_phase_is_compared_too(write):
+    f, celsius, _, _, absolute, tangent, angle = measured(KNOWN)
+    text = table(f, celsius, absolute, angle, "|G*| [Pa],phase [rad],tan delta").splitlines()
+    text[1:] = [f"{line},{100 * x}" for line, x in zip(text[1:], tangent, strict=True)]
+    with pytest.warns(FitWarning, match="loss tangent 'tan delta' is 100 times .* Assumed are .*phase"):
+        em.fit.read_dma(write("\n".join(text)))

@@ -11,7 +11,7 @@ from .cells import Row, number
 from .columns import UNITS, Column, convert, is_complete, measure, per_second, spelled, unclear
 from .data import Dma
 from .logarithms import antilogarithm
-from .misread import misread, moduli, moduli_roles
+from .misread import MODULI, misread, moduli, moduli_roles
 from .plausible import implausible, inconsistent, mixed_up
 from .swapped import swapped
 
@@ -45,22 +45,25 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
         needed = ["time", "relaxation"]
     if "temperature" in chosen:
         needed.append("temperature")
-    checks = [role for role in ("frequency", "tangent", "absolute") if role in chosen and role not in needed]
     given = {role: _unit(chosen[role], options, units) for role in needed}
-    given |= {role: chosen[role].unit for role in checks}
+    checks = [role for role in ("frequency", *MODULI) if dynamic and role in chosen and role not in needed]
+    known = {role: _known_unit(chosen[role], options, units) for role in checks}
+    given |= {role: unit for role, unit in known.items() if unit is not None}
+    checks = [role for role in checks if role in given]
     values, bad = _numbers(block.rows, chosen, given, needed, checks)
     if not values[needed[0]]:
         raise InputError(
             f"no row below the header {chosen[needed[0]].title!r} is a measurement ({'; '.join(bad[:2])})."
         )
     arrays = {role: np.array(convert(values[role], role, given[role])) for role in needed}
-    texts = list(inconsistent(arrays, {role: (values[role], given[role]) for role in checks}, dynamic))
+    extra = {role: np.array(convert(values[role], role, given[role])) for role in checks}
     kind = _kind(chosen, options)
     titles = {role: chosen[role].title for role in needed}
-    texts += implausible(arrays, titles, given, modulus_given(options))
+    texts = [*implausible(arrays, titles, given, modulus_given(options))]
     storage = loss = none = np.zeros(0)
     if dynamic:
         storage, loss = moduli(arrays)
+        texts[:0] = inconsistent(arrays.get("omega"), storage, loss, extra, chosen)
         misnamed = [*misread(arrays, chosen, given)]
         texts += misnamed or mixed_up(storage, loss, [chosen[role] for role in moduli_roles(arrays)], given)
     texts += _assumed([chosen[role] for role in needed])
@@ -199,6 +202,14 @@ def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
         f"the unit of {column.title!r} {missing}; give it, as {option}={example!r} "
         f"(--{option.replace('_', '-')} {example})."
     )
+
+
+def _known_unit(column: Column, options: Options, fixed: dict[str, str]) -> str | None:
+    """The unit of a column that is only compared with others; None where nobody says it."""
+    kind = measure(column.role)
+    if kind == "ratio" or column.unit:
+        return column.unit
+    return fixed.get(column.role) or options.units[kind] if kind == "modulus" and not column.said else None
 
 
 def _kind(chosen: dict[str, Column], options: Options) -> str:

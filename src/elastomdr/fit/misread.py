@@ -8,6 +8,7 @@ from .columns import Column
 from .swapped import closer
 
 _MISFIT = 0.03  # rms relative misfit as read above which units are suspect, if others are several times closer
+MODULI = ("storage", "loss", "absolute", "phase", "tangent")  # columns that speak of moduli
 _PAIRS = (("storage", "loss"), ("storage", "tangent"), ("absolute", "phase"), ("absolute", "tangent"))
 
 

@@ -1,16 +1,18 @@
 """What looks wrong in measured data: moduli no polymer has, columns that contradict each other."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from .columns import Column, convert, spelled
+from .columns import Column, spelled
+from .misread import MODULI, moduli_roles
 
 _LARGEST = 3e10  # [Pa], above any polymer
 _SMALLEST = 1e3  # [Pa], below what the stiffest point of any solid polymer or melt in its plateau has
 _TEMPERATURES = (120.0, 700.0)  # [K]
 _LEAST_TANGENT = 3e-3  # of a polymer; a thousandth of what rubbers and melts have, 0.03 to 3, is below
 _LARGEST_TANGENT = 100.0  # in the median of a file: a melt in its terminal zone has more at its slow end only
+_CONTRADICTION = 0.1  # relative difference in the median of two columns that say the same
 _HOT = 473.15  # coldest temperature of a file, if in degC, above which it may well be kelvins [K]
 
 
@@ -55,30 +57,35 @@ def mixed_up(storage: np.ndarray, loss: np.ndarray, columns: Sequence[Column], g
 
 
 def inconsistent(
-    arrays: dict[str, np.ndarray], others: dict[str, tuple[list[float], str]], dynamic: bool
+    omega: np.ndarray | None,
+    storage: np.ndarray,
+    loss: np.ndarray,
+    others: Mapping[str, np.ndarray],
+    chosen: Mapping[str, Column],
 ) -> Iterator[str]:
-    """Warnings on columns that contradict each other: omega and f, loss tangent and moduli."""
-    if not dynamic:
-        return
-    if "frequency" in others and others["frequency"][1] and "omega" in arrays:
-        ratio = _median(
-            np.array(convert(others["frequency"][0], "frequency", others["frequency"][1])) / arrays["omega"]
-        )
+    """Warnings on columns, the `others` by role, that contradict those which are read; all in SI units."""
+    if "frequency" in others and omega is not None:
+        ratio = _median(others["frequency"] / omega)
         if abs(ratio - 1) > 0.02:
             yield (
                 f"frequency and angular frequency differ by a factor of {ratio:.3g} after conversion: are Hz and "
                 "rad/s mixed up? Assumed is the angular frequency."
             )
-    if "tangent" in others and "storage" in arrays and "loss" in arrays:
-        ratio = _median(
-            np.array(convert(others["tangent"][0], "tangent", others["tangent"][1]))
-            * arrays["storage"]
-            / arrays["loss"]
-        )
-        if abs(ratio - 1) > 0.1:
+    from_others = {
+        "tangent": ("loss tangent", "loss over storage modulus", loss / storage),
+        "absolute": ("absolute modulus", "that of storage and loss modulus", np.hypot(storage, loss)),
+        "phase": ("phase angle", "that of storage and loss modulus", np.arctan2(loss, storage)),
+        "storage": ("storage modulus", "that of the other columns", storage),
+        "loss": ("loss modulus", "that of the other columns", loss),
+    }
+    read = " and ".join(f"{chosen[role].title!r}" for role in moduli_roles(chosen))
+    for role in (role for role in MODULI if role in others):
+        name, of, expected = from_others[role]
+        ratio = _median(others[role] / expected)
+        if abs(ratio - 1) > _CONTRADICTION:
             yield (
-                f"the loss tangent is {ratio:.3g} times loss over storage modulus: are their units mixed up? Assumed "
-                "are the two moduli."
+                f"the {name} {chosen[role].title!r} is {ratio:.3g} times {of} in the median: are their units mixed up? "
+                f"Assumed are {read}."
             )
 
 
