@@ -12,6 +12,7 @@ import elastomdr as em
 from elastomdr.errors import InputError
 from elastomdr.fit import abaqus_card, ansys_card, plain_card
 from elastomdr.material.check import check_material
+from elastomdr.results.fit_figure import draw_shifts
 
 from .dma_files import CELSIUS, HERTZ, KNOWN, WRITERS, measure, plain_csv, two_rows
 
@@ -201,6 +202,8 @@ def test_vertical_shifts_that_the_data_decide_are_kept_for_the_shift_factors():
     for log10_a in (chosen.master.log10_a, chosen.material.shift.log10_a(kelvin)):
         np.testing.assert_allclose(log10_a, truth, atol=0.02)
     assert any("The data leave no doubt of them" in text for text in chosen.warnings)
+    panels = [len(draw_shifts(fit.master).figure.axes) for fit in (chosen, plain)]
+    assert panels == [2, 1]  # none for vertical shifts that were not looked for
 
 
 def test_cards_hold_the_same_material():

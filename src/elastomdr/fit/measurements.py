@@ -8,11 +8,11 @@ import numpy as np
 
 from ..errors import InputError
 from .cells import Row, number
-from .columns import UNITS, Column, convert, is_complete, measure, per_second, spelled, unclear
+from .columns import MODULI, UNITS, Column, convert, is_complete, measure, per_second, spelled, unclear
 from .data import Dma
 from .logarithms import antilogarithm
-from .misread import MODULI, misread, moduli, moduli_roles
-from .plausible import implausible, inconsistent, mixed_up
+from .misread import misread, moduli, moduli_roles
+from .plausible import implausible, inconsistent, is_elastic, mixed_up
 from .swapped import swapped
 
 _QUARTER = np.pi / 2 * (1 - 1e-9)  # phase angle of a liquid without elasticity, whose storage modulus is 0 [rad]
@@ -59,11 +59,12 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     extra = {role: np.array(convert(values[role], role, given[role])) for role in checks}
     kind = _kind(chosen, options)
     titles = {role: chosen[role].title for role in needed}
-    texts = [*implausible(arrays, titles, given, modulus_given(options))]
-    storage = loss = none = np.zeros(0)
+    none = np.zeros(0)
+    storage, loss = moduli(arrays) if dynamic else (none, none)
+    elastic = is_elastic(storage, loss, arrays.get("relaxation", none))
+    texts = [*inconsistent(arrays.get("omega"), storage, loss, extra, chosen)]
+    texts += implausible(arrays, titles, given, modulus_given(options), elastic)
     if dynamic:
-        storage, loss = moduli(arrays)
-        texts[:0] = inconsistent(arrays.get("omega"), storage, loss, extra, chosen)
         misnamed = [*misread(arrays, chosen, given)]
         texts += misnamed or mixed_up(storage, loss, [chosen[role] for role in moduli_roles(arrays)], given)
     texts += _assumed([chosen[role] for role in needed])

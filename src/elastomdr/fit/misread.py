@@ -4,17 +4,15 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from .columns import Column
+from .columns import PAIRS, Column
 from .swapped import closer
 
 _MISFIT = 0.03  # rms relative misfit as read above which units are suspect, if others are several times closer
-MODULI = ("storage", "loss", "absolute", "phase", "tangent")  # columns that speak of moduli
-_PAIRS = (("storage", "loss"), ("storage", "tangent"), ("absolute", "phase"), ("absolute", "tangent"))
 
 
 def moduli_roles(roles: Mapping[str, object]) -> tuple[str, str]:
     """The first two columns of `roles` that make both moduli."""
-    return next((pair for pair in _PAIRS if set(pair) <= roles.keys()), _PAIRS[0])
+    return next((pair for pair in PAIRS if set(pair) <= roles.keys()), PAIRS[0])
 
 
 def moduli(arrays: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

@@ -4,11 +4,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from .columns import Column, spelled
-from .misread import MODULI, moduli_roles
+from .columns import MODULI, Column, spelled
+from .misread import moduli_roles
 
 _LARGEST = 3e10  # [Pa], above any polymer
 _SMALLEST = 1e3  # [Pa], below what the stiffest point of any solid polymer or melt in its plateau has
+_SOFTEST = 1e4  # [Pa], below what a solid polymer has: elastic throughout, and no gel
+_FLAT = 0.3  # lowest over highest relaxation modulus of a solid in its plateau
 _TEMPERATURES = (120.0, 700.0)  # [K]
 _LEAST_TANGENT = 3e-3  # of a polymer; a thousandth of what rubbers and melts have, 0.03 to 3, is below
 _LARGEST_TANGENT = 100.0  # in the median of a file: a melt in its terminal zone has more at its slow end only
@@ -17,19 +19,22 @@ _HOT = 473.15  # coldest temperature of a file, if in degC, above which it may w
 
 
 def implausible(
-    arrays: dict[str, np.ndarray], titles: dict[str, str], given: dict[str, str], user: bool
+    arrays: dict[str, np.ndarray], titles: dict[str, str], given: dict[str, str], user: bool, elastic: bool
 ) -> Iterator[str]:
-    """Warnings on values that a polymer hardly has; they say what was assumed. `titles` and units `given` by role."""
+    """Warnings on values that a polymer hardly has; they say what was assumed. `titles` and units `given` by role;
+    `elastic` says whether the material is a solid.
+    """
     whose = "as you say" if user else "as the file says"
     units = {titles[role]: spelled(given[role]) for role in titles}
     for role in ("storage", "absolute", "relaxation"):
         if role not in arrays:
             continue
         low, high = float(arrays[role].min()), float(arrays[role].max())
-        if high > _LARGEST or high < _SMALLEST:
+        if high > _LARGEST or high < (_SOFTEST if elastic else _SMALLEST):
             side = "high" if high > _LARGEST else "low"
+            what = "polymer" if high > _LARGEST or high < _SMALLEST else "solid polymer, unless it is a gel"
             yield (
-                f"moduli from {low:.3g} to {high:.3g} Pa are implausibly {side} for a polymer; assumed is the unit, "
+                f"moduli from {low:.3g} to {high:.3g} Pa are implausibly {side} for a {what}; assumed is the unit, "
                 f"{whose}: {', '.join(f'{title} in {unit}' for title, unit in units.items() if unit)}. Check it."
             )
     if "temperature" in arrays:
@@ -41,6 +46,11 @@ def implausible(
             )
     if given.get("omega") == "hz":
         yield f"{titles['omega']!r} is an angular frequency in Hz: are Hz and rad/s mixed up? Assumed is Hz."
+
+
+def is_elastic(storage: np.ndarray, loss: np.ndarray, relaxation: np.ndarray) -> bool:
+    """Whether a material is a solid throughout: storage above loss modulus at all points, or hardly any relaxation."""
+    return bool((storage > loss).all() and (not relaxation.size or relaxation.min() > _FLAT * relaxation.max()))
 
 
 def mixed_up(storage: np.ndarray, loss: np.ndarray, columns: Sequence[Column], given: dict[str, str]) -> Iterator[str]:
@@ -78,7 +88,7 @@ def inconsistent(
         "storage": ("storage modulus", "that of the other columns", storage),
         "loss": ("loss modulus", "that of the other columns", loss),
     }
-    read = " and ".join(f"{chosen[role].title!r}" for role in moduli_roles(chosen))
+    read = " and ".join(f"{chosen[role].title!r}" for role in moduli_roles(chosen) if role in chosen)
     for role in (role for role in MODULI if role in others):
         name, of, expected = from_others[role]
         ratio = _median(others[role] / expected)
