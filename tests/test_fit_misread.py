@@ -107,3 +107,12 @@ def test_a_loss_tangent_beside_modulus_and_phase_is_compared_too(write):
     text[1:] = [f"{line},{100 * x}" for line, x in zip(text[1:], tangent, strict=True)]
     with pytest.warns(FitWarning, match="loss tangent 'tan delta' is 100 times .* Assumed are .*phase"):
         em.fit.read_dma(write("\n".join(text)))
+
+
+def test_moduli_a_thousand_times_too_small_are_said(write):
+    """A rubber slightly above 1 kPa, from its plateau into its transition: numbers in MPa, titles in kPa."""
+    f, celsius, storage, loss, *_ = measured(em.load_material("sbr-gum-like"))
+    assert 1e6 < storage.max() < 1e7
+    assert (loss > storage).any()
+    with pytest.warns(FitWarning, match="low for a solid polymer, unless it is a gel; assumed is the unit"):
+        em.fit.read_dma(write(table(f, celsius, storage / 1e6, loss / 1e6, "G' [kPa],G'' [kPa]")))

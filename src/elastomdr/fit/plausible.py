@@ -9,7 +9,7 @@ from .misread import moduli_roles
 
 _LARGEST = 3e10  # [Pa], above any polymer
 _SMALLEST = 1e3  # [Pa], below what the stiffest point of any solid polymer or melt in its plateau has
-_SOFTEST = 1e4  # [Pa], below what a solid polymer has: elastic throughout, and no gel
+_SOFTEST = 1e4  # [Pa], below what a solid polymer has that is no gel
 _FLAT = 0.3  # lowest over highest relaxation modulus of a solid in its plateau
 _TEMPERATURES = (120.0, 700.0)  # [K]
 _LEAST_TANGENT = 3e-3  # of a polymer; a thousandth of what rubbers and melts have, 0.03 to 3, is below
@@ -49,8 +49,10 @@ def implausible(
 
 
 def is_elastic(storage: np.ndarray, loss: np.ndarray, relaxation: np.ndarray) -> bool:
-    """Whether a material is a solid throughout: storage above loss modulus at all points, or hardly any relaxation."""
-    return bool((storage > loss).all() and (not relaxation.size or relaxation.min() > _FLAT * relaxation.max()))
+    """Whether a material is a solid: the storage modulus above the loss modulus at most points, or little relaxation."""
+    if relaxation.size:
+        return bool(relaxation.min() > _FLAT * relaxation.max())
+    return bool(np.median(loss / storage) < 1)
 
 
 def mixed_up(storage: np.ndarray, loss: np.ndarray, columns: Sequence[Column], given: dict[str, str]) -> Iterator[str]:
