@@ -49,7 +49,7 @@ def implausible(
 
 
 def is_elastic(storage: np.ndarray, loss: np.ndarray, relaxation: np.ndarray) -> bool:
-    """Whether a material is a solid: the storage modulus above the loss modulus at most points, or little relaxation."""
+    """Whether a material is a solid: mostly more storage than loss modulus, or relaxation that hardly falls."""
     if relaxation.size:
         return bool(relaxation.min() > _FLAT * relaxation.max())
     return bool(np.median(loss / storage) < 1)
