@@ -5,7 +5,7 @@ import pytest
 
 import elastomdr as em
 
-from .dma_files import LAW, RUBBER, SWEEP, data, measure
+from .dma_files import LAW, RUBBER, STEPS, SWEEP, data, measure
 
 
 def test_a_plateau_is_not_told_apart():
@@ -86,3 +86,24 @@ def test_points_that_are_copies_count_once():
     assert said in twice.warnings
     assert said not in once.warnings
     assert said in twice.at_reference(303.15).warnings
+
+
+def test_two_measurements_that_contradict_each_other_are_said_by_how_much():
+    """Relaxation three times too large, as a tensile modulus taken for one of shear is, at the isotherms of both."""
+    time = np.geomspace(0.01, 100, 15)
+    for factor, celsius in ((3.0, STEPS), (3.0, STEPS[:-1] + 4.0), (1.1, STEPS)):
+        slow = [
+            em.fit.relaxation(time, factor * np.asarray(RUBBER.at(kelvin).relaxation(time)), kelvin, kind="shear")
+            for kelvin in np.asarray(celsius) + 273.15
+        ]
+        fit = em.fit.material(em.fit.join(data(), *slow), 293.15)
+        texts = [text for text in fit.warnings if "contradict each other" in text]
+        if factor == 1.1:
+            assert not texts
+            continue
+        assert "the relaxation modulus is 3 times what storage and loss modulus make of it" in texts[0]
+        assert all(
+            "relaxation and dynamic moduli contradict each other, by a factor of 3" in text for text in texts[1:]
+        )
+        assert len(texts) > (celsius is STEPS)  # between isotherms of the other, a vertical shift makes up for it
+        assert not any("thermorheologically" in text for text in fit.warnings)

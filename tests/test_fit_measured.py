@@ -12,6 +12,8 @@ import pytest
 
 import elastomdr as em
 from elastomdr.fit import FitWarning
+from elastomdr.fit.columns import Column
+from elastomdr.fit.misread import misread
 from elastomdr.fit.swapped import look_swapped
 
 DATA = Path(os.environ.get("ELASTOMDR_DATA", Path(__file__).parents[2] / "shared" / "data" / "dma"))
@@ -40,6 +42,11 @@ def test_measured_moduli_are_not_taken_for_swapped_and_would_be_found(names, opt
     dma = read(*names, **options)
     assert not any("look exchanged" in text for text in dma.warnings)
     assert look_swapped(dma.temperature, dma.frequency, dma.loss, dma.storage)
+    tangent = dma.loss / dma.storage
+    rows = {"omega": dma.frequency, "temperature": dma.temperature, "storage": dma.storage, "tangent": tangent}
+    titles = {role: Column(0, role, role, "", "") for role in rows}
+    assert not list(misread(rows, titles, {"tangent": ""}))
+    assert list(misread(rows | {"tangent": 100 * tangent}, titles, {"tangent": ""}))
 
 
 def test_polyisoprene_follows_the_published_law():
@@ -47,6 +54,16 @@ def test_polyisoprene_follows_the_published_law():
     published = em.WLF(4.965, 139.3, 298.15).at_reference(263.15)
     assert np.sqrt(np.mean((master.log10_a - np.asarray(published.log10_a(master.temperature))) ** 2)) < 0.03
     assert float(em.fit.prony(master).material.equilibrium) == 0
+
+
+@pytest.mark.parametrize("kelvin", [None, 253.15, 263.15])
+def test_the_material_of_polyisoprene_follows_it_too(kelvin):
+    fit = em.fit.material(read("polyisoprene-34k/*.osc"), kelvin)
+    at = fit.master.temperature
+    published = em.WLF(4.965, 139.3, 298.15).at_reference(fit.master.reference).log10_a(at)
+    for found in (fit.master.log10_a, fit.material.shift.log10_a(at)):
+        assert np.sqrt(np.mean((np.asarray(found) - np.asarray(published)) ** 2)) < 0.03
+    assert any("The data leave no doubt of them" in text for text in fit.warnings)
 
 
 @pytest.mark.parametrize("kelvin", [293.15, 298.15])

@@ -50,6 +50,19 @@ def test_bad_rows_are_counted_and_named(write):
     assert "not above absolute zero" in dma.bad_rows[-1]
 
 
+@pytest.mark.parametrize("bad", [0.0, -1.5, 90.0, 93.0, 270.0])
+def test_a_phase_angle_that_no_material_has_costs_its_row_only(write, bad):
+    rows = [f"{f},20,2e6,{bad if f == 3 else 30}" for f in (1, 2, 3, 4)]
+    said = rf"1 row left out: line 4: phase \[deg\] is {bad:g} deg, not between 0 and 90 deg"
+    with pytest.warns(FitWarning, match=said):
+        dma = em.fit.read_dma(write("f [Hz],T [degC],|G*| [Pa],phase [deg]\n" + "\n".join(rows)))
+    np.testing.assert_allclose(dma.loss, [1e6, 1e6, 1e6])
+    with pytest.raises(
+        InputError, match=r"is a measurement \(line 2: phase \[rad\] is 30 rad, not between 0 and 90 deg"
+    ):
+        em.fit.read_dma(write("f [Hz],T [degC],|G*| [Pa],phase [rad]\n1,20,2e6,30\n"))
+
+
 def test_every_bad_row_is_in_the_table_of_the_master_curve(write, tmp_path):
     """The warning names six; a person at the command line finds the others, with their file, in what was written."""
     bad = [f"{k},20,none,1e5" for k in range(1, 10)]
@@ -70,6 +83,8 @@ def test_every_bad_row_is_in_the_table_of_the_master_curve(write, tmp_path):
     ("text", "said"),
     [
         ("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "1,20,2.5,0.3\n2,20,2.6,0.3\n", "implausibly low"),
+        ("f [Hz],T [degC],G' [kPa],G'' [kPa]\n" + "1,20,2.5,0.3\n2,20,2.6,0.3\n", "low for a solid polymer, unless"),
+        ("t [s],T [degC],G(t) [kPa]\n" + "1,20,2.5\n2,20,2.4\n", "implausibly low for a solid"),
         ("f [Hz],T [degC],G' [GPa],G'' [GPa]\n" + "1,20,2500,300\n2,20,2600,300\n", "implausibly high"),
         ("f [Hz],T [K],G' [Pa],G'' [Pa]\n" + "1,20,2e6,3e5\n2,20,2e6,3e5\n", "degC or K"),
         ("f [Hz],T [degC],G' [Pa],G'' [kPa]\n" + "1,20,2e6,3e5\n2,20,2e6,3e5\n", "units mixed up"),
@@ -84,11 +99,20 @@ def test_what_is_implausible_is_said(write, text, said):
     assert any(said in str(warning.message) and "ssumed" in str(warning.message) for warning in caught)
 
 
+def test_a_melt_in_its_terminal_zone_may_be_soft(write):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        em.fit.read_dma(write("f [Hz],T [degC],G' [Pa],G'' [Pa]\n" + "1,20,150,2500\n2,20,3000,10000\n"))
+
+
 def test_loss_from_the_loss_tangent_and_from_the_phase(write):
     path = write("f [Hz],T [degC],E' [MPa],tan(delta)\n" + "\n".join(f"{f},20,2,0.05" for f in (1, 2)))
     np.testing.assert_allclose(em.fit.read_dma(path).loss, 1e5)
     path = write("f,T,E',tan delta\nHz,degC,MPa,%\n" + "\n".join(f"{f},20,2,5" for f in (1, 2)))
     np.testing.assert_allclose(em.fit.read_dma(path).loss, 1e5)
+    path = write("f [Hz],T [degC],|G*| [MPa],tan delta\n" + "\n".join(f"{f},20,5,0.75" for f in (1, 2)))
+    dma = em.fit.read_dma(path)
+    np.testing.assert_allclose([dma.storage, dma.loss], [[4e6, 4e6], [3e6, 3e6]])
     path = write("f [Hz],T [degC],|G*| [MPa],phase angle [deg]\n" + "\n".join(f"{f},20,2,30" for f in (1, 2)))
     np.testing.assert_allclose(em.fit.read_dma(path).loss, 1e6)
 
@@ -119,6 +143,7 @@ def test_files_that_are_none(tmp_path, write, monkeypatch):
     for path, said in (
         (tmp_path / "none.csv", "cannot be read"),
         (tmp_path, "got a folder"),
+        (".", r"^\.: must be a file, got a folder"),
         (write("\n \n", "empty.csv"), "the file is empty"),
         (write("f [Hz],T [K],G' [Pa],G'' [Pa]\n1,2,3\nx,y,z,w\n", "no.csv"), "is a measurement"),
         (3, "path must be a file"),
@@ -176,6 +201,19 @@ def test_thousands_and_decimals(write, rows, storage):
     dma = em.fit.read_dma(write("\n".join([header, rows, rows, rows])))
     np.testing.assert_allclose(dma.storage, storage)
     np.testing.assert_allclose(dma.frequency, np.pi)
+
+
+def test_points_between_thousands_of_whole_numbers(write):
+    """A number with two points says what they are; a date above, with two as well, does not."""
+    rows = "1;20;532.870;35.311\n2;20;1.018.790;80.114\n3;20;1.205.749;90.000\n"
+    for above in ("", "Datum;12.05.2023\n"):
+        dma = em.fit.read_dma(write(above + "f [Hz];T [degC];G' [Pa];G'' [Pa]\n" + rows))
+        np.testing.assert_array_equal(dma.storage, [532870, 1018790, 1205749])
+        np.testing.assert_array_equal(dma.loss, [35311, 80114, 90000])
+    dma = em.fit.read_dma(
+        write("Version;1.2.3;12.05.2023\nf [Hz];T [degC];G' [kPa];G'' [kPa]\n" + 3 * "1;20;532.870;35.311\n")
+    )
+    np.testing.assert_allclose(dma.storage, 532870)
 
 
 def test_signs_and_separators_of_spreadsheets(write):

@@ -38,8 +38,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     add(
         "--vertical",
         action=argparse.BooleanOptionalAction,
-        help="with or without vertical shifts (default: without where they are large and the material is then closer "
-        "to the data as measured)",
+        help="with or without vertical shifts (default: without where they are large, the data leave open whether "
+        "there are any, and the material is then closer to the data as measured)",
     )
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
     add(

@@ -20,6 +20,7 @@ _LATIN = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆ
 _TYPED = set("\u2018\u2019\u201c\u201d\u2013\u2014\u2026\u2022")  # what Windows-1252 has where Latin-1 has controls
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 _MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")  # a number, whatever its comma and point mean
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}(\.\d{3}){2,}")  # points that can be no decimal ones, and make no date
 _BLANKS = re.compile("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)")  # that set thousands apart
 
 
@@ -41,7 +42,7 @@ def read_cells(path: Path) -> Sheet:
     """The rows of a text file or a spreadsheet. Raises `InputError`, with the file's name, where there are none."""
     try:
         if path.is_dir():
-            raise InputError(f"{path.name}: must be a file, got a folder; give the files in it.")
+            raise InputError(f"{path.name or path}: must be a file, got a folder; give the files in it.")
         raw = read_bytes(path)
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
@@ -108,12 +109,14 @@ def with_points(rows: list[Row], separator: str) -> list[Row]:
     """The same rows with decimal points and nothing between thousands, whatever a sheet uses for either.
 
     What cannot be both decides: 0,5 and 1.234,5 have decimal commas. Where all commas of a sheet could stand before
-    thousands (1,234), they do if its separator is a comma too, or if other numbers have decimal points.
+    thousands (1,234), they do if its separator is a comma too, if other numbers have decimal points, or if one has two
+    of them (1,234,567); points likewise where other numbers have decimal commas, or one has two points.
     """
     rows = [Row(row.line, [_BLANKS.sub("", cell).replace("\u2212", "-") for cell in row.cells]) for row in rows]
     marked = [cell for row in rows for cell in row.cells if ("," in cell or "." in cell) and _MARKED.fullmatch(cell)]
     comma, point = (any(_is_decimal(cell, mark) for cell in marked) for mark in ",.")
     grouped = not comma and (point or separator == "," or any(cell.count(",") > 1 for cell in marked))
+    dotted = not point and (comma or any(_THOUSANDS.fullmatch(cell) for cell in marked))
 
     def plain(cell: str) -> str:
         if not ("," in cell or "." in cell) or not _MARKED.fullmatch(cell):
@@ -123,7 +126,7 @@ def with_points(rows: list[Row], separator: str) -> list[Row]:
         elif "," in cell:
             decimal = "" if grouped else ","
         else:
-            decimal = "" if comma and not point else "."
+            decimal = "" if dotted else "."
         for mark in {",", "."} - {decimal}:
             cell = cell.replace(mark, "")
         return cell.replace(",", ".")

@@ -55,6 +55,8 @@ _NAMES = {
 }
 _KIND = {"omega": "frequency", "storage": "modulus", "loss": "modulus", "absolute": "modulus", "relaxation": "modulus",
          "phase": "angle", "tangent": "ratio"}  # fmt: skip
+MODULI = ("storage", "loss", "absolute", "phase", "tangent")  # columns that speak of dynamic moduli,
+PAIRS = (("storage", "loss"), ("storage", "tangent"), ("absolute", "phase"), ("absolute", "tangent"))  # and make both
 _NO_LOGS = ("temperature", "phase", "torque")  # of which nobody writes logarithms
 _LONGEST = 80  # characters of a title
 _PATTERNS = {role: re.compile(pattern, re.IGNORECASE) for role, pattern in _NAMES.items()}
@@ -132,9 +134,9 @@ def understand(titles: Sequence[str], units: Sequence[str]) -> list[Column]:
 
 
 def is_complete(columns: Sequence[Column]) -> bool:
-    """Whether columns make a measurement: rate and two moduli, or time and relaxation."""
+    """Whether columns make a measurement: rate and both moduli, or time and relaxation."""
     roles = {column.role for column in columns}
-    moduli = {"storage", "loss"} <= roles or {"storage", "tangent"} <= roles or {"absolute", "phase"} <= roles
+    moduli = any(set(pair) <= roles for pair in PAIRS)
     return bool(({"frequency", "omega"} & roles and moduli) or {"time", "relaxation"} <= roles)
 
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .agree import relaxation_excess
 from .data import describe_list
 from .level import SlowEnd
 from .spectrum import Points
@@ -22,14 +23,24 @@ _CHOICE = 0.1  # what the choice of shift model may move before it is worth sayi
 
 def judge(master: "MasterCurve") -> tuple[str, ...]:
     """The warnings of a master curve, most important first."""
-    return tuple(
-        [*_failed(master), *_simple(master), *_ambiguous(master), *_choice(master), *_gaps(master), *_details(master)]
-    )
+    whole = [*_disagree(master)] or _simple(master)  # the scatter of measurements that disagree is no isotherm's
+    return (
+        *_failed(master), *whole, *_ambiguous(master), *_choice(master), *_gaps(master), *_details(master)
+    )  # fmt: skip
 
 
 def _failed(master: "MasterCurve") -> Iterator[str]:
     if not master.converged:
         yield "The joint fit did not converge: look at the figure before using anything of it."
+
+
+def _disagree(master: "MasterCurve") -> Iterator[str]:
+    if ratio := relaxation_excess(master.joint):
+        yield (
+            f"Relaxation and dynamic moduli contradict each other: the relaxation modulus is {ratio:.2g} times what "
+            "storage and loss modulus make of it (median where both were measured). Check unit, kind and sample of "
+            "both measurements; what is fitted to both is a compromise between them."
+        )
 
 
 def _simple(master: "MasterCurve") -> Iterator[str]:
@@ -110,7 +121,12 @@ def _details(master: "MasterCurve") -> Iterator[str]:
 
 
 def judge_series(
-    points: Points, residuals: np.ndarray, data: Data, contradiction: bool, converged: bool
+    points: Points,
+    residuals: np.ndarray,
+    data: Data,
+    contradiction: bool,
+    excess: float | None,
+    converged: bool,
 ) -> Iterator[str]:
     """Warnings on what a series does not meet; single outliers are not held against it."""
     if not converged:
@@ -123,7 +139,12 @@ def judge_series(
         if size <= _POOR:
             continue
         said = f"The {key} modulus is met to {100 * size:.2g} % rms only"
-        if contradiction:
+        if excess is not None:
+            yield (
+                f"{said}: relaxation and dynamic moduli contradict each other, by a factor of "
+                f"{max(excess, 1 / excess):.2g}."
+            )
+        elif contradiction:
             yield f"{said}: storage and loss modulus contradict each other, no passive material comes closer to both."
         elif size > 1.5 * data.noise[channel]:
             yield f"{said}; more terms may help (terms=...)."

@@ -8,12 +8,14 @@ import numpy as np
 
 from ..errors import InputError
 from .cells import Row, number
-from .columns import UNITS, Column, convert, is_complete, measure, per_second, spelled, unclear
+from .columns import MODULI, UNITS, Column, convert, is_complete, measure, per_second, spelled, unclear
 from .data import Dma
 from .logarithms import antilogarithm
-from .plausible import implausible, inconsistent
+from .misread import misread, moduli, moduli_roles
+from .plausible import implausible, inconsistent, is_elastic, mixed_up
 from .swapped import swapped
 
+_QUARTER = np.pi / 2 * (1 - 1e-9)  # phase angle of a liquid without elasticity, whose storage modulus is 0 [rad]
 _NAMED = 6  # bad rows that a warning names one by one
 
 
@@ -38,23 +40,33 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     if dynamic:
         chosen.pop("time", None)
         rate = "omega" if "omega" in chosen else "frequency"
-        needed = [rate, *_moduli(chosen)]
+        needed = [rate, *moduli_roles(chosen)]
     else:
         needed = ["time", "relaxation"]
     if "temperature" in chosen:
         needed.append("temperature")
-    checks = [role for role in ("frequency", "tangent", "absolute") if role in chosen and role not in needed]
     given = {role: _unit(chosen[role], options, units) for role in needed}
-    given |= {role: chosen[role].unit for role in checks}
+    checks = [role for role in ("frequency", *MODULI) if dynamic and role in chosen and role not in needed]
+    known = {role: _known_unit(chosen[role], options, units) for role in checks}
+    given |= {role: unit for role, unit in known.items() if unit is not None}
+    checks = [role for role in checks if role in given]
     values, bad = _numbers(block.rows, chosen, given, needed, checks)
     if not values[needed[0]]:
         raise InputError(
             f"no row below the header {chosen[needed[0]].title!r} is a measurement ({'; '.join(bad[:2])})."
         )
     arrays = {role: np.array(convert(values[role], role, given[role])) for role in needed}
-    texts = list(inconsistent(arrays, {role: (values[role], given[role]) for role in checks}, dynamic))
+    extra = {role: np.array(convert(values[role], role, given[role])) for role in checks}
     kind = _kind(chosen, options)
-    texts += implausible(arrays, {role: chosen[role].title for role in needed}, given, modulus_given(options))
+    titles = {role: chosen[role].title for role in needed}
+    none = np.zeros(0)
+    storage, loss = moduli(arrays) if dynamic else (none, none)
+    elastic = is_elastic(storage, loss, arrays.get("relaxation", none))
+    texts = [*inconsistent(arrays.get("omega"), storage, loss, extra, chosen)]
+    texts += implausible(arrays, titles, given, modulus_given(options), elastic)
+    if dynamic:
+        misnamed = [*misread(arrays, chosen, given)]
+        texts += misnamed or mixed_up(storage, loss, [chosen[role] for role in moduli_roles(arrays)], given)
     texts += _assumed([chosen[role] for role in needed])
     if {"storage", "loss"} <= arrays.keys():
         texts += swapped(arrays, chosen["storage"], chosen["loss"])
@@ -78,16 +90,9 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
         "bad_rows": tuple(bad),
         "source": path.name,
     }
-    none = np.zeros(0)
     if not dynamic:
         return Dma(none, none, none, none, time=arrays["time"], relaxation=arrays["relaxation"],
                    time_temperature=temperature, **common)  # fmt: skip
-    if "loss" in arrays:
-        storage, loss = arrays["storage"], arrays["loss"]
-    elif "tangent" in arrays:
-        storage, loss = arrays["storage"], arrays["storage"] * arrays["tangent"]
-    else:
-        storage, loss = (arrays["absolute"] * part(arrays["phase"]) for part in (np.cos, np.sin))
     return Dma(temperature, arrays[needed[0]], storage, loss, **common)
 
 
@@ -115,12 +120,6 @@ def modulus_given(options: Options) -> bool:
     return options.units["modulus"] is not None
 
 
-def _moduli(chosen: dict[str, Column]) -> tuple[str, str]:
-    if {"storage", "loss"} <= chosen.keys():
-        return "storage", "loss"
-    return ("storage", "tangent") if "tangent" in chosen and "storage" in chosen else ("absolute", "phase")
-
-
 def _numbers(
     rows: list[Row], chosen: dict[str, Column], given: dict[str, str], needed: list[str], checks: list[str]
 ) -> tuple[dict[str, list[float]], list[str]]:
@@ -139,6 +138,9 @@ def _numbers(
                 wrong = f"{column.title} is {value:g} {spelled(given[role])}, not positive"
             elif role == "temperature" and convert([value], role, given[role])[0] <= 0:
                 wrong = f"{column.title} is {value:g} {spelled(given[role])}, not above absolute zero"
+            elif role == "phase" and not 0 < convert([value], role, given[role])[0] < _QUARTER:
+                asked = " (is it in deg?)" if given[role] == "rad" else ""
+                wrong = f"{column.title} is {value:g} {given[role]}, not between 0 and 90 deg{asked}"
             if wrong:
                 break
             found[role] = value
@@ -201,6 +203,14 @@ def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
         f"the unit of {column.title!r} {missing}; give it, as {option}={example!r} "
         f"(--{option.replace('_', '-')} {example})."
     )
+
+
+def _known_unit(column: Column, options: Options, fixed: dict[str, str]) -> str | None:
+    """The unit of a column that is only compared with others; None where nobody says it."""
+    kind = measure(column.role)
+    if kind == "ratio" or column.unit:
+        return column.unit
+    return fixed.get(column.role) or options.units[kind] if kind == "modulus" and not column.said else None
 
 
 def _kind(chosen: dict[str, Column], options: Options) -> str:

@@ -26,6 +26,7 @@ from .tables import master_csv, prony_csv, shifts_csv
 LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
 _DIGITS = 8  # of a law in the material: what follows is rounding, and differs between machines
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
+_UNLIKELY = 0.01  # chance that there are no vertical shifts below which the data have decided that there are
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -150,9 +151,9 @@ def material(
     `law` is "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
     within 0.1 decades of the shift factors, or within what they are known to, a table otherwise. A material has
     no vertical shift, and `as_used` says how close it comes to the data as measured. Where vertical shifts are large,
-    isotherms are shifted a second time without any, and the material that comes closer to the data is the answer
-    (`vertical=None`; True or False settle it). Other arguments as for `master_curve` and `prony`; `citation` is the
-    source of the data. Raises `InputError` as they do.
+    and it is not for the data to say whether there are any, isotherms are shifted a second time without, and the
+    material that comes closer to the data is the answer (`vertical=None`; True or False settle it). Other arguments as
+    for `master_curve` and `prony`; `citation` is the source of the data. Raises `InputError` as they do.
     """
     if law not in LAWS:
         raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}.")
@@ -180,7 +181,8 @@ def material(
     size, celsius = _lift(lifted.master)
     if size <= _LIFT:
         return lifted
-    flat = lifted.master.without_vertical() if vertical is None else None
+    there = _decided(lifted.master)
+    flat = lifted.master.without_vertical() if vertical is None and not there else None
     # A series is hardly closer to the data than the smooth curve through them: where that is worse, none is made.
     promising = flat is not None and _squares(flat.noise) < _squares(lifted.as_used)
     plain = fitted(flat) if flat is not None and promising else lifted
@@ -190,7 +192,9 @@ def material(
         f"Vertical shifts reach {100 * size:.2g} % (at {celsius:.3g} degC), and a material file has none: "
         "away from the reference temperature its moduli are off by as much."
     )
-    advice = " vertical=False (--no-vertical) fits a material that has none from the start." if vertical else ""
+    if there:
+        text += " The data leave no doubt of them: without, shift factors would make up for what is none of theirs."
+    advice = " vertical=False (--no-vertical) fits a material that has none from the start." * bool(vertical or there)
     return replace(lifted, warnings=(*lifted.warnings, text + advice))
 
 
@@ -200,6 +204,16 @@ def _lift(master: MasterCurve) -> tuple[float, float]:
     log10_b = np.abs(master.log10_b * known)
     size = float(np.abs(np.expm1(np.log(10) * master.log10_b * known)).max())
     return size, float(master.temperature[log10_b.argmax()] - 273.15)
+
+
+def _decided(master: MasterCurve) -> bool:
+    """Whether the data themselves say that there are vertical shifts, and tell them from horizontal ones.
+
+    Then shift factors found without any are wrong: they make up for a change of level, as that of entropy elasticity in
+    a melt. A material of the right shift factors has its loss tangent where it belongs at every temperature, and only
+    the level of its moduli is off; friction is a matter of the former.
+    """
+    return master.joint.weight < _UNLIKELY and not bool(master.ambiguous.any())
 
 
 def _squares(sizes: dict[str, float]) -> float:

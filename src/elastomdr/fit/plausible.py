@@ -1,41 +1,41 @@
 """What looks wrong in measured data: moduli no polymer has, columns that contradict each other."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from .columns import convert, spelled
+from .columns import MODULI, Column, spelled
+from .misread import moduli_roles
 
 _LARGEST = 3e10  # [Pa], above any polymer
 _SMALLEST = 1e3  # [Pa], below what the stiffest point of any solid polymer or melt in its plateau has
+_SOFTEST = 1e4  # [Pa], below what a solid polymer has that is no gel
+_FLAT = 0.3  # lowest over highest relaxation modulus of a solid in its plateau
 _TEMPERATURES = (120.0, 700.0)  # [K]
 _LEAST_TANGENT = 3e-3  # of a polymer; a thousandth of what rubbers and melts have, 0.03 to 3, is below
 _LARGEST_TANGENT = 100.0  # in the median of a file: a melt in its terminal zone has more at its slow end only
+_CONTRADICTION = 0.1  # relative difference in the median of two columns that say the same
 _HOT = 473.15  # coldest temperature of a file, if in degC, above which it may well be kelvins [K]
 
 
 def implausible(
-    arrays: dict[str, np.ndarray], titles: dict[str, str], given: dict[str, str], user: bool
+    arrays: dict[str, np.ndarray], titles: dict[str, str], given: dict[str, str], user: bool, elastic: bool
 ) -> Iterator[str]:
-    """Warnings on values that a polymer hardly has; they say what was assumed. `titles` and units `given` by role."""
+    """Warnings on values that a polymer hardly has; they say what was assumed. `titles` and units `given` by role;
+    `elastic` says whether the material is a solid.
+    """
     whose = "as you say" if user else "as the file says"
     units = {titles[role]: spelled(given[role]) for role in titles}
     for role in ("storage", "absolute", "relaxation"):
         if role not in arrays:
             continue
         low, high = float(arrays[role].min()), float(arrays[role].max())
-        if high > _LARGEST or high < _SMALLEST:
+        if high > _LARGEST or high < (_SOFTEST if elastic else _SMALLEST):
             side = "high" if high > _LARGEST else "low"
+            what = "polymer" if high > _LARGEST or high < _SMALLEST else "solid polymer, unless it is a gel"
             yield (
-                f"moduli from {low:.3g} to {high:.3g} Pa are implausibly {side} for a polymer; assumed is the unit, "
+                f"moduli from {low:.3g} to {high:.3g} Pa are implausibly {side} for a {what}; assumed is the unit, "
                 f"{whose}: {', '.join(f'{title} in {unit}' for title, unit in units.items() if unit)}. Check it."
-            )
-    if "storage" in arrays and "loss" in arrays:
-        ratio = float(np.median(arrays["loss"] / arrays["storage"]))
-        if not _LEAST_TANGENT < ratio < _LARGEST_TANGENT:
-            yield (
-                f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is implausible: are "
-                "their units mixed up? Assumed are those of the file."
             )
     if "temperature" in arrays:
         low, high = float(arrays["temperature"].min()), float(arrays["temperature"].max())
@@ -48,31 +48,56 @@ def implausible(
         yield f"{titles['omega']!r} is an angular frequency in Hz: are Hz and rad/s mixed up? Assumed is Hz."
 
 
-def inconsistent(
-    arrays: dict[str, np.ndarray], others: dict[str, tuple[list[float], str]], dynamic: bool
-) -> Iterator[str]:
-    """Warnings on columns that contradict each other: omega and f, loss tangent and moduli."""
-    if not dynamic:
-        return
-    if "frequency" in others and others["frequency"][1] and "omega" in arrays:
-        ratio = _median(
-            np.array(convert(others["frequency"][0], "frequency", others["frequency"][1])) / arrays["omega"]
+def is_elastic(storage: np.ndarray, loss: np.ndarray, relaxation: np.ndarray) -> bool:
+    """Whether a material is a solid: mostly more storage than loss modulus, or relaxation that hardly falls."""
+    if relaxation.size:
+        return bool(relaxation.min() > _FLAT * relaxation.max())
+    return bool(np.median(loss / storage) < 1)
+
+
+def mixed_up(storage: np.ndarray, loss: np.ndarray, columns: Sequence[Column], given: dict[str, str]) -> Iterator[str]:
+    """A warning on a ratio of both moduli that a polymer hardly has; `columns` are those that they come from."""
+    ratio = float(np.median(loss / storage))
+    if not _LEAST_TANGENT < ratio < _LARGEST_TANGENT:
+        said = " and ".join(
+            f"{one.title!r} {f'in {unit}' if (unit := spelled(given[one.role])) else 'as a ratio'}" for one in columns
         )
+        yield (
+            f"the loss modulus is {ratio:.3g} times the storage modulus in the median, which is implausible: are "
+            f"their units mixed up? Assumed are those of the file, {said}."
+        )
+
+
+def inconsistent(
+    omega: np.ndarray | None,
+    storage: np.ndarray,
+    loss: np.ndarray,
+    others: Mapping[str, np.ndarray],
+    chosen: Mapping[str, Column],
+) -> Iterator[str]:
+    """Warnings on columns, the `others` by role, that contradict those which are read; all in SI units."""
+    if "frequency" in others and omega is not None:
+        ratio = _median(others["frequency"] / omega)
         if abs(ratio - 1) > 0.02:
             yield (
                 f"frequency and angular frequency differ by a factor of {ratio:.3g} after conversion: are Hz and "
                 "rad/s mixed up? Assumed is the angular frequency."
             )
-    if "tangent" in others and "storage" in arrays and "loss" in arrays:
-        ratio = _median(
-            np.array(convert(others["tangent"][0], "tangent", others["tangent"][1]))
-            * arrays["storage"]
-            / arrays["loss"]
-        )
-        if abs(ratio - 1) > 0.1:
+    from_others = {
+        "tangent": ("loss tangent", "loss over storage modulus", loss / storage),
+        "absolute": ("absolute modulus", "that of storage and loss modulus", np.hypot(storage, loss)),
+        "phase": ("phase angle", "that of storage and loss modulus", np.arctan2(loss, storage)),
+        "storage": ("storage modulus", "that of the other columns", storage),
+        "loss": ("loss modulus", "that of the other columns", loss),
+    }
+    read = " and ".join(f"{chosen[role].title!r}" for role in moduli_roles(chosen) if role in chosen)
+    for role in (role for role in MODULI if role in others):
+        name, of, expected = from_others[role]
+        ratio = _median(others[role] / expected)
+        if abs(ratio - 1) > _CONTRADICTION:
             yield (
-                f"the loss tangent is {ratio:.3g} times loss over storage modulus: are their units mixed up? Assumed "
-                "are the two moduli."
+                f"the {name} {chosen[role].title!r} is {ratio:.3g} times {of} in the median: are their units mixed up? "
+                f"Assumed are {read}."
             )
 
 

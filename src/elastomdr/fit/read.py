@@ -203,8 +203,8 @@ def _no_columns(rows: list[Row], options: Options) -> str:
     if {"frequency", "omega"} & found and len(absent) == 1:
         return (
             f"there is no {absent[0]} modulus: friction needs the storage modulus with the loss modulus or "
-            f"tan delta, or |G*| with the phase angle. Name its column, as columns={{{absent[0]!r}: 'Modulus 1'}} "
-            f"(--column {absent[0]}='Modulus 1')."
+            f"tan delta, or |G*| with tan delta or the phase angle. Name its column, as columns={{{absent[0]!r}: "
+            f"'Modulus 1'}} (--column {absent[0]}='Modulus 1')."
         )
     unclear = [cell for row in rows for cell in row.cells if other_logarithm(cell)]
     if unclear:

@@ -13,6 +13,7 @@ from .._runtime import as_float64, positive, scalar, significant
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.validity import Range
+from .agree import relaxation_excess
 from .balance import weigh
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .data import KINDS
@@ -253,7 +254,7 @@ def prony(
         relaxation=relaxation,
         kind=kind,
         warnings=(
-            *judge_series(points, residuals, data, contradiction, found.posterior.converged),
+            *judge_series(points, residuals, data, contradiction, relaxation_excess(joint), found.posterior.converged),
             *judge_level(level, end, interval),
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
         ),

@@ -7,7 +7,7 @@ and how close with both exchanged. A passive material exchanged is off by 20 to 
 the same power law, omega^(1/2), which nothing tells apart.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy.optimize import nnls
@@ -25,6 +25,7 @@ _MOST = 100  # points of an isotherm that are looked at
 _PER_DECADE = 4  # relaxation times,
 _MARGIN = 2.3  # how far beyond the data ln(tau) goes on either side,
 _MOST_TIMES = 200  # and how many at most
+Moduli = tuple[np.ndarray, np.ndarray]  # storage and loss modulus
 _LARGEST = 100.0  # |ln| of a modulus over the median one, and of omega tau: what is beyond is damaged
 
 
@@ -46,20 +47,31 @@ def look_swapped(temperature: np.ndarray, omega: np.ndarray, storage: np.ndarray
 
     Arrays of one shape in SI units. The median isotherm decides.
     """
-    if omega.size < _FEWEST:
-        return False
+    return closer(temperature, omega, (storage, loss), [(loss, storage)], _MISFIT) is not None
+
+
+def closer(
+    temperature: np.ndarray, omega: np.ndarray, named: Moduli, others: Sequence[Moduli], misfit: float
+) -> int | None:
+    """Which of several other readings of storage and loss modulus suits a passive material, where they do not as named.
+
+    None where they do to `misfit`, or where no other one is several times closer.
+    """
+    if omega.size < _FEWEST or not others:
+        return None
     number, mean = group(np.minimum(temperature, _HOTTEST), _TOLERANCE)
-    pairs = []
+    found = []
     for i in range(mean.size):
         at = np.flatnonzero(number == i)
         at = at[np.argsort(omega[at], kind="stable")]
         at = at[np.linspace(0, at.size - 1, min(at.size, _MOST)).astype(int)]
         if omega[at[-1]] / _LEAST_RANGE > omega[at[0]]:
-            pairs.append([_misfit(omega[at], *both) for both in ((storage[at], loss[at]), (loss[at], storage[at]))])
-    if not pairs:
-        return False
-    named, exchanged = np.median(pairs, axis=0)
-    return bool(named > _MISFIT and named > _CLOSER * exchanged)
+            found.append([_misfit(omega[at], storage[at], loss[at]) for storage, loss in (named, *others)])
+    if not found:
+        return None
+    own, *distances = np.median(found, axis=0)
+    best = int(np.argmin(distances))
+    return best if own > misfit and own > _CLOSER * distances[best] else None
 
 
 def _misfit(omega: np.ndarray, storage: np.ndarray, loss: np.ndarray) -> float:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 _INK, _FAINT, _BLUE, _RED = "#222222", "#666666", "#1f5a94", "#b03a2e"
 _BAND = "#e08214"
+_NO_VERTICAL = 1e-4  # standard deviation of log10 b_T below which a fit had no vertical shifts to find
 _DPI = 160
 
 
@@ -79,9 +80,11 @@ def draw_prony(fit: "PronyFit", ax: Any = None) -> Any:
 
 
 def draw_shifts(master: "MasterCurve", ax: Any = None) -> Any:
-    """Horizontal shift factors with 95 % intervals and the laws through them; vertical ones below."""
+    """Horizontal shift factors with 95 % intervals and the laws through them; vertical ones below, where there are."""
     lower = None
-    if ax is None:
+    if ax is None and master.log10_b_std.max() < _NO_VERTICAL:
+        ax = _axes()
+    elif ax is None:
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(6.6, 5.4))
