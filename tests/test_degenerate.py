@@ -125,3 +125,17 @@ def test_a_steep_body_under_a_load_that_falls(power):
     np.testing.assert_allclose(found.contact_radius, radius, rtol=1e-7)
     np.testing.assert_allclose(found.depth, c * radius**power, rtol=1e-10)
     np.testing.assert_allclose(found.dissipated, 0, atol=1e-10 * found.work.max())
+
+
+@pytest.mark.parametrize("asked", [{"load": 1e4}, {"depth": 0.05}])
+def test_a_sphere_sunk_to_its_equator_has_no_answer_on_the_half_space(asked):
+    with pytest.warns(em.ConvergenceWarning, match="reaches the end of the body"):
+        found = em.reference.half_space_sliding(ELASTIC, em.Sphere(0.01), velocity=1.0, points=32, **asked)
+    assert np.isnan(found.mu)
+
+
+def test_how_far_the_average_is_off_is_not_told_beyond_the_map():
+    known, steep = (em.friction(CREEP, em.PowerLaw(n, 1.0), velocity=1.0, load=1.0) for n in (4.0, 6.0))
+    assert known.model_error > 0
+    assert steep.converged
+    assert np.isnan(steep.model_error)

@@ -54,7 +54,8 @@ class Profile(AbstractShape):
             raise InputError("r must be plain numbers: a Profile is differentiable in its heights z, not in its radii.")
         not_negative("r", r)
         ascending("r", r)
-        require("z", z, "finite", np.isfinite)
+        require("r", r, "below 1e50 m", lambda x: x < 1e50)
+        require("z", z, "finite, and below 1e50 m", lambda x: np.abs(x) < 1e50)
         if r[0] != 0:
             raise InputError(f"r must start at 0, the lowest point of the indenter, got r[0]={r[0]:g}.")
         if apex not in ("auto", "smooth", "sharp"):
