@@ -34,6 +34,10 @@ _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
     "where it is known, as poisson=0.4 (--poisson 0.4)."
 )
+_NOWHERE = (
+    "Relaxation with so little fall, or so much noise, determines the loss modulus at no frequency: the range of the "
+    "material is empty, and all friction computed with it is flagged as extrapolated. Measure dynamic moduli."
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,7 +116,10 @@ class PronyFit(AbstractFindings):
     def loss_known(self) -> str:
         """How well relaxation determines the loss modulus within the material's range; "" where it was measured."""
         limits = None if self.loss.size or self.material.range is None else self.material.range.frequency
-        return "" if limits is None else known_to(self.joint, self._state, limits, lambda w: self.moduli_at(w)[1])
+        if limits is None:
+            return ""
+        points = _points(self.omega, self.storage, self.loss, self.time, self.relaxation)
+        return known_to(points, self.joint, self._state, limits, lambda w: self.moduli_at(w)[1])
 
     @property
     def _state(self) -> AtReference:
@@ -193,13 +200,7 @@ def prony(
     n = omega.size
     if 2 * n + time.size < 3:
         raise InputError(f"omega, storage and loss (or time and relaxation) must have two points at least, got {n}.")
-    points = Points(
-        np.repeat([STORAGE, LOSS, RELAXATION], [n, n, time.size]),
-        np.concatenate([np.log(omega), np.log(omega), -np.log(time)]),
-        np.log(np.concatenate([storage, loss, relaxation])),
-        np.zeros(2 * n + time.size, dtype=int),
-        np.zeros(2 * n + time.size),
-    )
+    points = _points(omega, storage, loss, time, relaxation)
     if np.ptp(points.log_rate) < np.log(1.5):
         raise InputError(f"omega must span a range of frequencies, got {omega.size} points within a factor of 1.5.")
     check_terms(terms, points.log_rate)
@@ -226,10 +227,13 @@ def prony(
     count = found.log_times.size
     moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
     level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
+    limits = known_range(
+        points, joint, state, lambda w: (moduli / (w[:, None] * times + 1 / (w[:, None] * times))).sum(1)
+    )
     material = Prony(
         level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
         name=name, citation=citation,
-        range=Range(known_range(points, joint, state), _temperatures(master)),
+        range=Range(limits, _temperatures(master)),
     )  # fmt: skip
     end = slow_end(points, noise)
     at = np.array([np.log(end.rate)]), np.array([STORAGE if end.kind == "storage" else RELAXATION])
@@ -256,12 +260,26 @@ def prony(
         warnings=(
             *judge_series(points, residuals, data, contradiction, relaxation_excess(joint), found.posterior.converged),
             *judge_level(level, end, interval),
+            *([] if limits else [_NOWHERE]),
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
         ),
         converged=found.posterior.converged,
         asked=None if terms is None else int(terms),
         joint=joint,
         master=master,
+    )
+
+
+def _points(
+    omega: np.ndarray, storage: np.ndarray, loss: np.ndarray, time: np.ndarray, relaxation: np.ndarray
+) -> Points:
+    n, zero = omega.size, np.zeros(2 * omega.size + time.size)
+    return Points(
+        np.repeat([STORAGE, LOSS, RELAXATION], [n, n, time.size]),
+        np.concatenate([np.log(omega), np.log(omega), -np.log(time)]),
+        np.log(np.concatenate([storage, loss, relaxation])),
+        zero.astype(int),
+        zero,
     )
 
 
