@@ -55,17 +55,14 @@ def known_range(
     """Angular frequencies at which the moduli of a series are known: those of dynamic data, and where relaxation
     determines its loss modulus to 3 %, or nearly as well as anywhere if that is 6 % at least; rounded [rad/s].
 
-    Without a gap, the widest there is, of half a decade at least; () where there is none.
+    The widest stretch, of half a decade at least; () where there is none.
     """
     dynamic = points.log_rate[points.channel != RELAXATION]
     ends = [dynamic.min(), dynamic.max()] if dynamic.size else []
     rate = _grid(points)
     if rate.size:
         half = _half(joint, state, rate, loss)
-        known = half <= np.clip(_BEST * half.min(), _KNOWN, _LEAST_KNOWN)
-        edges = np.flatnonzero(np.diff(known, prepend=False, append=False))  # first of a run, first beyond it, ...
-        runs = [(rate[first], rate[last - 1]) for first, last in zip(edges[::2], edges[1::2], strict=True)]
-        ends += max((run for run in runs if run[1] - run[0] >= _SHORTEST * _LN10), key=np.ptp, default=())
+        ends += _widest(rate, half, float(np.clip(_BEST * half.min(), _KNOWN, _LEAST_KNOWN)))
     if not ends:
         return ()
     low, high = (float(f"{np.exp(x):.4g}") for x in (min(ends), max(ends)))
@@ -73,28 +70,37 @@ def known_range(
 
 
 def known_to(
-    points: Points,
     joint: Joint,
     state: AtReference,
+    window: tuple[float, float],
     limits: tuple[float, float] | tuple[()],
     loss: Callable[[np.ndarray], np.ndarray],
 ) -> str:
     """How well the loss modulus of a series is known between two angular frequencies [rad/s], in words.
 
-    Half of the widest 95 % interval, that of the smooth spectrum widened by its distance to the series.
+    Half of the widest 95 % interval, that of the smooth spectrum widened by its distance to the series. Without such
+    limits, half of the narrowest within the `window` of relaxation data.
     """
+    low, high = limits or (window[0], max(_EARLY * window[1], 1.001 * window[0]))
+    rate = np.log(np.geomspace(low, high, _PER_DECADE * 4))
+    half = 100 * _half(joint, state, rate, loss)
     if not limits:
-        rate = _grid(points)
-        half = _half(joint, state, rate, loss)
         return (
-            f"not measured, and known to {100 * _LEAST_KNOWN:g} % over no half decade: at best to +- {100 * half.min():.2g} % "
-            f"(95 %), at {np.exp(rate[half.argmin()]):.3g} rad/s; all friction is extrapolated"
+            f"not measured, and known to {100 * _LEAST_KNOWN:g} % over no half decade: at best to "
+            f"+- {half.min():.2g} % (95 %), at {np.exp(rate[half.argmin()]):.3g} rad/s; friction is extrapolated"
         )
-    half = 100 * _half(joint, state, np.linspace(*np.log(limits), _PER_DECADE * 4), loss).max()
     return (
-        f"not measured; the series has it to +- {half:.2g} % (95 %) from {limits[0]:.3g} to {limits[1]:.3g} "
+        f"not measured; the series has it to +- {half.max():.2g} % (95 %) from {low:.3g} to {high:.3g} "
         "rad/s, and friction no better"
     )
+
+
+def _widest(rate: np.ndarray, half: np.ndarray, limit: float) -> list[float]:
+    """Ends of the widest stretch whose intervals are within a limit at either end, and nearly so (`_BEST`) between."""
+    edges = np.flatnonzero(np.diff(half <= _BEST * limit, prepend=False, append=False))  # first of one, next after it
+    known = [rate[a:b][half[a:b] <= limit] for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    ends = [(float(x[0]), float(x[-1])) for x in known if x.size and np.ptp(x) >= _SHORTEST * _LN10]
+    return list(max(ends, key=np.ptp, default=()))
 
 
 def _half(joint: Joint, state: AtReference, rate: np.ndarray, loss: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:

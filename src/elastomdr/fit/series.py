@@ -118,8 +118,7 @@ class PronyFit(AbstractFindings):
         limits = None if self.loss.size or self.material.range is None else self.material.range.frequency
         if limits is None:
             return ""
-        points = _points(self.omega, self.storage, self.loss, self.time, self.relaxation)
-        return known_to(points, self.joint, self._state, limits, lambda w: self.moduli_at(w)[1])
+        return known_to(self.joint, self._state, self.window, limits, lambda w: self.moduli_at(w)[1])
 
     @property
     def _state(self) -> AtReference:
@@ -200,7 +199,13 @@ def prony(
     n = omega.size
     if 2 * n + time.size < 3:
         raise InputError(f"omega, storage and loss (or time and relaxation) must have two points at least, got {n}.")
-    points = _points(omega, storage, loss, time, relaxation)
+    points = Points(
+        np.repeat([STORAGE, LOSS, RELAXATION], [n, n, time.size]),
+        np.concatenate([np.log(omega), np.log(omega), -np.log(time)]),
+        np.log(np.concatenate([storage, loss, relaxation])),
+        np.zeros(2 * n + time.size, dtype=int),
+        np.zeros(2 * n + time.size),
+    )
     if np.ptp(points.log_rate) < np.log(1.5):
         raise InputError(f"omega must span a range of frequencies, got {omega.size} points within a factor of 1.5.")
     check_terms(terms, points.log_rate)
@@ -267,19 +272,6 @@ def prony(
         asked=None if terms is None else int(terms),
         joint=joint,
         master=master,
-    )
-
-
-def _points(
-    omega: np.ndarray, storage: np.ndarray, loss: np.ndarray, time: np.ndarray, relaxation: np.ndarray
-) -> Points:
-    n, zero = omega.size, np.zeros(2 * omega.size + time.size)
-    return Points(
-        np.repeat([STORAGE, LOSS, RELAXATION], [n, n, time.size]),
-        np.concatenate([np.log(omega), np.log(omega), -np.log(time)]),
-        np.log(np.concatenate([storage, loss, relaxation])),
-        zero.astype(int),
-        zero,
     )
 
 

@@ -34,7 +34,7 @@ _PLACE = (0.6, 1.5)  # by how much of their spacing times may be off the grid: a
 _ROUGH = (0.5, 0.2)  # gain of a step, and change of widths, at which a first fit stops
 # Relaxation above a plateau may tell so little of its spectrum that noise decides how smooth it seems: what is usual of
 # second differences, and how many of them that counts for.
-_USUAL_CURVATURE = (0.4, 2.0)
+_USUAL_CURVATURE = (0.5, 4.0)
 _USUAL_CHANGE = (0.2, 2.0)
 _LOOSEN = 1.5  # wider than most probable: one width for all times smooths away what is sharper than the average
 

@@ -86,10 +86,10 @@ def as_range(value: Any, illustrative: bool = False) -> Range | None:
         return value
     if not isinstance(value, Mapping) or not set(value) <= set(_KEYS):
         raise InputError(f"range must be a dict with some of the keys {', '.join(_KEYS)}, got {value!r:.80}.")
-    pairs: dict[str, tuple[float, float] | tuple[()]] = {}
+    pairs: dict[str, tuple[float, float]] = {}
+    nowhere = isinstance(value.get("frequency"), (list, tuple)) and not value["frequency"]
     for key, pair in value.items():
-        if key == "frequency" and isinstance(pair, (list, tuple)) and not pair:
-            pairs[key] = ()
+        if key == "frequency" and nowhere:
             continue
         try:
             low, high = (float(x) for x in pair)
@@ -100,7 +100,7 @@ def as_range(value: Any, illustrative: bool = False) -> Range | None:
         pairs[key] = (low, high)
     if "time" in pairs:
         pairs.setdefault("frequency", (1 / pairs["time"][1], 1 / pairs["time"][0]))
-    return Range(pairs.get("frequency"), pairs.get("temperature") or None, illustrative)
+    return Range(() if nowhere else pairs.get("frequency"), pairs.get("temperature"), illustrative)
 
 
 def shared(one: Range | None, other: Range | None) -> Range | None:
