@@ -33,10 +33,10 @@ def test_noisier_data_never_determine_more(name, noises):
     assert found[-1] == 0.0
 
 
-@pytest.mark.parametrize(("name", "noise"), [("silicone-like", 0.001), ("sbr-gum-like", 0.001), ("sbr-gum-like", 0.01)])
-def test_intervals_hold_where_little_relaxes_above_a_plateau(name, noise):
+@pytest.mark.parametrize("noise", [0.001, 0.01])
+def test_intervals_hold_where_little_relaxes_above_a_plateau(noise):
     """Lines a decade apart show in the loss modulus, and little of them in relaxation; so does what relaxed before."""
-    rubber, omega, held = em.load_material(name), np.geomspace(1.0, 300.0, 25), []
+    rubber, omega, held = em.load_material("sbr-gum-like"), np.geomspace(1.0, 100.0, 25), []
     truth = np.asarray(rubber.at(293.15).complex_modulus(omega)).imag
     for seed in range(4):
         band = fitted(rubber, noise, seed).prony.band(omega)

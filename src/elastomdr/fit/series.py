@@ -21,7 +21,7 @@ from .findings import TWO_SIGMA, AbstractFindings
 from .from_relaxation import known_range, known_to, with_loss
 from .isotherms import alike
 from .joint import AtReference, Joint, about, curve
-from .judge import judge_level, judge_series
+from .judge import judge_level, judge_range, judge_series
 from .level import slow_end
 from .master import MasterCurve
 from .posterior import one_thread
@@ -33,10 +33,6 @@ TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shi
 _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
     "where it is known, as poisson=0.4 (--poisson 0.4)."
-)
-_NOWHERE = (
-    "Relaxation with so little fall, or so much noise, determines the loss modulus at no frequency: the range of the "
-    "material is empty, and all friction computed with it is flagged as extrapolated. Measure dynamic moduli."
 )
 
 
@@ -265,7 +261,7 @@ def prony(
         warnings=(
             *judge_series(points, residuals, data, contradiction, relaxation_excess(joint), found.posterior.converged),
             *judge_level(level, end, interval),
-            *([] if limits else [_NOWHERE]),
+            *judge_range(limits),
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
         ),
         converged=found.posterior.converged,

@@ -9,6 +9,9 @@ two decades of data,
 
 at all times together too high or too low, too steep or too flat. How smooth the spectrum is has to be learnt from the
 times that are seen: second differences of the others would all be small.
+
+What is known to a factor only may be larger by more than it may be smaller: an interval takes the step of one standard
+deviation up, e^s - 1, not its tangent s.
 """
 
 import numpy as np
