@@ -2,11 +2,13 @@
 
     python benchmarks/fit_relaxation.py [--sets 8]
 
-Relaxation moduli of five rubbers, 24 instants from 0.01 to 1000 s at eight temperatures from -10 to 60 degC, with
-noise, are fitted as `elastomdr fit` does. Within the range that the material then carries, the loss modulus is compared
-with its 95 % interval, and the friction of a sphere of 5 mm at 0, 20 and 40 degC with that of the rubber itself. The
-peak of "peak, not seen" relaxes before the first instant of the coldest isotherm. A fit knows friction no better than
-the loss modulus: where data are noisy its interval is wider than the 2 % that are asked.
+Relaxation moduli of five rubbers and three of the library, 24 instants from 0.01 to 1000 s at eight temperatures from
+-10 to 60 degC, with noise, are fitted as `elastomdr fit` does. Within the range that the material then carries, the
+loss modulus is compared with its 95 % interval, and the friction of a sphere of 5 mm at 0, 20 and 40 degC with that of
+the rubber itself; the interval also at all frequencies up to 0.1/t where it is narrower than +- 50 %, range or not. The
+peak of "peak, not seen" relaxes before the first instant of the coldest isotherm; the rubbers of the library relax by
+little above a plateau within the window, and are known so badly that the range may be empty. A fit knows friction no
+better than the loss modulus: where data are noisy its interval is wider than the 2 % that are asked.
 """
 
 import argparse
@@ -40,7 +42,9 @@ RUBBERS = {
     "very steep": rubber(6e9, 5e4),
     "peak": rubber(6e7, 2e5, -3.0),
     "peak, not seen": rubber(6e7, 2e5, -5.0),
+    **{name: em.load_material(name) for name in ("sbr-gum-like", "natural-rubber-like", "silicone-like")},
 }
+STATED = 1.5  # upper limit over value up to which an interval counts as one
 
 
 def trial(body: em.Prony, mu: np.ndarray, noise: float, seed: int) -> dict[str, Any]:
@@ -50,17 +54,26 @@ def trial(body: em.Prony, mu: np.ndarray, noise: float, seed: int) -> dict[str, 
         parts.append(em.fit.relaxation(TIME, moduli, kelvin, kind="shear"))
     fit = em.fit.material(em.fit.join(*parts), LAW.reference)
     limits = fit.material.range.frequency
-    band = fit.prony.band(np.geomspace(*limits, 25))
-    loss = np.asarray(body.at(LAW.reference).complex_modulus(band.omega)).imag
+    low, high = fit.prony.window
+    held, half, _ = compared(body, fit, np.geomspace(low, 0.1 * high, 40))
+    found = {"anywhere": held[half < np.log(STATED)], "empty": not limits, "decades": 0.0, "half": np.zeros(0)}
+    found |= dict.fromkeys(("held", "loss", "friction"), np.zeros(0))
     again = em.friction(fit.material, em.Paraboloid(5e-3), **SCENE)
     inside = ~np.asarray(again.extrapolated)
-    return {
-        "held": (band.loss_low <= loss) & (loss <= band.loss_high),
-        "half": np.log(band.loss_high / band.loss).max(),
-        "loss": np.abs(band.loss / loss - 1),
-        "friction": np.abs(np.asarray(again.mu) / mu - 1)[inside],
-        "decades": np.log10(limits[1] / limits[0]),
-    }
+    if not limits:
+        return found | {"more": inside.any()}
+    held, half, loss = compared(body, fit, np.geomspace(*limits, 25))
+    friction = np.abs(np.asarray(again.mu) / mu - 1)[inside]
+    within = {"held": held, "half": half.max(keepdims=True), "loss": loss, "friction": friction}
+    return found | within | {"decades": np.log10(limits[1] / limits[0]), "more": friction.max(initial=0.0) > half.max()}
+
+
+def compared(body: em.Prony, fit: em.fit.MaterialFit, omega: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Whether the loss modulus is held by its interval, half of that (of its logarithm), and its relative error."""
+    band = fit.prony.band(omega)
+    loss = np.asarray(body.at(LAW.reference).complex_modulus(band.omega)).imag
+    held = (band.loss_low <= loss) & (loss <= band.loss_high)
+    return held, np.log(band.loss_high / band.loss), np.abs(band.loss / loss - 1)
 
 
 def main() -> None:
@@ -71,26 +84,37 @@ def main() -> None:
     record = heading("Friction from relaxation", f"{count} sets of each rubber and noise; within the known range")
     for category in (em.fit.FitWarning, em.ExtrapolationWarning):
         warnings.simplefilter("ignore", category)
-    rows, held = [], []
+    rows, more = [], 0
     for name, body in RUBBERS.items():
         mu = np.asarray(em.friction(body, em.Paraboloid(5e-3), **SCENE).mu)
         for noise in (0.001, 0.003, 0.01):
             trials = [trial(body, mu, noise, seed) for seed in range(count)]
-            hits, loss, friction = (np.concatenate([t[key] for t in trials]) for key in ("held", "loss", "friction"))
-            held.append(hits)
+            keys = ("held", "anywhere", "half", "loss", "friction")
+            held, anywhere, half, loss, friction = (np.concatenate([t[key] for t in trials]) for key in keys)
+            more += sum(bool(t["more"]) for t in trials)
+            rms = float(np.sqrt(np.mean(friction**2))) if friction.size else 0.0
             rows.append((
-                name, 100 * noise, float(np.mean([t["decades"] for t in trials])), friction.size / count,
-                100 * hits.mean(), 100 * float(np.mean([t["half"] for t in trials])), 100 * loss.max(),
-                100 * friction.max(), 100 * np.sqrt((friction**2).mean()),
+                name, 100 * noise, sum(not t["empty"] for t in trials), float(np.mean([t["decades"] for t in trials])),
+                friction.size / count, 100 * held.mean() if held.size else None, 100 * anywhere.mean(),
+                *((100 * half.mean(), 100 * loss.max()) if half.size else (None, None)),
+                *((100 * friction.max(), 100 * rms) if friction.size else (None, None)),
             ))  # fmt: skip
-    columns = ("rubber", "noise [%]", "range [decades]", "points of 36 within", "loss held [%]",
-               "stated, widest [%]", "loss, worst [%]", "friction, worst [%]", "friction, rms [%]")  # fmt: skip
+    columns = ("rubber", "noise [%]", "sets with a range", "range [decades]", "points of 36 within", "loss held [%]",
+               "held to 50 % [%]", "stated, widest [%]", "loss, worst [%]", "friction, worst [%]",
+               "friction, rms [%]")  # fmt: skip
     record["rows"] = table(columns, rows)
     print()
+    within, anywhere = [row[5] for row in rows if row[5] is not None], [row[6] for row in rows]
     record["verdicts"] = [
-        verdict("loss modulus held by its 95 % interval", 100 * np.concatenate(held).mean(), 90.0, " %", least=True),
-        verdict("friction off by more than stated", sum(row[7] > row[5] for row in rows), 0),
-        *(verdict(f"{row[0]}, noise {row[1]:g} %: friction", row[7], 2.0, " %") for row in rows if row[1] < 0.5),
+        verdict("within the range, held by its 95 % interval, least of any", min(within), 90.0, " %", least=True),
+        verdict("where stated to 50 %, held by its 95 % interval, least of any", min(anywhere), 90.0, " %", least=True),
+        verdict("where stated to 50 %, most of any", max(anywhere), 99.0, " %"),
+        verdict("sets whose friction is off by more than the widest interval stated", more, 0),
+        *(
+            verdict(f"{row[0]}, noise {row[1]:g} %: friction", row[9], 2.0, " %")
+            for row in rows
+            if row[1] < 0.5 and row[9] is not None
+        ),
     ]
     save("fit_relaxation", record)
 

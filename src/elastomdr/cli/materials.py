@@ -66,8 +66,9 @@ def _one(name: str) -> Iterator[str]:
         yield from _row("shift law", _shift(info["shift"]))
     else:
         yield from _row("shift law", "none: temperature cannot be given")
-    for key, (low, high) in info.get("range", {}).items():
-        yield from _row(f"valid {key}", f"{low:.4g} to {high:.4g} {_RANGE_UNITS[key]}")
+    for key, pair in info.get("range", {}).items():
+        words = f"{pair[0]:.4g} to {pair[1]:.4g} {_RANGE_UNITS[key]}" if pair else "nowhere known well enough"
+        yield from _row(f"valid {key}", words)
     for group, source in info.get("source", {}).items():
         yield from _row(f"source, {group}", _source(source))
     yield from _row("file", info["path"])

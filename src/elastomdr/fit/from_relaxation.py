@@ -17,8 +17,10 @@ from .terms import Data
 _LN10 = float(np.log(10.0))
 _EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
 _PER_DECADE = 6  # estimates of the loss modulus
-_KNOWN = 0.03  # half a 95 % interval of ln(loss modulus) up to which relaxation is said to determine it
-_BEST = 1.5  # times the smallest such interval, up to which it counts as nearly as well known
+_KNOWN = 0.03  # half a 95 % interval of ln(loss modulus) up to which relaxation is said to determine it,
+_BEST = 1.5  # or times the smallest such interval, where it is known nearly as well as anywhere,
+_LEAST_KNOWN = 0.06  # but never a wider one: noisier data would be said to determine more
+_SHORTEST = 0.5  # decades; over fewer, what seems to be known is where errors happen to cancel
 _WIDEST = 0.5  # standard deviation of ln(loss modulus) above which an estimate is worth nothing
 
 
@@ -47,35 +49,64 @@ def with_loss(data: Data, joint: Joint, state: AtReference) -> Data:
     )
 
 
-def known_range(points: Points, joint: Joint, state: AtReference) -> tuple[float, float]:
-    """Angular frequencies that the data determine the moduli at: those of dynamic data, and where relaxation
-    determines the loss modulus to 3 %, or nearly as well as anywhere; rounded [rad/s].
+def known_range(
+    points: Points, joint: Joint, state: AtReference, loss: Callable[[np.ndarray], np.ndarray]
+) -> tuple[float, float] | tuple[()]:
+    """Angular frequencies at which the moduli of a series are known: those of dynamic data, and where relaxation
+    determines its loss modulus to 3 %, or nearly as well as anywhere if that is 6 % at least; rounded [rad/s].
+
+    The widest stretch, of half a decade at least; () where there is none.
     """
     dynamic = points.log_rate[points.channel != RELAXATION]
     ends = [dynamic.min(), dynamic.max()] if dynamic.size else []
     rate = _grid(points)
     if rate.size:
-        half = TWO_SIGMA * curve(joint, state, rate, np.full(rate.size, LOSS))[1]
-        known = rate[half <= max(_KNOWN, _BEST * half.min())]
-        ends += [known.min(), known.max()]
+        half = _half(joint, state, rate, loss)
+        ends += _widest(rate, half, float(np.clip(_BEST * half.min(), _KNOWN, _LEAST_KNOWN)))
+    if not ends:
+        return ()
     low, high = (float(f"{np.exp(x):.4g}") for x in (min(ends), max(ends)))
     return low, high
 
 
 def known_to(
-    joint: Joint, state: AtReference, limits: tuple[float, float], loss: Callable[[np.ndarray], np.ndarray]
+    joint: Joint,
+    state: AtReference,
+    window: tuple[float, float],
+    limits: tuple[float, float] | tuple[()],
+    loss: Callable[[np.ndarray], np.ndarray],
 ) -> str:
     """How well the loss modulus of a series is known between two angular frequencies [rad/s], in words.
 
-    Half of the widest 95 % interval, that of the smooth spectrum widened by its distance to the series.
+    Half of the widest 95 % interval, that of the smooth spectrum widened by its distance to the series. Without such
+    limits, half of the narrowest within the `window` of relaxation data.
     """
-    omega = np.geomspace(*limits, _PER_DECADE * 4)
-    value, std = curve(joint, state, np.log(omega), np.full(omega.size, LOSS))
-    half = TWO_SIGMA * float(np.hypot(std, np.log(loss(omega)) - value).max())
+    low, high = limits or (window[0], max(_EARLY * window[1], 1.001 * window[0]))
+    rate = np.log(np.geomspace(low, high, _PER_DECADE * 4))
+    half = 100 * _half(joint, state, rate, loss)
+    if not limits:
+        return (
+            f"not measured, and known to {100 * _LEAST_KNOWN:g} % over no half decade: at best to "
+            f"+- {half.min():.2g} % (95 %), at {np.exp(rate[half.argmin()]):.3g} rad/s; friction is extrapolated"
+        )
     return (
-        f"not measured; the series has it to +- {100 * half:.2g} % (95 %) from {limits[0]:.3g} to {limits[1]:.3g} "
+        f"not measured; the series has it to +- {half.max():.2g} % (95 %) from {low:.3g} to {high:.3g} "
         "rad/s, and friction no better"
     )
+
+
+def _widest(rate: np.ndarray, half: np.ndarray, limit: float) -> list[float]:
+    """Ends of the widest stretch whose intervals are within a limit at either end, and nearly so (`_BEST`) between."""
+    edges = np.flatnonzero(np.diff(half <= _BEST * limit, prepend=False, append=False))  # first of one, next after it
+    known = [rate[a:b][half[a:b] <= limit] for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    ends = [(float(x[0]), float(x[-1])) for x in known if x.size and np.ptp(x) >= _SHORTEST * _LN10]
+    return list(max(ends, key=np.ptp, default=()))
+
+
+def _half(joint: Joint, state: AtReference, rate: np.ndarray, loss: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Half of the 95 % interval of ln(loss modulus) of a series at ln(omega), as `bands.dynamic_band` has it."""
+    value, std = curve(joint, state, rate, np.full(rate.size, LOSS))
+    return TWO_SIGMA * np.hypot(std, np.log(loss(np.exp(rate))) - value)
 
 
 def _grid(points: Points) -> np.ndarray:

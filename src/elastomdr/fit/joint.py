@@ -9,6 +9,7 @@ from .isotherms import Isotherms, alike, own_noise
 from .laws import LawFit, fit_laws
 from .reference import Place, locate
 from .shifting import LN10, Shifts, guess_shifts, join
+from .unseen import hidden, skewed
 
 _GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
@@ -115,7 +116,10 @@ def curve(
     at_anchor = log_rate + LN10 * here
     answer = shifts.predict(p, channel, at_anchor)
     jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - reference.level
-    jacobian[:, shifts.spectrum] += answer.by_neighbours
+    reduced = shifts.points.log_rate + LN10 * (x[shifts.points.isotherm] + shifts.points.offset)
+    unseen = hidden(shifts.points, reduced, shifts.log_times)
+    std = np.sqrt(np.diag(shifts.posterior.covariance)[shifts.spectrum])
+    jacobian[:, shifts.spectrum] += answer.by_neighbours * np.where(unseen, skewed(std), 1.0)
     jacobian[:, shifts.equilibrium] += answer.by_equilibrium
     jacobian[:, shifts.places] += answer.by_place
     variance = np.einsum("ij,jk,ik->i", jacobian, shifts.posterior.covariance, jacobian)

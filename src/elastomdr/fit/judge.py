@@ -159,3 +159,12 @@ def judge_level(level: float, end: SlowEnd, interval: tuple[float, float]) -> It
             f"The {end.kind} modulus still falls at the slow end of the data ({end.rate:.3g} rad/s): where they end "
             f"sets the equilibrium modulus, {level:.4g} Pa; they allow {interval[0]:.3g} to {interval[1]:.3g} Pa."
         )
+
+
+def judge_range(limits: tuple[float, ...]) -> Iterator[str]:
+    """Whether there is a range of frequencies at all."""
+    if not limits:
+        yield (
+            "Relaxation with so little fall, or so much noise, determines the loss modulus at no frequency: the range "
+            "of the material is empty, and all friction from it is flagged as extrapolated. Measure dynamic moduli."
+        )

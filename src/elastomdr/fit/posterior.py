@@ -47,6 +47,7 @@ class Prior(NamedTuple):
     limits: tuple[float, float] | None = None  # bounds of the width where the data choose it; None: it is fixed
     target: np.ndarray | float = 0.0  # what rows @ p is expected to be
     loosen: float = 1.0  # factor on a width that the data chose
+    usual: tuple[float, float] = (0.0, 0.0)  # width expected before any data, and how many rows that counts for
 
 
 class Posterior(NamedTuple):
@@ -129,7 +130,9 @@ def infer(
                 continue
             seen = prior.rows @ p - prior.target
             known = len(seen) - (grams[j] * covariance).sum() / widths[j] ** 2
-            estimate = prior.loosen * np.sqrt((seen @ seen + 1e-12) / max(known, 0.1))
+            usual, count = prior.usual
+            squares = seen @ seen + count * usual**2 + 1e-12
+            estimate = prior.loosen * np.sqrt(squares / max(known + count, 0.1))
             widths[j] = float(np.clip(estimate, *prior.limits))
         if robust:
             size = np.abs(residuals) / noise[group]

@@ -21,7 +21,7 @@ from .findings import TWO_SIGMA, AbstractFindings
 from .from_relaxation import known_range, known_to, with_loss
 from .isotherms import alike
 from .joint import AtReference, Joint, about, curve
-from .judge import judge_level, judge_series
+from .judge import judge_level, judge_range, judge_series
 from .level import slow_end
 from .master import MasterCurve
 from .posterior import one_thread
@@ -112,7 +112,9 @@ class PronyFit(AbstractFindings):
     def loss_known(self) -> str:
         """How well relaxation determines the loss modulus within the material's range; "" where it was measured."""
         limits = None if self.loss.size or self.material.range is None else self.material.range.frequency
-        return "" if limits is None else known_to(self.joint, self._state, limits, lambda w: self.moduli_at(w)[1])
+        if limits is None:
+            return ""
+        return known_to(self.joint, self._state, self.window, limits, lambda w: self.moduli_at(w)[1])
 
     @property
     def _state(self) -> AtReference:
@@ -226,10 +228,13 @@ def prony(
     count = found.log_times.size
     moduli, times = np.exp(found.log_moduli), np.exp(found.log_times)
     level, *numbers = (float(f"{x:.6g}") for x in (found.equilibrium, *moduli, *times))
+    limits = known_range(
+        points, joint, state, lambda w: (moduli / (w[:, None] * times + 1 / (w[:, None] * times))).sum(1)
+    )
     material = Prony(
         level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
         name=name, citation=citation,
-        range=Range(known_range(points, joint, state), _temperatures(master)),
+        range=Range(limits, _temperatures(master)),
     )  # fmt: skip
     end = slow_end(points, noise)
     at = np.array([np.log(end.rate)]), np.array([STORAGE if end.kind == "storage" else RELAXATION])
@@ -256,6 +261,7 @@ def prony(
         warnings=(
             *judge_series(points, residuals, data, contradiction, relaxation_excess(joint), found.posterior.converged),
             *judge_level(level, end, interval),
+            *judge_range(limits),
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
         ),
         converged=found.posterior.converged,

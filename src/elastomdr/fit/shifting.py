@@ -30,8 +30,12 @@ _LEAST_FALL = 1e-3  # and the least one, -d(ln G)/d(ln t)
 _BEND = -0.012  # usual d(ln slope)/dT: that of WLF laws 150 K above their pole [1/K]
 _CHANGE = (0.1, 0.4)  # limits of the standard deviation of ln(slope ratio) over 10 K
 _CURVATURE = (0.04, 3.0)  # limits of the standard deviation of the second difference of ln H_k
-_PLACE = 0.6  # by how much of their spacing relaxation times may be off the grid: a sharp line may lie between two
+_PLACE = (0.6, 1.5)  # by how much of their spacing times may be off the grid: a sharp line may lie between two
 _ROUGH = (0.5, 0.2)  # gain of a step, and change of widths, at which a first fit stops
+# Relaxation above a plateau may tell so little of its spectrum that noise decides how smooth it seems: what is usual of
+# second differences, and how many of them that counts for.
+_USUAL_CURVATURE = (0.5, 4.0)
+_USUAL_CHANGE = (0.2, 2.0)
 _LOOSEN = 1.5  # wider than most probable: one width for all times smooths away what is sharper than the average
 
 
@@ -100,11 +104,11 @@ def from_slopes(log_slopes: np.ndarray, temperature: np.ndarray, anchor: int) ->
     return by_slope.sum(axis=1), by_slope
 
 
-def slope_priors(slopes: np.ndarray, temperature: np.ndarray) -> list[Prior]:
+def slope_priors(slopes: np.ndarray, temperature: np.ndarray, usual: tuple[float, float] = (0.0, 0.0)) -> list[Prior]:
     """What is expected of ln slopes: their size, and that they change slowly; `slopes` picks them from the unknowns."""
     apart = np.sqrt(np.diff(0.5 * (temperature[1:] + temperature[:-1])) / 10.0)
     change = np.diff(slopes, axis=0) / apart[:, None]
-    return [Prior(slopes, 1.5, None, _SLOPE), Prior(change, 0.2, _CHANGE, 10.0 * _BEND * apart)]
+    return [Prior(slopes, 1.5, None, _SLOPE), Prior(change, 0.2, _CHANGE, 10.0 * _BEND * apart, usual=usual)]
 
 
 def first_slopes(guess: np.ndarray, temperature: np.ndarray) -> np.ndarray:
@@ -186,14 +190,18 @@ def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float,
     hidden = sum(prior.rows.shape[0] for prior in unseen)  # the first times, of which little is seen
     second = second[max(hidden - 1, 0) :]
     slopes, entropy = every[shifts.slopes], shifts.slopes.stop
+    blind = not (shifts.points.channel == LOSS).any()
+    curvature, change = (_USUAL_CURVATURE, _USUAL_CHANGE) if blind else ((0.0, 0.0), (0.0, 0.0))
+    # Relaxation shows lines worse than a loss modulus does: how far off the grid they are has to be learnt from all.
+    near, far = (LN10 / PER_DECADE * part for part in _PLACE)
     free = every[entropy + 1 : shifts.places.start]
     return [
-        Prior(second, roughness, _CURVATURE, 0.0, _LOOSEN),
+        Prior(second, roughness, _CURVATURE, 0.0, _LOOSEN, curvature),
         Prior(every[shifts.spectrum], 12.0, None, start[shifts.spectrum].mean()),
         Prior(every[[shifts.equilibrium]], 3.0, None, start[shifts.equilibrium]),
-        *slope_priors(slopes, shifts.temperature),
+        *slope_priors(slopes, shifts.temperature, change),
         Prior(every[[entropy]], _ENTROPY[1] if vertical else _FIXED, None, _ENTROPY[0] if vertical else 0.0),
-        Prior(every[shifts.places], _PLACE * LN10 / PER_DECADE),
+        Prior(every[shifts.places], near, (near, far) if blind else None),
         Prior(free, 0.01 if vertical else _FIXED, _FREE if vertical else None),
         *unseen,
     ]

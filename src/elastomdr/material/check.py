@@ -53,11 +53,13 @@ def _passivity(material: Any, limits: dict[str, Any]) -> list[str]:
     findings = [
         f"{key} in [range] starts at {limits[key][0]:g}, which is not above 0"
         for key in ("frequency", "time")
-        if key in limits and not limits[key][0] > 0
+        if limits.get(key) and not limits[key][0] > 0
     ]
     if findings:
         return findings
-    if "frequency" in limits:
+    if limits.get("frequency") == []:  # known nowhere, and passive everywhere
+        omega = np.geomspace(1e-12, 1e12, 200)
+    elif "frequency" in limits:
         omega = np.geomspace(limits["frequency"][0], limits["frequency"][1], 200)
     elif "time" in limits:
         omega = 1 / np.geomspace(limits["time"][1], limits["time"][0], 200)

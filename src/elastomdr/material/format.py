@@ -14,11 +14,12 @@ from ..files import read_bytes
 
 GRADES = ("measured", "published fit", "fitted here", "illustrative")
 
-_TEXT, _NUMBER, _NUMBERS, _PAIR, _TABLE = (
+_TEXT, _NUMBER, _NUMBERS, _PAIR, _PAIR_OR_NONE, _TABLE = (
     "a text in quotes",
     "a finite number",
     "a list of finite numbers",
     "a list of two numbers, the lower first",
+    "a list of two numbers, the lower first, or an empty one",
     "a table",
 )
 _KEYS = {
@@ -43,7 +44,7 @@ SHIFT_KEYS = {
     "VFT": {"b": _NUMBER, "t0": _NUMBER, "reference": _NUMBER},
     "table": {"temperature": _NUMBERS, "log10_a": _NUMBERS},
 }
-_RANGE_KEYS: dict[str, str] = dict.fromkeys(("frequency", "time", "temperature"), _PAIR)
+_RANGE_KEYS = {"frequency": _PAIR_OR_NONE, "time": _PAIR, "temperature": _PAIR}
 _SOURCE_GROUPS: dict[str, str] = dict.fromkeys(("moduli", "shift", "poisson", "bulk", "range"), _TABLE)
 _SOURCE_KEYS = {
     "citation": _TEXT,
@@ -171,7 +172,9 @@ def _is_of_type(value: Any, accepted: str) -> bool:
         return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
     if accepted == _NUMBERS:
         return isinstance(value, list) and all(_is_of_type(entry, _NUMBER) for entry in value)
-    if accepted == _PAIR:
+    if accepted == _PAIR_OR_NONE and value == []:
+        return True
+    if accepted in (_PAIR, _PAIR_OR_NONE):
         return _is_of_type(value, _NUMBERS) and len(value) == 2 and value[0] < value[1]
     return isinstance(value, str if accepted == _TEXT else dict)
 

@@ -179,7 +179,7 @@ def _range(document: Mapping[str, Any]) -> Any:
     """Where the numbers hold, as the file says; what has no meaning there is for `check_material` to find."""
     from .validity import as_range
 
-    pairs = {key: pair for key, pair in document.get("range", {}).items() if pair[0] > 0}
+    pairs = {key: pair for key, pair in document.get("range", {}).items() if not pair or pair[0] > 0}
     illustrative = document.get("source", {}).get("range", {}).get("grade") == "illustrative"
     return as_range(pairs, illustrative) if pairs else None
 

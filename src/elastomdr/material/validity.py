@@ -20,7 +20,9 @@ T = TypeVar("T")
 class Range(NamedTuple):
     """What a material was measured at; beyond it, its moduli and shift factors are an extrapolation."""
 
-    frequency: tuple[float, float] | None  # angular frequency, at the reference temperature [rad/s]; None: not known
+    frequency: (
+        tuple[float, float] | tuple[()] | None
+    )  # at the reference temperature [rad/s]; (): nowhere, None: unknown
     temperature: tuple[float, float] | None  # [K]; None: not known, or not needed since the times do not shift
     illustrative: bool = False  # assumed, not measured: use beyond it is noted, but is worth no warning
     beyond: str = ""  # what lies outside already, of a material that was brought to a temperature
@@ -33,15 +35,17 @@ class Range(NamedTuple):
         beyond = self.beyond
         if self.temperature is not None and not _near(np.array(kelvin), self.temperature):
             beyond = f"temperature {kelvin:.6g} K, range {self._words('temperature')}"
-        frequency = None
-        if self.frequency is not None and 0 < a < np.inf:
+        frequency = None if self.frequency else self.frequency
+        if self.frequency and 0 < a < np.inf:
             frequency = (self.frequency[0] / a, self.frequency[1] / a)
         return Range(frequency, None, self.illustrative, beyond)
 
     def outside(self, rate: np.ndarray, temperature: np.ndarray | None) -> Bool[np.ndarray, "..."]:
         """Which angular frequencies (times a_T) [rad/s] and temperatures [K], of one shape, lie outside."""
         outside = np.full(np.shape(rate), bool(self.beyond))
-        if self.frequency is not None:
+        if self.frequency == ():
+            outside |= True
+        elif self.frequency:
             low, high = self.frequency
             outside |= (rate < low * (1 - _ROUNDING)) | (rate > high * (1 + _ROUNDING))
         if self.temperature is not None and temperature is not None:
@@ -55,7 +59,8 @@ class Range(NamedTuple):
         known = rate[np.isfinite(rate)]
         if self.frequency is not None and known.size and self.outside(known, None).any():
             low, high = (significant(float(x), 3) for x in (known.min(), known.max()))
-            yield f"2 v a_T/a from {low} to {high} rad/s, range {self._words('frequency')}"
+            words = self._words("frequency") if self.frequency else "empty: the data determine the loss modulus nowhere"
+            yield f"2 v a_T/a from {low} to {high} rad/s, range {words}"
         if self.temperature is None or temperature is None or _near(temperature, self.temperature).all():
             return
         low, high = (f"{float(x):.6g}" for x in (temperature.min(), temperature.max()))
@@ -66,7 +71,7 @@ class Range(NamedTuple):
         return f"{low} to {high} {'K' if key == 'temperature' else 'rad/s'}"
 
     def table(self) -> dict[str, list[float]]:
-        """As the [range] of a material file."""
+        """As the [range] of a material file; an empty list where the moduli are known at no frequency."""
         pairs = {"frequency": self.frequency, "temperature": self.temperature}
         return {key: [float(x) for x in pair] for key, pair in pairs.items() if pair is not None}
 
@@ -74,15 +79,18 @@ class Range(NamedTuple):
 def as_range(value: Any, illustrative: bool = False) -> Range | None:
     """A `Range` from one, from None, or from a dict such as {"frequency": (1e-2, 1e6), "temperature": (263.15, 333)}.
 
-    "time" [s] stands for the frequencies 1/t. Raises `InputError` for other keys, and for what is no pair of ascending
-    positive numbers.
+    "time" [s] stands for the frequencies 1/t, an empty list of frequencies for none at which the moduli are known.
+    Raises `InputError` for other keys, and for what is no pair of ascending positive numbers.
     """
     if value is None or isinstance(value, Range):
         return value
     if not isinstance(value, Mapping) or not set(value) <= set(_KEYS):
         raise InputError(f"range must be a dict with some of the keys {', '.join(_KEYS)}, got {value!r:.80}.")
     pairs: dict[str, tuple[float, float]] = {}
+    nowhere = isinstance(value.get("frequency"), (list, tuple)) and not value["frequency"]
     for key, pair in value.items():
+        if key == "frequency" and nowhere:
+            continue
         try:
             low, high = (float(x) for x in pair)
         except (TypeError, ValueError):
@@ -92,19 +100,23 @@ def as_range(value: Any, illustrative: bool = False) -> Range | None:
         pairs[key] = (low, high)
     if "time" in pairs:
         pairs.setdefault("frequency", (1 / pairs["time"][1], 1 / pairs["time"][0]))
-    return Range(pairs.get("frequency"), pairs.get("temperature"), illustrative)
+    return Range(() if nowhere else pairs.get("frequency"), pairs.get("temperature"), illustrative)
 
 
 def shared(one: Range | None, other: Range | None) -> Range | None:
     """Where the numbers of two bodies in contact hold; a body without a range does not narrow it."""
     if one is None or other is None:
         return one or other
-    pairs = [_overlap(a, b) for a, b in ((one.frequency, other.frequency), (one.temperature, other.temperature))]
+    frequency, temperature = _overlap(one.frequency, other.frequency), _overlap(one.temperature, other.temperature)
     beyond = one.beyond or other.beyond
-    if any(pair is not None and pair[0] >= pair[1] for pair in pairs):
+    if _apart(frequency) or _apart(temperature):
         beyond = beyond or "two bodies whose ranges do not overlap"
-        pairs = [pair if pair is not None and pair[0] < pair[1] else None for pair in pairs]
-    return Range(pairs[0], pairs[1], one.illustrative and other.illustrative, beyond)
+    return Range(
+        None if _apart(frequency) else frequency,
+        None if _apart(temperature) else temperature or None,
+        one.illustrative and other.illustrative,
+        beyond,
+    )
 
 
 def with_range(module: T, value: Range | None) -> T:
@@ -114,8 +126,16 @@ def with_range(module: T, value: Range | None) -> T:
     return module
 
 
-def _overlap(one: tuple[float, float] | None, other: tuple[float, float] | None) -> tuple[float, float] | None:
-    if one is None or other is None:
+def _apart(pair: tuple[float, float] | tuple[()] | None) -> bool:
+    return bool(pair) and pair[0] >= pair[1]
+
+
+def _overlap(
+    one: tuple[float, float] | tuple[()] | None, other: tuple[float, float] | tuple[()] | None
+) -> tuple[float, float] | tuple[()] | None:
+    if one == () or other == ():
+        return ()
+    if not one or not other:
         return one or other
     return max(one[0], other[0]), min(one[1], other[1])
 

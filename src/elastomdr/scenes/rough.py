@@ -231,6 +231,8 @@ def _outside(foundation: Foundation, surface: Any, reduced: np.ndarray) -> np.nd
     known = foundation.range
     if known is None or known.frequency is None or isinstance(surface, RoughLine):
         return None
+    if not known.frequency:
+        return np.ones(np.shape(reduced))
     low, high = known.frequency
     inside = surface.moment(3, low / reduced, high / reduced) / surface.moment(3)
     return np.clip(1 - inside, 0.0, 1.0)

@@ -120,6 +120,8 @@ def _frequencies(plan: Plan, passing: tuple[float, float]) -> str:
     text = f"passages dissipate most about 2 v a_T/a, {passing[0]:.1g} to {passing[1]:.1g} rad/s"
     if plan.range is None or plan.range.frequency is None:
         return text
+    if not plan.range.frequency:
+        return f"{text}: the range of the material is empty, the data determine its loss modulus nowhere"
     low, high = plan.range.frequency
     where = "within" if low <= passing[0] and passing[1] <= high else "beyond"
     return f"{text}: {where} the range of the material, {low:.3g} to {high:.3g} rad/s"

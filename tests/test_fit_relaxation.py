@@ -1,0 +1,77 @@
+"""Relaxation of rubbers that relax by little above a plateau: what it says of the loss modulus, and where nothing."""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.errors import InputError
+from elastomdr.material.check import check_material
+from elastomdr.material.validity import Range, as_range, shared
+
+KELVIN = np.arange(263.15, 334.0, 10.0)
+TIME = np.geomspace(0.01, 1e3, 24)  # [s]
+
+
+def fitted(rubber: em.Prony, noise: float, seed: int):
+    rng, parts = np.random.default_rng(seed), []
+    for kelvin in KELVIN:
+        moduli = np.asarray(rubber.at(kelvin).relaxation(TIME)) * (1 + noise * rng.normal(size=TIME.size))
+        parts.append(em.fit.relaxation(TIME, moduli, kelvin, kind="shear"))
+    return em.fit.material(em.fit.join(*parts), 293.15)
+
+
+def decades(fit) -> float:
+    limits = fit.material.range.frequency
+    return float(np.log10(limits[1] / limits[0])) if limits else 0.0
+
+
+@pytest.mark.parametrize(("name", "noises"), [("sbr-gum-like", (0.001, 0.01)), ("silicone-like", (0.001, 0.003, 0.01))])
+def test_noisier_data_never_determine_more(name, noises):
+    rubber = em.load_material(name)
+    found = [np.mean([decades(fitted(rubber, noise, seed)) for seed in range(2)]) for noise in noises]
+    assert found == sorted(found, reverse=True)
+    assert found[-1] == 0.0
+
+
+@pytest.mark.parametrize("noise", [0.001, 0.01])
+def test_intervals_hold_where_little_relaxes_above_a_plateau(noise):
+    """Lines a decade apart show in the loss modulus, and little of them in relaxation; so does what relaxed before."""
+    rubber, omega, held = em.load_material("sbr-gum-like"), np.geomspace(1.0, 100.0, 25), []
+    truth = np.asarray(rubber.at(293.15).complex_modulus(omega)).imag
+    for seed in range(4):
+        band = fitted(rubber, noise, seed).prony.band(omega)
+        held.append((band.loss_low <= truth) & (truth <= band.loss_high))
+    assert np.mean(held) >= 0.9
+
+
+def test_a_range_that_is_empty_is_said_and_kept(tmp_path):
+    fit = fitted(em.load_material("sbr-gum-like"), 0.01, 0)
+    assert fit.material.range.frequency == ()
+    assert any("the range of the material is empty" in text for text in fit.warnings)
+    assert "known to 6 % over no half decade: at best to +- " in fit.summary()
+    em.save_material(fit.material, tmp_path / "r.toml", info=fit.info() | {"name": "r"})
+    material = em.load_material(tmp_path / "r.toml")
+    assert material.range == fit.material.range
+    assert not any("range" in text for text in check_material(tmp_path / "r.toml"))
+    scene = {"velocity": [1e-2, 1e-1], "load": 1.0, "average": None, "rtol": 1e-4, "temperature": 293.15}
+    with pytest.warns(em.ExtrapolationWarning, match="2 of 2 points .* range empty"):
+        curve = em.friction(material, em.Paraboloid(5e-3), **scene)
+    assert curve.converged.all()
+    assert curve.extrapolated.all()
+    assert "range of the material is empty" in str(curve.plan)
+    rough = {"velocity": 1e-2, "pressure": 1e5, "temperature": 293.15, "average": None, "equivalent_length": 1e-3}
+    with pytest.warns(em.ExtrapolationWarning, match="at most 100%"):
+        curve = em.friction(material, em.SelfAffine(0.8, rms_slope=0.1, q_low=1e4, q_high=1e5), **rough)
+    assert np.all(curve.extrapolated)
+
+
+def test_an_empty_range_has_no_frequency_inside():
+    nowhere = as_range({"frequency": [], "temperature": (263.15, 333.15)})
+    assert nowhere == Range((), (263.15, 333.15))
+    assert nowhere.at(293.15, 0.1).frequency == ()
+    assert nowhere.outside(np.array([1e-9, 1.0, 1e9]), None).all()
+    assert nowhere.table() == {"frequency": [], "temperature": [263.15, 333.15]}
+    for other in (Range((1.0, 2.0), None), Range(None, None)):
+        assert shared(nowhere, other).frequency == ()
+    with pytest.raises(InputError, match="temperature, the lower first"):
+        as_range({"temperature": []})
