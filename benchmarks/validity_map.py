@@ -2,8 +2,8 @@
 
     python benchmarks/validity_map.py [--fresh]
 
-The truth is `em.reference.half_space_sliding`: three dimensions, the same spectrum, 64 by 64 cells, its own error (the
-error (from half and three eighths as many cells) beside each. It is kept in results/validity_map_SHAPE.json, since it takes
+The truth is `em.reference.half_space_sliding`: three dimensions, the same spectrum, 64 by 64 cells, its own error (from
+half and three eighths as many) beside each number. It is kept in results/validity_map_SHAPE.json, since it takes
 minutes. Spectra: one branch, and branches of equal modulus a decade apart over 5 and 9 decades; the glassy modulus is 2
 to 1000 times the relaxed one. Speeds: seven, evenly spaced in their logarithm over the range in which the line's
 friction is above 5% of its peak. Writes the table of the documentation, results/validity_map.md, and
