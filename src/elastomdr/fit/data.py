@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import as_float64
+from .._runtime import as_float64, positive
 from ..errors import InputError
 
 KINDS = ("shear", "tensile")
@@ -196,3 +196,21 @@ def describe_list(values: Sequence[float] | np.ndarray, unit: str, most: int = 1
         texts = [*texts[: most - 1], f"... (of {len(values)})"]
     body = texts[0] if len(texts) == 1 else ", ".join(texts[:-1]) + f" and {texts[-1]}"
     return f"{body} {unit}"
+
+
+def lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:
+    """Values that go together as lists of one length, all positive, or empty where none is given."""
+    missing = [name for name, value in zip(names, values, strict=True) if value is None]
+    if len(missing) == len(names):
+        return [np.zeros(0)] * len(names)
+    if missing:
+        raise InputError(f"{' and '.join(missing)} is missing: {', '.join(names)} go together.")
+    arrays = [np.atleast_1d(as_float64(name, value)) for name, value in zip(names, values, strict=True)]
+    for name, array in zip(names, arrays, strict=True):
+        if array.ndim != 1 or array.shape != arrays[0].shape:
+            raise InputError(
+                f"{name} must be a list with as many entries as {names[0]}, got shapes {array.shape}, "
+                f"{arrays[0].shape}."
+            )
+        positive(name, array)
+    return arrays

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import as_float64, positive, scalar, significant
+from .._runtime import positive, scalar, significant
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.validity import Range
 from .agree import relaxation_excess
 from .balance import weigh
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
-from .data import KINDS
+from .data import KINDS, lists
 from .findings import TWO_SIGMA, AbstractFindings
 from .from_relaxation import known_range, known_to, with_loss
 from .isotherms import alike
@@ -190,8 +190,8 @@ def prony(
     kind = "shear" if kind is None else kind
     if kind not in KINDS:
         raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
-    omega, storage, loss = _lists(("omega", "storage", "loss"), (omega, storage, loss))
-    time, relaxation = _lists(("time", "relaxation"), (time, relaxation))
+    omega, storage, loss = lists(("omega", "storage", "loss"), (omega, storage, loss))
+    time, relaxation = lists(("time", "relaxation"), (time, relaxation))
     n = omega.size
     if 2 * n + time.size < 3:
         raise InputError(f"omega, storage and loss (or time and relaxation) must have two points at least, got {n}.")
@@ -285,20 +285,3 @@ def _smooth(points: Points) -> Joint:
     if count > 1:
         shifts = join(points, np.array([293.15]), np.zeros(1), False, count, near=shifts)
     return Joint(shifts, (), count, 1.0, shifts, 1.0)
-
-
-def _lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:
-    missing = [name for name, value in zip(names, values, strict=True) if value is None]
-    if len(missing) == len(names):
-        return [np.zeros(0)] * len(names)
-    if missing:
-        raise InputError(f"{' and '.join(missing)} is missing: {', '.join(names)} go together.")
-    arrays = [np.atleast_1d(as_float64(name, value)) for name, value in zip(names, values, strict=True)]
-    for name, array in zip(names, arrays, strict=True):
-        if array.ndim != 1 or array.shape != arrays[0].shape:
-            raise InputError(
-                f"{name} must be a list with as many entries as {names[0]}, got shapes {array.shape}, "
-                f"{arrays[0].shape}."
-            )
-        positive(name, array)
-    return arrays
