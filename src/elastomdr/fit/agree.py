@@ -6,17 +6,13 @@ modulus or the sample differs.
 """
 
 import numpy as np
-from scipy.optimize import nnls
 
 from .joint import Joint
+from .passive import closest
 from .shifting import LN10
 from .spectrum import RELAXATION, STORAGE
 
 _FEWEST = 6  # values of storage and loss modulus of an isotherm that say anything
-_PER_DECADE = 4  # relaxation times,
-_MARGIN = 2.3  # how far beyond the frequencies ln(tau) goes on either side
-_MOST_TIMES = 200
-_LARGEST = 100.0  # |ln| of a modulus over the median one, and of omega tau: what is beyond is damaged
 _FACTOR = 1.25  # between both, above which they contradict each other
 
 
@@ -52,18 +48,5 @@ def _excess(log_rate: np.ndarray, log_value: np.ndarray, channel: np.ndarray) ->
     slow = ~dynamic & (log_rate > low) & (log_rate < high)
     if not slow.any():
         return np.zeros(0)
-    ends = high + _MARGIN, low - _MARGIN
-    rates = np.linspace(*ends, min(int(_PER_DECADE * (ends[0] - ends[1]) / LN10) + 1, _MOST_TIMES))
-    x = np.exp(np.clip(log_rate[dynamic, None] - rates, -_LARGEST, _LARGEST))
-    storage = channel[dynamic, None] == STORAGE
-    spring, dashpot = storage * 1.0, ~storage * x[:, -1:] / x[:, -1].max()
-    matrix = np.hstack([np.where(storage, x / (x + 1 / x), 1 / (x + 1 / x)), spring, dashpot])
-    level = np.median(log_value[dynamic])
-    scale = np.clip(level - log_value[dynamic], -_LARGEST, _LARGEST)
-    try:
-        moduli, _ = nnls(matrix * np.exp(scale)[:, None], np.ones(matrix.shape[0]))
-    except RuntimeError:  # too many iterations
-        return np.zeros(0)
-    past = np.exp(np.clip(rates - log_rate[slow, None], -_LARGEST, _LARGEST))
-    foretold = np.exp(-past) @ moduli[: rates.size] + moduli[rates.size]
-    return log_value[slow] - level - np.log(np.maximum(foretold, 1e-300))
+    found = closest(log_rate[dynamic], log_value[dynamic], channel[dynamic] == STORAGE)
+    return np.zeros(0) if found is None else log_value[slow] - found.log_relaxation(log_rate[slow])

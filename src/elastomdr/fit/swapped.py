@@ -1,19 +1,18 @@
 """Whether storage and loss modulus look exchanged: which way round a passive material can have them.
 
-A passive linear material has G' = G_eq + sum_k H_k x_k^2/(1 + x_k^2) and G'' = sum_k H_k x_k/(1 + x_k^2), x_k = omega
-tau_k, with H_k >= 0: its storage modulus rises with frequency, and by how much, its loss modulus says. Non-negative
-least squares on the relative error finds how close any such spectrum comes to an isotherm as its columns are named,
-and how close with both exchanged. A passive material exchanged is off by 20 to 70 % rms, unless both moduli are nearly
-the same power law, omega^(1/2), which nothing tells apart.
+The storage modulus of a passive linear material rises with frequency, and by how much, its loss modulus says. How close
+the closest such material (`fit.passive`) comes to an isotherm as its columns are named, and how close with both
+exchanged, decides. A passive material exchanged is off by 20 to 70 % rms, unless both moduli are nearly the same power
+law, omega^(1/2), which nothing tells apart.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from scipy.optimize import nnls
 
 from .columns import Column
 from .isotherms import group
+from .passive import closest
 
 _MISFIT = 0.1  # rms relative misfit as named above which the columns are suspect, if
 _CLOSER = 3.0  # the exchanged ones are so many times closer
@@ -22,11 +21,7 @@ _LEAST_RANGE = 2.0  # ratio of the highest to the lowest frequency of an isother
 _HOTTEST = 1e4  # what is beyond is damaged [K]
 _FEWEST = 5  # points that say anything
 _MOST = 100  # points of an isotherm that are looked at
-_PER_DECADE = 4  # relaxation times,
-_MARGIN = 2.3  # how far beyond the data ln(tau) goes on either side,
-_MOST_TIMES = 200  # and how many at most
 Moduli = tuple[np.ndarray, np.ndarray]  # storage and loss modulus
-_LARGEST = 100.0  # |ln| of a modulus over the median one, and of omega tau: what is beyond is damaged
 
 
 def swapped(arrays: Mapping[str, np.ndarray], storage: Column, loss: Column) -> Iterator[str]:
@@ -76,19 +71,6 @@ def closer(
 
 def _misfit(omega: np.ndarray, storage: np.ndarray, loss: np.ndarray) -> float:
     """Rms relative distance of the closest passive material; NaN where none is found."""
-    rate = np.log(omega)
-    ends = rate[-1] + _MARGIN, rate[0] - _MARGIN
-    count = min(int(np.ceil(_PER_DECADE * (ends[0] - ends[1]) / np.log(10.0))) + 1, _MOST_TIMES)
-    x = np.exp(np.clip(rate[:, None] - np.linspace(*ends, count), -_LARGEST, _LARGEST))
-    none, all_of_it = np.zeros(omega.size), np.ones(omega.size)
-    rows = [  # beyond these times there are springs (a modulus at all frequencies) and dashpots (a loss that is linear)
-        np.column_stack([1 / (1 + 1 / x**2), all_of_it, none]),
-        np.column_stack([1 / (x + 1 / x), none, x[:, 0] / x[-1, 0]]),
-    ]
-    log_value = np.log(np.concatenate([storage, loss]))
-    matrix = np.concatenate(rows) * np.exp(-np.clip(log_value - np.median(log_value), -_LARGEST, _LARGEST))[:, None]
-    try:
-        _, distance = nnls(matrix / matrix.max(axis=0), np.ones(log_value.size))
-    except RuntimeError:  # too many iterations
-        return np.nan
-    return float(distance) / np.sqrt(log_value.size)
+    is_storage = np.arange(2 * omega.size) < omega.size
+    found = closest(np.tile(np.log(omega), 2), np.log(np.concatenate([storage, loss])), is_storage)
+    return np.nan if found is None else found.misfit

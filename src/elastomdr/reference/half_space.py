@@ -74,9 +74,10 @@ def half_space_sliding(
     that of one cell, and there is no depth, since the mean displacement of a periodic half-space is not defined.
 
     `error` is twice the larger change of mu from half as many cells, and from three eighths, to all of them: an
-    estimate, since the edge of the contact is a staircase and mu goes up and down with the grid. `contact` holds the
-    edges on the central line, to half a cell. Points whose contact does not settle, or reaches the end of the body (the
-    equator of a sphere, the last point of a profile), are NaN and counted in one `ConvergenceWarning`. Hardest are a
+    estimate, since the edge of the contact is a staircase and mu goes up and down with the grid. In a cell it is the
+    change from every second point of the map, which may be small by chance. `contact` holds the edges on the central
+    line, to half a cell. Points whose contact does not settle, or reaches the end of the body (the equator of a sphere,
+    the last point of a profile), are NaN and counted in one `ConvergenceWarning`. Hardest are a
     glassy modulus a thousand times the relaxed one and a glassy zone at the leading edge much thinner than a cell: they
     take seconds. Raises `InputError`, also for a liquid, which has no steady state here.
     """
@@ -132,9 +133,9 @@ def _one(shape: AbstractShape, law: Relaxation, chain: KelvinChain, asked: Point
     value, velocity = asked.value[i], asked.velocity[i]
     size = estimate_sizes(law, SingleLine(shape), asked.control, asked.value[i : i + 1], asked.velocity[i : i + 1])
     size = float(np.asarray(size)[0])
-    window = np.array([-1.6 * size, 1.6 * size, 1.6 * size])
     round_start = _round(32)
     for lead in LEADS:
+        window = np.array([-1.6 * size, 1.6 * size, 1.6 * size])  # anew: one that did not settle may have led astray
         solve = functools.partial(_solve, shape, law, chain, asked.control, value, velocity, lead=lead)
         rough = solve(window, round_start)
         for _ in range(_WINDOWS):
