@@ -33,6 +33,12 @@ def one_core() -> None:
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 
+def one_thread() -> None:
+    """For processes still to be started, that share the cores: JAX and BLAS take one thread in each."""
+    os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false " + os.environ.get("XLA_FLAGS", "")
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+
 def timed(call: Callable[[], Any], repeats: int = 1) -> Timed:
     """The least wall-clock and processor time over the repeats."""
     walls, cpus, value = [], [], None

@@ -209,8 +209,6 @@ def main() -> int:
         files = [entry for entry in sources(Path()) if chosen.only in entry[0]]
         if not files:
             options.error(f"--only: no file has {chosen.only!r} in its name")
-        if not files:
-            options.error(f"--only: no file has {chosen.only!r} in its name")
         kept = {name: Path(name).read_bytes() for name in os.listdir()}
         for i in range(chosen.files):
             random = np.random.default_rng([chosen.seed, i])

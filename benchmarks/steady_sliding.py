@@ -172,8 +172,8 @@ def main() -> None:
     loops_line = [cheapest(lines, f"solve_ivp {m} loop") for m in ("LSODA", "Radau")]
     loops = [cheapest(scaled, f"{row[0]}, scaled") for row in loops_line]
     record["figures"] = [
-        *(verdict(f"main job, {row[0]}, {row[1]}, wall", row[3], 20, " ms") for row in strict),
-        *(verdict(f"main job, {row[0]}, {row[1]}, processor", row[4], 20, " ms") for row in strict),
+        *(verdict(f"main job, {row[0]}, wall", row[3], 20, " ms") for row in strict),
+        *(verdict(f"main job, {row[0]}, processor", row[4], 20, " ms") for row in strict),
         verdict("main job, Kvaerno5 over elastomdr", job[-1][4] / ours[4], 50, least=True),
         *(verdict(f"main job, {r[0]} over elastomdr", r[4] / ours[4], 1000, least=True) for r in loops),
         verdict("line passages, Kvaerno5 over elastomdr", stock_line[4] / ours_line[4], 50, least=True),

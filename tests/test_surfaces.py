@@ -135,6 +135,25 @@ def test_line_of_a_surface():
     assert (surface.line(seed=3, periods=2, samples=1024).height == line.height).all()
 
 
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"periods": 2.5}, "periods must be a whole number, 1 to"),
+        ({"samples": "many"}, "samples must be a whole number, 64 to"),
+        ({"samples": 2**30}, "samples must be a whole number, 64 to 67108864"),
+        ({"periods": 2**26}, "needs 1.07e\\+10 samples on a line"),
+    ],
+)
+def test_a_line_that_is_never_drawn(given, message):
+    """In an instant, and not when the memory is gone; `em.friction` says the same."""
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
+    with pytest.raises(em.InputError, match=message):
+        surface.line(**given)
+    rubber = em.Foundation(1e6, [1e6], [1.0])
+    with pytest.raises(em.InputError, match=message):
+        em.friction(rubber, surface, velocity=1.0, pressure=1e5, **given)
+
+
 def isotropic_map(n: int = 96) -> np.ndarray:
     """Heights [um] of random phases under C ~ q^-3.6, from 2 to 24 waves of n points, rms 10."""
     rng = np.random.default_rng(5)

@@ -25,16 +25,32 @@ from .spectrum import AbstractSpectrum, as_spectrum
 
 PER_WAVE = 8  # samples of the shortest wave
 PERIODS = 4  # longest waves in a period of the line
+MOST = 2**26  # samples of a line: half a gigabyte of heights
 
 
 def line_count(spectrum: AbstractSpectrum, periods: int, per_wave: float) -> int:
-    """Samples of a line, a power of two."""
+    """Samples of a line, a power of two. Raises `InputError` beyond `MOST`."""
     needed = periods * per_wave * spectrum.q_high / spectrum.q_low
+    if not needed <= MOST:
+        raise InputError(
+            f"the surface, from q = {spectrum.q_low:.3g} to {spectrum.q_high:.3g} rad/m, needs {needed:.3g} samples on "
+            f"a line of {periods} of its longest waves, and at most {MOST} are drawn: give a shorter longest wave or "
+            "a longer shortest one."
+        )
     return max(64, 2 ** math.ceil(math.log2(needed) - 1e-9))
+
+
+def whole_number(name: str, value: object, least: int, most: int = MOST) -> None:
+    """Raises `InputError` if a count of an ensemble is not one, or asks for a line that is never drawn."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
+        raise InputError(f"{name} must be a whole number, {least} to {most}, got {value!r}.")
 
 
 def synthesise(spectrum: AbstractSpectrum, seed: int, periods: int = PERIODS, samples: int | None = None) -> RoughLine:
     """One line of the ensemble, `periods` longest wavelengths long; the same numbers for the same seed."""
+    whole_number("periods", periods, 1)
+    if samples is not None:
+        whole_number("samples", samples, 64)
     if samples is None and is_traced(spectrum.q):
         raise InputError(
             "samples must be given where JAX traces the cutoffs of a surface: how many a line needs depends on them."

@@ -9,6 +9,7 @@ from .._runtime import as_float64, is_traced, positive, scalar
 from ..errors import InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.rough_line import RoughLine
+from ..mapping.synthesis import whole_number
 from ..solve.heat import Heat
 from .ensemble import ensemble
 from .steady import brief, check_shift
@@ -90,11 +91,9 @@ def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, period
         raise InputError(f"average must be 'direction' or None (the bare line), got {average!r}.")
     if isinstance(rtol, bool) or not isinstance(rtol, (int, float, np.floating)) or not 1e-10 <= rtol <= 1e-1:
         raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
-    for name, value, least in (("periods", periods, 1), ("samples", samples, 64)):
-        if value is None and name == "samples":
-            continue
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-            raise InputError(f"{name} must be a whole number, {least} or more, got {value!r}.")
+    whole_number("periods", periods, 1)
+    if samples is not None:
+        whole_number("samples", samples, 64)
 
 
 def _seeds(seeds: Any) -> tuple[int, ...]:
