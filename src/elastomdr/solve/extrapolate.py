@@ -81,7 +81,7 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     sizes = _STAGES[stage]
     grids = [grid(k * COARSEST, sizes[-1] * COARSEST) for k in sizes]
     motions = jax.lax.map(lambda g: march(body, g, per_area=per_area), jax.tree.map(lambda *x: np.stack(x), *grids))
-    best, before = _extrapolated(motions, sizes), _extrapolated(motions, sizes[:-1])
+    best, before, earlier = (_extrapolated(motions, sizes[: len(sizes) - left]) for left in range(3))
     error = _SHARE * jnp.abs(best.restitution - before.restitution)
     duration, depth = (_SHARE * jnp.abs(a / b - 1) for a, b in zip(best[1:3], before[1:3], strict=True))
     enough = (error <= rtol * jnp.abs(best.restitution)) & (depth <= rtol)
@@ -93,6 +93,11 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
         restitution=jnp.where(stuck, 0.0, best.restitution),
         duration=jnp.where(stuck, jnp.inf, best.duration),
     )
+    # Towards a turn that never comes the series is not one in n^-2, and corrections shrink slowly: what all further
+    # ones come to, if each is as much smaller than the one before as the last.
+    shrinks = jnp.abs((best.max_depth - before.max_depth) / (before.max_depth - earlier.max_depth))
+    slow = jnp.where(depth > 0, depth / _SHARE * shrinks / jnp.maximum(1 - shrinks, 0.01), 0.0)
+    depth = jnp.where(stuck, jnp.maximum(depth, slow), depth)
     good = (jnp.all(motions.solved, axis=0) & enough & jnp.isfinite(best.restitution)) | (stuck & (depth <= rtol))
     timed = (duration <= _LOOSER * rtol) | stuck
     return Impacts(best, jax.lax.stop_gradient(jnp.where(stuck, 0.0, error)), stuck, good, timed)
