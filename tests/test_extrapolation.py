@@ -29,10 +29,10 @@ def curve():
 def test_every_point_is_flagged_by_the_frequency_of_its_passage(curve):
     found, said = curve
     rate = 2 * VELOCITY / (0.5 * (found.contact.leading + found.contact.trailing))
-    np.testing.assert_array_equal(found.extrapolated, (rate < 1.0) | (rate > 1e3))
+    np.testing.assert_array_equal(found.extrapolated, (rate < 4.0) | (rate > 1e3))
     assert 3 < found.extrapolated.sum() < 13
     assert said.startswith(
-        f"{found.extrapolated.sum()} of 16 points lie beyond the range of the material: 2 v a_T/a from"
+        f"{found.extrapolated.sum()} of 16 points lie beyond the range of the material: v a_T/(2a) to 2 v a_T/a from"
     )
     assert "range 1 to 1e+03 rad/s" in said
     assert said.rstrip(".") in found.summary()
@@ -46,10 +46,30 @@ def test_every_point_is_flagged_by_the_frequency_of_its_passage(curve):
 def test_a_scene_within_the_range_is_not_flagged():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = em.friction(RUBBER, BALL, velocity=np.geomspace(1e-3, 0.1, 16), **SCENE)
+        found = em.friction(RUBBER, BALL, velocity=np.geomspace(3e-3, 0.1, 16), **SCENE)
     assert not found.extrapolated.any()
     assert "extrapolated" not in found.summary()
     assert em.friction(em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1]), BALL, velocity=VELOCITY, **SCENE).extrapolated is None
+
+
+@pytest.mark.parametrize("name", ["psa-468mp", "tread-passenger-synthetic"])
+def test_the_slow_end_of_what_was_measured(name):
+    """Fitted to its own moduli, without noise: where a passage lasts longer than the data, friction is flagged."""
+    rubber = em.load_material(name)
+    reference = float(rubber.shift.reference)
+    kelvin, f = reference + np.arange(-10.0, 51.0, 10.0), np.geomspace(0.1, 100, 13)
+    moduli = np.concatenate([np.asarray(rubber.at(t).complex_modulus(2 * np.pi * f)) for t in kelvin])
+    omega = np.tile(2 * np.pi * f, kelvin.size)
+    data = em.fit.dma(omega, moduli.real, moduli.imag, np.repeat(kelvin, f.size), kind="shear")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        fitted = em.fit.material(data, reference).material
+        velocity, scene = np.geomspace(1e-6, 0.3, 18), {"load": 1.0, "temperature": reference, "average": None}
+        found, truth = (em.friction(m, em.Sphere(5e-3), velocity=velocity, **scene) for m in (fitted, rubber))
+    off = np.abs(found.mu / truth.mu - 1)
+    assert off[found.extrapolated].max() > 0.1
+    assert off[~found.extrapolated].max() < 0.02
+    assert (~found.extrapolated).sum() >= 10
 
 
 def test_temperatures_shift_the_frequency_and_have_a_range_of_their_own():
@@ -58,7 +78,7 @@ def test_temperatures_shift_the_frequency_and_have_a_range_of_their_own():
         found = em.friction(RUBBER, BALL, velocity=VELOCITY[:8], temperature=kelvin, **SCENE)
     length = found.contact.leading + found.contact.trailing
     rate = 4 * VELOCITY[:8] * np.asarray(LAW.a(kelvin)) / length
-    np.testing.assert_array_equal(found.extrapolated, (rate < 1.0) | (rate > 1e3))
+    np.testing.assert_array_equal(found.extrapolated, (rate < 4.0) | (rate > 1e3))
     with pytest.warns(em.ExtrapolationWarning, match="16 of 16 points .* from 320 to 330 K, range 273.15 to 313.15 K"):
         hot = em.friction(RUBBER, BALL, velocity=VELOCITY[:8], temperature=np.array([[320.0], [330.0]]), **SCENE)
     assert hot.extrapolated.all()

@@ -12,6 +12,9 @@ from ..errors import InputError
 
 _ROUNDING = 1e-6  # relative, by which a frequency may lie outside and count as inside
 _KELVIN = 0.5  # by how much a temperature may: no data are closer to their own
+# A passage lasts 2a/v, 4 over the frequency 2 v/a where it dissipates most, and all that time the contact relaxes.
+# Fitted to data without noise: friction 4 to 11 % off where only 2 v/a is within them, 1 % where a quarter of it is.
+SLOWEST = 0.25
 _KEYS = ("frequency", "time", "temperature")
 
 T = TypeVar("T")
@@ -41,13 +44,13 @@ class Range(NamedTuple):
         return Range(frequency, None, self.illustrative, beyond)
 
     def outside(self, rate: np.ndarray, temperature: np.ndarray | None) -> Bool[np.ndarray, "..."]:
-        """Which angular frequencies (times a_T) [rad/s] and temperatures [K], of one shape, lie outside."""
+        """Which passages lie outside: frequencies 2 v a_T/a [rad/s] and temperatures [K], of one shape."""
         outside = np.full(np.shape(rate), bool(self.beyond))
         if self.frequency == ():
             outside |= True
         elif self.frequency:
             low, high = self.frequency
-            outside |= (rate < low * (1 - _ROUNDING)) | (rate > high * (1 + _ROUNDING))
+            outside |= (SLOWEST * rate < low * (1 - _ROUNDING)) | (rate > high * (1 + _ROUNDING))
         if self.temperature is not None and temperature is not None:
             outside |= ~_near(temperature, self.temperature)
         return outside
@@ -58,9 +61,9 @@ class Range(NamedTuple):
             yield self.beyond
         known = rate[np.isfinite(rate)]
         if self.frequency is not None and known.size and self.outside(known, None).any():
-            low, high = (significant(float(x), 3) for x in (known.min(), known.max()))
+            low, high = (significant(float(x), 3) for x in (SLOWEST * known.min(), known.max()))
             words = self._words("frequency") if self.frequency else "empty: the data determine the loss modulus nowhere"
-            yield f"2 v a_T/a from {low} to {high} rad/s, range {words}"
+            yield f"v a_T/(2a) to 2 v a_T/a from {low} to {high} rad/s, range {words}"
         if self.temperature is None or temperature is None or _near(temperature, self.temperature).all():
             return
         low, high = (f"{float(x):.6g}" for x in (temperature.min(), temperature.max()))

@@ -188,7 +188,8 @@ def _beyond(scene: Scene, contact: Contact) -> tuple[Any, tuple[tuple[str, str],
     """Which points use the material beyond its range, and a line for the inputs where some do.
 
     The frequency of a point is 2 v a_T/a, with a half the length of the contact: a parabola's passage dissipates most
-    there, and nine tenths between a quarter and twice of it. A warning is issued unless the range is an assumption.
+    there, and nine tenths between a quarter and twice of it. A quarter is the reciprocal of the time that it lasts, and
+    must be within the range too. A warning is issued unless the range is an assumption.
     None, and no line, without a range or while JAX traces.
     """
     known = scene.foundation.range

@@ -9,7 +9,7 @@ from ..mapping.direction import directions, shared_grid_size
 from ..mapping.lines import AbstractLines
 from ..mapping.profile import Profile
 from ..material.relaxation import Relaxation
-from ..material.validity import Range
+from ..material.validity import SLOWEST, Range
 from .condense import Condensation, choose
 from .passage import Control, estimate_sizes
 from .rule import Rule, ladder
@@ -123,7 +123,8 @@ def _frequencies(plan: Plan, passing: tuple[float, float]) -> str:
     if not plan.range.frequency:
         return f"{text}: the range of the material is empty, the data determine its loss modulus nowhere"
     low, high = plan.range.frequency
-    where = "within" if low <= passing[0] and passing[1] <= high else "beyond"
+    where = "within" if low <= SLOWEST * passing[0] and passing[1] <= high else "beyond"
+    text += f", and last up to {1 / (SLOWEST * passing[0]):.1g} s"
     return f"{text}: {where} the range of the material, {low:.3g} to {high:.3g} rad/s"
 
 
