@@ -18,7 +18,7 @@ from .dma_files import CELSIUS, HERTZ, KNOWN, WRITERS, measure, plain_csv, two_r
 
 ROWS = measure(KNOWN)
 BALL = em.Paraboloid(5e-3)
-VELOCITY = np.geomspace(1e-4, 0.5, 8)  # about 2 v a_T/a of 0.03 to 3e4 rad/s at 0 to 40 degC: within the reduced window
+VELOCITY = np.geomspace(5e-4, 0.5, 8)  # v a_T/(2a) to 2 v a_T/a, 0.03 to 3e4 rad/s at 0 to 40 degC: within the window
 # The bare line compiles faster than the average of directions, and depends on the material in the same way.
 SCENE = {"load": 1.0, "temperature": np.array([[273.15], [293.15], [313.15]]), "average": None, "rtol": 1e-4}
 
@@ -65,7 +65,8 @@ PEAKED = em.Prony(
 
 @pytest.mark.parametrize(("rubber", "least"), [(KNOWN, 12), (STEEP, 8), (PEAKED, 8)], ids=["known", "steep", "peaked"])
 def test_round_trip_of_relaxation(rubber, least, tmp_path):
-    truth = em.friction(rubber, BALL, velocity=VELOCITY, **SCENE)
+    velocity = np.geomspace(5e-5, 0.5, 16)
+    truth = em.friction(rubber, BALL, velocity=velocity, **SCENE)
     t, rng = np.geomspace(0.01, 1e3, 24), np.random.default_rng(1)
     lines = ["t,G_relax,T", "s,MPa,°C"]
     for celsius in CELSIUS:
@@ -78,9 +79,9 @@ def test_round_trip_of_relaxation(rubber, least, tmp_path):
     assert "the series has it to" in fit.info()["source"]["moduli"]["note"]
     em.save_material(fit.material, tmp_path / "again.toml", info=fit.info())
     with pytest.warns(em.ExtrapolationWarning):
-        again = em.friction(em.load_material(tmp_path / "again.toml"), BALL, velocity=VELOCITY, **SCENE)
+        again = em.friction(em.load_material(tmp_path / "again.toml"), BALL, velocity=velocity, **SCENE)
     inside = ~np.asarray(again.extrapolated)
-    assert least <= inside.sum() < 24  # relaxation does not determine the loss modulus up to its first instant
+    assert least <= inside.sum() < 48  # relaxation does not determine the loss modulus up to its first instant
     np.testing.assert_allclose(again.mu[inside], truth.mu[inside], rtol=0.02)
 
 
