@@ -30,7 +30,7 @@ def main(out: Path) -> None:
     fit = em.fit.material(measure(sample), REFERENCE, name="sample", citation="Made in examples/07")
     print(fit.summary())
 
-    ball, velocity = em.Sphere(5e-3), np.geomspace(2e-5, 1.0, 32)  # m, m/s; within the range of the data
+    ball, velocity = em.Sphere(5e-3), np.geomspace(1e-4, 1.0, 32)  # m, m/s; within the range of the data
     true, fitted = (
         em.friction(rubber, ball, velocity=velocity, load=1.0, temperature=REFERENCE, rtol=1e-4)
         for rubber in (sample, fit.material)
