@@ -21,12 +21,14 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+import jax
 import numpy as np
 from common import heading, save, table, verdict
 
 ROOT = Path(__file__).parents[1]
 SAID_EVERY = 30.0  # s
 AHEAD = 64  # answers that wait for their judge
+MAPS = 40_000  # memory maps, at which compiled programs are let go: Linux allows a process 65,530
 
 Verdict = tuple[str, float, float]  # kind, relative miss, miss over the stated error
 
@@ -181,6 +183,7 @@ def _finished(suite: Suite, order: list[tuple[str, int]], seed: int, processes: 
                         found = suite.answer(batch)
                 except Exception:  # a crash is what the test looks for: counted, shown, and the exit status is 1
                     crash = traceback.format_exc(limit=-3)
+                _let_go()
                 took = time.perf_counter() - start
                 if crash:
                     now = time.perf_counter()
@@ -200,6 +203,13 @@ def _finished(suite: Suite, order: list[tuple[str, int]], seed: int, processes: 
                     said = now
                     where = f"{order[min(i, len(order) - 1)][0]}: {count} of {len(order)} batches"
                     print(f"  {now - begin:6.0f} s, {where}, {wrong} points wrong", file=sys.stderr, flush=True)
+
+
+def _let_go() -> None:
+    """Thousands of scenes of hundreds of kinds compile more programs than a process may hold."""
+    maps = Path("/proc/self/maps")
+    if maps.exists() and maps.read_bytes().count(b"\n") > MAPS:
+        jax.clear_caches()
 
 
 def _summary(suite: Suite, found: list[Done]) -> dict[str, Any]:
