@@ -40,6 +40,11 @@ def blocks(sheet: Sheet, options: Options) -> Iterator[Block]:
             yield from _whole(found)
             if not told and found is not None and not found.rows:
                 told = found.above  # a line of prose had been taken for the header
+            if lines and units and below[i] == len(heads) != len(units):
+                raise InputError(
+                    f"line {rows[following].line} has {len(units)} units, cut at blanks, and {len(heads)} titles stand "
+                    "above it: write - for no unit, or the units into the titles."
+                )
             found = _block(heads, columns, below[i] if lines else 0, options, told)
             told, skip = (), following if units else -1
             continue
@@ -75,13 +80,14 @@ def with_named(heads: Sequence[str], columns: list[Column], units: list[str], op
 
 def _units(row: Row) -> list[str]:
     """The units that a row gives, an empty list where it gives none; it may be a comment, as the header above it."""
-    cells = [bare(cell) for cell in row.cells]
-    cells = cells[1:] if cells and not cells[0] and row.cells[0] else cells
-    return (row.cells if is_unit_row(row.cells) else cells) if is_unit_row(cells) else []
+    cells = [bare(cell) for cell in row.cells[:1]] + row.cells[1:]
+    if row.cells and row.cells[0] and not cells[0]:
+        cells = cells[1:]
+    return cells if is_unit_row(cells) else []
 
 
 def _block(heads: list[str], columns: list[Column], width: int, options: Options, told) -> Block:
-    """A header without rows as yet. Where its titles cannot be told apart, only columns count that are named by number."""
+    """A header without rows as yet; where its titles cannot be told apart, only columns named by number count."""
     if width in (0, len(heads)):
         return Block(columns, [], heads, told, width)
     numbered = [f"column {i}" for i in range(1, width + 1)]

@@ -40,10 +40,9 @@ def contradictions(
             contrary = apart > (_RATE if measure(role) in ("frequency", "time") else _RATIO)
             by = f"differ by a factor of {1 + apart:.3g} in the median"
         if contrary:
-            name = {"omega": "angular frequency", "absolute": "absolute modulus", "tangent": "loss tangent"}.get(role, role)
             yield (
-                f"columns {first.place + 1} {first.title!r} and {column.place + 1} {column.title!r} both hold {name} and "
-                f"{by}. Taken is column {first.place + 1}; if it is the other, give columns={{{role!r}: "
+                f"columns {first.place + 1} {first.title!r} and {column.place + 1} {column.title!r} both hold {role} "
+                f"and {by}. Taken is column {first.place + 1}; if it is the other, give columns={{{role!r}: "
                 f"{column.place + 1}}} (--column {role}={column.place + 1})."
             )
 

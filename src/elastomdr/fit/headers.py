@@ -16,6 +16,7 @@ _WORDS = re.compile(
     re.IGNORECASE,
 )
 _GLUE = "\0"
+_LONGEST = 5000  # characters of a line of titles
 _COPY = re.compile(r"(.*\S)\.\d+")  # what pandas makes of a title that it has met before
 
 
@@ -24,16 +25,21 @@ def bare(line: str) -> str:
     return line[match.end() :] if (match := _MARK.match(line)) else line
 
 
+def is_remark(line: str) -> bool:
+    """Whether a line begins with a mark that no table of numbers begins with."""
+    return line.lstrip().startswith(("#", "%", "//"))
+
+
 def titles(row: Row, line: str | None, width: int) -> list[str]:
     """The titles in a row above rows of `width` cells (0 where there are none).
 
     `line` is the text of the row where it is cut at blanks, and is cut in the first way that gives as many titles as
-    there are cells: with "G' [Pa]" as one title, at two blanks or more, behind brackets, at other separators. A mark such
-    as # that is a cell by itself is a title (of numbers of points) where the rows have a cell for it.
+    there are cells: with "G' [Pa]" as one title, at two blanks or more, at other separators, behind brackets. A mark
+    such as # that is a cell by itself is a title (of numbers of points) where the rows have a cell for it.
     """
     if line is not None:
-        cuts = [cut for text in (bare(line), line) for cut in _cuts(text)]
-        return _originals(next((cut for cut in cuts if len(cut) == width), cuts[0]))
+        cuts = (cut for text in (bare(line), line) for cut in _cuts(text) if len(cut) == width)
+        return _originals(next(cuts, None) or next(_cuts(bare(line))))
     cells = row.cells
     match = _MARK.match(cells[0]) if cells else None
     if match is None:
@@ -72,6 +78,9 @@ def is_numeric(row: Row) -> bool:
 def _cuts(line: str) -> Iterator[list[str]]:
     """A line of titles in the ways that it may be meant."""
     text = line.strip()
+    if len(text) > _LONGEST:
+        yield text.split()
+        return
     inside = _BRACKETS.sub(lambda match: re.sub(r"\s+", _GLUE, match[0]), text)
     joined = re.sub(r"(?<=\S)\s+(?=[\[(])", _GLUE, inside)
     joined = re.sub(r"\s+/\s+", f"{_GLUE}/{_GLUE}", joined)
@@ -80,9 +89,11 @@ def _cuts(line: str) -> Iterator[list[str]]:
         yield next(csv.reader(io.StringIO(text), delimiter=" ", skipinitialspace=True), [])
     yield [cell.replace(_GLUE, " ") for cell in _WORDS.sub(rf"\1{_GLUE}", joined).split()]
     yield [cell.strip() for cell in re.split(r"\s{2,}|\t", text)]
-    yield [cell.strip() for cell in re.findall(r"[^\[\]()]+(?:\[[^\[\]]*\]|\([^()]*\)|$)", text) if cell.strip()]
     for mark in ",;|":
         yield [cell.strip() for cell in text.split(mark)]
+    yield [cell.strip() for cell in re.findall(r"[^\[\]()]+(?:\[[^\[\]]*\]|\([^()]*\)|$)", text) if cell.strip()]
+    if not _BRACKETS.sub("", text).strip():  # units
+        yield text.split()
 
 
 def _originals(cells: list[str]) -> list[str]:

@@ -13,7 +13,7 @@ from .data import Dma
 from .duplicates import contradictions, preference, taken
 from .logarithms import antilogarithm
 from .misread import misread, moduli, moduli_roles
-from .plausible import implausible, inconsistent, is_elastic, mixed_up
+from .plausible import implausible, inconsistent, is_elastic, is_melt, mixed_up
 from .swapped import swapped
 from .temperatures import Above
 from .unsaid_logarithms import unsaid_logarithms
@@ -41,7 +41,7 @@ class Block(NamedTuple):
 
     @property
     def told(self) -> float | None:
-        """The temperature that a line above gives to all points [K]; None where it is in a column, or in no one line."""
+        """The temperature that a line above gives to all points [K]; None where there is a column, or no such line."""
         column = any(column.role == "temperature" for column in self.columns)
         return self.above[0].kelvin if len(self.above) == 1 and not column else None
 
@@ -74,10 +74,11 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     titles = {role: chosen[role].title for role in needed}
     none = np.zeros(0)
     storage, loss = moduli(arrays) if dynamic else (none, none)
-    elastic = is_elastic(storage, loss, arrays.get("relaxation", none))
+    relaxed = arrays.get("relaxation", none)
+    elastic, melt = is_elastic(storage, loss, relaxed), is_melt(storage, loss, relaxed)
     texts = [*inconsistent(arrays.get("omega"), storage, loss, extra, chosen)]
     texts += contradictions(arrays, chosen, _others(block, chosen, needed, kept, options, units))
-    texts += implausible(arrays, titles, given, modulus_given(options), elastic)
+    texts += implausible(arrays, titles, given, modulus_given(options), elastic, melt)
     if dynamic:
         misnamed = [*misread(arrays, chosen, given)]
         texts += misnamed or mixed_up(storage, loss, [chosen[role] for role in moduli_roles(arrays)], given)
@@ -100,7 +101,9 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
         "warnings": tuple(texts),
         "bad_rows": tuple(bad),
         "source": path.name,
-        "columns": taken(block.titles, [chosen[role] for role in needed], _temperature_from(block, options), block.part),
+        "columns": taken(
+            block.titles, [chosen[role] for role in needed], _temperature_from(block, options), block.part
+        ),
     }
     if not dynamic:
         return Dma(none, none, none, none, time=arrays["time"], relaxation=arrays["relaxation"],
@@ -136,7 +139,7 @@ def modulus_given(options: Options) -> bool:
 def _others(
     block: Block, chosen: dict[str, Column], needed: list[str], rows: list[Row], options: Options, units: dict[str, str]
 ) -> Iterator[tuple[Column, np.ndarray]]:
-    """Further columns of what is read, whose unit somebody says, with their numbers in SI (NaN where there are none)."""
+    """Further columns of what is read, whose unit somebody says, with their numbers in SI, NaN where there are none."""
     for column in block.columns:
         kind = measure(column.role)
         if column.role not in needed or column is chosen[column.role] or column.said:

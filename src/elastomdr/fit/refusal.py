@@ -1,9 +1,8 @@
 """Why nothing in a file is read as a measurement, and what would help."""
 
-from ..errors import InputError
 from .blocks import with_named
 from .cells import Sheet
-from .columns import Column, is_complete, measure, title_unit, UNITS, unclear_logarithm, understand
+from .columns import UNITS, Column, is_complete, measure, title_unit, unclear_logarithm, understand
 from .headers import titles, widths
 from .logarithms import other_logarithm
 from .measurements import Options
@@ -35,9 +34,9 @@ def no_columns(sheet: Sheet, options: Options) -> str:
         return unclear_logarithm(unclear[0])
     shown = next((row.cells for row in rows if sum(bool(cell) for cell in row.cells) >= 2), [])
     place = _modulus(heads, understood)
-    wanted = f"{{'relaxation': {place}}} (--column relaxation={place})" if place else (
-        "{'storage': 'Modulus 1'} (--column storage='Modulus 1')"
-    )
+    wanted = "{'storage': 'Modulus 1'} (--column storage='Modulus 1')"
+    if place:
+        wanted = f"{{'relaxation': {place}}} (--column relaxation={place})"
     return (
         "no header names frequency, storage and loss modulus (or time and relaxation modulus); "
         f"the first row is {', '.join(cell for cell in shown[:8] if cell) or 'empty'}. Name the columns, as "

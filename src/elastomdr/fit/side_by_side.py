@@ -48,9 +48,7 @@ def apart(block: Block, options: Options) -> list[Block]:
             temperatures = [()] * len(groups)
     parts = []
     for i, group in enumerate(groups):
-        rows = [
-            row for row in block.rows if any(row.cells[c.place : c.place + 1] not in ([], [""]) for c in group)
-        ]
+        rows = [row for row in block.rows if any(row.cells[c.place : c.place + 1] not in ([], [""]) for c in group)]
         if rows:
             part = block._replace(columns=[*shared, *group], rows=rows, above=temperatures[i], part=(i, len(groups)))
             parts.append(part)
@@ -86,8 +84,8 @@ def together(parts: Sequence[Dma]) -> Dma:
     if not again.any():
         return found
     text = (
-        f"{found.source}: {len(parts)} blocks of the same columns stand side by side, and {again.sum()} temperatures are "
-        "in more than one of them: read as further points of one material. If they are of several samples, name the "
-        "columns of one, as columns={'storage': 3} (--column storage=3), and those of frequency and temperature."
+        f"{found.source}: {len(parts)} blocks of the same columns stand side by side, and {again.sum()} of their "
+        "temperatures are in more than one: read as further points of one material. If they are of several samples, "
+        "name the columns of one, as columns={'storage': 3} (--column storage=3), and those of frequency and temperature."
     )
     return replace(found, warnings=(*found.warnings, text))

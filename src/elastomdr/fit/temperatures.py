@@ -13,8 +13,8 @@ from .data import Dma, describe_list
 
 _UNIT = r"deg ?[CFcf]|°\s?[CF]|º\s?[CF]|℃|℉|K|C|kelvin|celsius"
 _OF_BLOCK = re.compile(  # nothing but the temperature, and what may number the block
-    r"[\W_]*(?:(?:step|block|set|sweep|run|curve|isotherme?|frequency sweep)\s*\d*\s*[\W_]*)?"
-    r"(?:(?:t|temp\.?|temperature|temperatur|(?:sample|test) temp(?:erature)?|isotherme?|온도)\s*(?:at|of|bei)?|at|bei)?"
+    r"[^\w+-]*(?:(?:step|block|set|sweep|run|curve|frequency sweep)(?:\s*\d+(?!\d))?[^\w+-]*)?"
+    r"(?:(?:t|temp\.?|temperatur|(?:(?:sample|test) )?temp(?:erature)?|isotherme?|온도)\s*(?:at|of|bei)?|at|bei)?"
     rf"\s*[=:,;]?\s*([+-]?\d+(?:[.,]\d+)?)\s*\[?\(?({_UNIT})\W*",
     re.IGNORECASE,
 )
@@ -39,10 +39,11 @@ def above(cells: Sequence[str]) -> tuple[Above, ...]:
 
 def _each(cells: Sequence[str]) -> Iterator[Above]:
     for place, cell in enumerate(cells):
-        match = _OF_BLOCK.fullmatch(cell.strip()) if cell and len(cell) < _LONGEST else None
+        plain = re.sub("[\u2212\u2013]", "-", cell.strip())
+        match = _OF_BLOCK.fullmatch(plain) if cell and len(cell) < _LONGEST else None
         unit = known_unit(match[2].replace(" ", "")) if match else ""
         if match and unit:
-            value = float(match[1].replace(",", ".").replace("\u2212", "-"))
+            value = float(match[1].replace(",", "."))
             kelvin = convert([value], "temperature", unit)[0]
             if kelvin > 0:
                 yield Above(place, kelvin, cell.strip())
@@ -73,6 +74,7 @@ def untold(rates: np.ndarray) -> str:
     if np.unique(np.log(rates).round(2)).size < rates.size:
         return (
             "and frequencies (or times) repeat, as in several isotherms: give each its own, in a column, in a line "
-            "'T = -20 degC' above its block, or in Python as join(read_dma(file, temperature=253.15), ...) from a file each."
+            "'T = -20 degC' above its block, or in Python as join(read_dma(file, temperature=253.15), ...) from a file "
+            "each."
         )
     return "give it, with read_dma(..., temperature=293.15) or --temperature 20degC."

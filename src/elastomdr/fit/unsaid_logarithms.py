@@ -16,7 +16,8 @@ def unsaid_logarithms(
 ) -> Iterator[str]:
     """A warning where storage and loss modulus suit no passive material as read, and one if they are log10 of Pa.
 
-    `arrays` in SI units and `numbers` as in the file, by role. Only numbers that could be such logarithms are looked at.
+    `arrays` in SI units and `numbers` as in the file, by role. Only numbers that could be such logarithms are looked
+    at.
     """
     storage, loss = (np.array(numbers[role]) for role in ("storage", "loss"))
     both = np.concatenate([storage, loss])
@@ -25,9 +26,9 @@ def unsaid_logarithms(
     rate = arrays["omega" if "omega" in arrays else "frequency"]
     temperature = arrays.get("temperature", np.zeros(rate.size))
     named = arrays["storage"], arrays["loss"]
-    if closer(temperature, rate, named, [(10**storage, 10**loss), named[::-1]], _MISFIT) == 0:
+    if closer(temperature, rate, named, [(10**storage, 10**loss), (named[1], named[0])], _MISFIT) == 0:
         yield (
-            f"{chosen['storage'].title!r} and {chosen['loss'].title!r} suit no passive material as they are named, and one "
-            "if they are decadic logarithms of moduli in Pa. Assumed are the names; if they are wrong, write log10 and "
-            "[Pa] into the titles."
+            f"{chosen['storage'].title!r} and {chosen['loss'].title!r} suit no passive material as they are named, and "
+            "one if they are decadic logarithms of moduli in Pa. Assumed are the names; if they are wrong, write log10 "
+            "and [Pa] into the titles."
         )
