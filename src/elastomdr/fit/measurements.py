@@ -13,7 +13,7 @@ from .data import Dma
 from .duplicates import contradictions, preference, taken
 from .logarithms import antilogarithm
 from .misread import misread, moduli, moduli_roles
-from .plausible import implausible, inconsistent, is_elastic, is_melt, mixed_up
+from .plausible import implausible, inconsistent, is_elastic, mixed_up
 from .swapped import swapped
 from .temperatures import Above
 from .unsaid_logarithms import unsaid_logarithms
@@ -74,11 +74,10 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     titles = {role: chosen[role].title for role in needed}
     none = np.zeros(0)
     storage, loss = moduli(arrays) if dynamic else (none, none)
-    relaxed = arrays.get("relaxation", none)
-    elastic, melt = is_elastic(storage, loss, relaxed), is_melt(storage, loss, relaxed)
+    elastic = is_elastic(storage, loss, arrays.get("relaxation", none))
     texts = [*inconsistent(arrays.get("omega"), storage, loss, extra, chosen)]
     texts += contradictions(arrays, chosen, _others(block, chosen, needed, kept, options, units))
-    texts += implausible(arrays, titles, given, modulus_given(options), elastic, melt)
+    texts += implausible(arrays, titles, given, modulus_given(options), elastic)
     if dynamic:
         misnamed = [*misread(arrays, chosen, given)]
         texts += misnamed or mixed_up(storage, loss, [chosen[role] for role in moduli_roles(arrays)], given)
@@ -238,6 +237,11 @@ def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
         known = ", ".join(spelled(unit) for unit in UNITS[kind])
         raise InputError(f"the unit of {column.title!r} is {column.said!r}, which is none of {known}: write it as one.")
     unit = column.unit or fixed.get(column.role) or options.units.get(kind)
+    if unit and unit not in UNITS[kind]:  # of a column that the user named
+        raise InputError(
+            f"column {column.place + 1} {column.title!r}, named for {column.role}, is in {spelled(unit)}, which is "
+            f"none of {', '.join(map(spelled, UNITS[kind]))}."
+        )
     if unit:
         return unit
     option = {"frequency": "frequency_unit", "modulus": "modulus_unit", "temperature": "temperature_unit",
@@ -259,7 +263,7 @@ def _known_unit(column: Column, options: Options, fixed: dict[str, str]) -> str 
     """The unit of a column that is only compared with others; None where nobody says it."""
     kind = measure(column.role)
     if kind == "ratio" or column.unit:
-        return column.unit
+        return column.unit if column.unit in UNITS[kind] else None
     return fixed.get(column.role) or options.units[kind] if kind == "modulus" and not column.said else None
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from .columns import MODULI, Column, spelled
+from .data import Dma
 from .misread import moduli_roles
 
 _LARGEST = 3e10  # [Pa], above any polymer
@@ -22,15 +23,10 @@ _FLOWS = 0.3  # more than this loss tangent in the median
 
 
 def implausible(
-    arrays: dict[str, np.ndarray],
-    titles: dict[str, str],
-    given: dict[str, str],
-    user: bool,
-    elastic: bool,
-    melt: bool,
+    arrays: dict[str, np.ndarray], titles: dict[str, str], given: dict[str, str], user: bool, elastic: bool
 ) -> Iterator[str]:
     """Warnings on values that a polymer hardly has; they say what was assumed. `titles` and units `given` by role;
-    `elastic` says whether the material is a solid, `melt` whether it looks as a melt does.
+    `elastic` says whether the material is a solid.
     """
     whose = "as you say" if user else "as the file says"
     units = {titles[role]: spelled(given[role]) for role in titles}
@@ -45,17 +41,27 @@ def implausible(
                 f"moduli from {low:.3g} to {high:.3g} Pa are implausibly {side} for a {what}; assumed is the unit, "
                 f"{whose}: {', '.join(f'{title} in {unit}' for title, unit in units.items() if unit)}. Check it."
             )
-    if "temperature" in arrays:
-        low, high = float(arrays["temperature"].min()), float(arrays["temperature"].max())
-        celsius = arrays["temperature"] - 273.15 if given["temperature"] == "degc" else np.zeros(0)
-        kelvins = kelvins_as_celsius(celsius, melt)
-        if low < TEMPERATURES[0] or high > TEMPERATURES[1] or kelvins:
-            yield (
-                f"temperatures from {low:.4g} to {high:.4g} K are implausible for a DMA{kelvins}; assumed is the unit "
-                f"of the file, {spelled(given['temperature'])}. Check whether they are in degC or K."
-            )
     if given.get("omega") == "hz":
         yield f"{titles['omega']!r} is an angular frequency in Hz: are Hz and rad/s mixed up? Assumed is Hz."
+
+
+def implausible_temperatures(dma: Dma) -> Iterator[str]:
+    """A warning on temperatures of all isotherms together that hardly anybody measures at."""
+    temperature = np.concatenate([dma.temperature, dma.time_temperature])
+    temperature = temperature[np.isfinite(temperature)]
+    unit = dma.units.get("temperature")
+    if not temperature.size or unit is None:
+        return
+    low, high = float(temperature.min()), float(temperature.max())
+    melt = (not dma.frequency.size or is_melt(dma.storage, dma.loss, np.zeros(0))) and (
+        not dma.time.size or is_melt(dma.storage, dma.loss, dma.relaxation)
+    )
+    kelvins = kelvins_as_celsius(temperature - 273.15, melt) if unit == "degC" else ""
+    if low < TEMPERATURES[0] or high > TEMPERATURES[1] or kelvins:
+        yield (
+            f"temperatures from {low:.4g} to {high:.4g} K are implausible for a DMA{kelvins}; assumed is the unit of "
+            f"the file, {unit}. Check whether they are in degC or K."
+        )
 
 
 def kelvins_as_celsius(celsius: np.ndarray, melt: bool) -> str:

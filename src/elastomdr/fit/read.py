@@ -4,6 +4,7 @@ import os
 import re
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from .cells import Row, Sheet, number, read_cells
 from .columns import Column, checked_unit, is_complete, understand
 from .data import KINDS, Dma, FitWarning, join
 from .measurements import Block, Options, measurements
+from .plausible import implausible_temperatures
 from .refusal import no_columns
 from .side_by_side import apart, together
 from .temperatures import advised, check_told
@@ -46,7 +48,8 @@ def read_dma(
     `excel`), TRIOS exports, Eplexor sheets, RepTate's .osc and .tts. Units come from the file or from the arguments
     `frequency_unit` ("Hz", "rad/s"), `modulus_unit` ("Pa", "MPa", ...), `temperature_unit` ("degC", "K"), `time_unit`
     ("s"), which fill in what the file leaves out and never overrule it; `kind` ("shear", "tensile") likewise.
-    `temperature` [K] is that of all points where the file has no such column. `columns` names columns that are not
+    `temperature` [K] is that of all points where the file has no such column, and no lines above several blocks that
+    say one each. Isotherms may stand side by side. `columns` names columns that are not
     recognised, as {"storage": "Modulus 1"} or by number from 1; logarithms are read where titles or units say which.
     Rows that are no measurement are left out, counted and named in a `FitWarning` and in the result; so is what looks
     implausible. Raises `InputError` for what cannot be read, and for units that nobody gives.
@@ -61,6 +64,7 @@ def read_dma(
         found = join(*(_read(Path(one), options) for one in path))
     else:
         raise InputError(f"path must be a file or a list of files, got {path!r}.")
+    found = replace(found, warnings=(*found.warnings, *implausible_temperatures(found)))
     for text in found.warnings:
         warnings.warn(text, FitWarning, stacklevel=2)
     return found

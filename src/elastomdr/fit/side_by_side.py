@@ -86,6 +86,7 @@ def together(parts: Sequence[Dma]) -> Dma:
     text = (
         f"{found.source}: {len(parts)} blocks of the same columns stand side by side, and {again.sum()} of their "
         "temperatures are in more than one: read as further points of one material. If they are of several samples, "
-        "name the columns of one, as columns={'storage': 3} (--column storage=3), and those of frequency and temperature."
+        "name the columns of one, as columns={'storage': 3} (--column storage=3), and those of frequency and "
+        "temperature."
     )
     return replace(found, warnings=(*found.warnings, text))

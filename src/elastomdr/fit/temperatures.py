@@ -19,6 +19,7 @@ _OF_BLOCK = re.compile(  # nothing but the temperature, and what may number the 
     re.IGNORECASE,
 )
 _LONGEST = 80  # characters of such a line
+_NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
 
 
 class Above(NamedTuple):
@@ -71,10 +72,10 @@ def advised(dma: Dma) -> Dma:
 
 def untold(rates: np.ndarray) -> str:
     """What to do about points, of these frequencies or times, whose temperature is not known."""
-    if np.unique(np.log(rates).round(2)).size < rates.size:
+    if np.unique(np.log(rates).round(3)).size < _NEW * rates.size:
         return (
-            "and frequencies (or times) repeat, as in several isotherms: give each its own, in a column, in a line "
-            "'T = -20 degC' above its block, or in Python as join(read_dma(file, temperature=253.15), ...) from a file "
-            "each."
+            "frequencies (or times) repeat, as in several isotherms; give each its own temperature, in a column, in a "
+            "line 'T = -20 degC' above its block, or in Python as join(read_dma(file, temperature=253.15), ...) from a "
+            "file each."
         )
     return "give it, with read_dma(..., temperature=293.15) or --temperature 20degC."
