@@ -136,7 +136,7 @@ def test_reptate_master_curve(write):
         dma = em.fit.read_dma(write("mwdfile=ps2.dmwd;\n 0.1 150 4500\n 1.0 1500 9500\n 10 9e3 2e4\n", "ps.tts"))
     assert np.isnan(dma.temperature).all()
     with pytest.raises(InputError, match="--temperature"):
-        em.fit.master_curve(em.fit.join(dma, dma))
+        em.fit.master_curve(dma)
 
 
 def test_files_that_are_none(tmp_path, write, monkeypatch):

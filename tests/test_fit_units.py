@@ -49,6 +49,8 @@ def test_columns_by_title_or_number(write):
     columns = {"frequency": "speed", "storage": 2, "loss": "damp", "temperature": 4}
     dma = em.fit.read_dma(path, columns=columns, kind="shear")
     np.testing.assert_allclose([dma.frequency[0], dma.storage[0], dma.temperature[0]], [2 * np.pi, 2e6, 293.15])
+    with pytest.raises(InputError, match="column 1 'speed', named for time, is in Hz, which is none of s, ms, min, h"):
+        em.fit.read_dma(path, columns={"time": 1, "relaxation": 2}, kind="shear")
     with pytest.raises(InputError, match="Did you mean 'storage'"):
         em.fit.read_dma(path, columns={"storge": 2})
 

@@ -90,3 +90,54 @@ def test_bad_arguments(tmp_path, given, words):
         em.fit.read_friction(file, **given)
     with pytest.raises(em.InputError, match="can be read"):
         em.fit.read_friction(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize(
+    ("titles", "velocity"),
+    [
+        ("Sliding velocity, mm/s;Temperature, K;Coefficient of friction, -", 1e3 * V),
+        ("velocity_mm_s;temperature_K;mu", 1e3 * V),
+        ("log10 v [m/s];T [K];mu", np.log10(V)),
+        ("ln v [mm/s];T [K];mu [-]", np.log(1e3 * V)),
+        ("% v [mm/s];T [K];mu [-]", 1e3 * V),
+    ],
+)
+def test_more_titles(tmp_path, titles, velocity):
+    for mark in (";", " "):
+        if mark == " " and "," in titles:
+            continue
+        rows = [mark.join(f"{x:.12g}" for x in row) for row in zip(velocity, T, MU, strict=True)]
+        found = em.fit.read_friction(write(tmp_path, "\n".join([titles.replace(";", mark), *rows])))
+        np.testing.assert_allclose(found.velocity, V, rtol=1e-9)
+        np.testing.assert_allclose(found.mu, MU)
+        np.testing.assert_allclose(found.temperature, T)
+        assert found.report == ()
+
+
+@pytest.mark.parametrize(
+    ("titles", "row", "words"),
+    [
+        ("v [mm/s],T [degC],mu", "{v},293,0.5", "566.1 to 566.1 K are implausible .as kelvins .* assumed is degC"),
+        ("v [mm/s],T [K],mu", "{v},20,0.5", "20 to 20 K are implausible; assumed is K"),
+        ("v [mm/s],T [K],mu", "{v},293,50", "mu of 50 in the median is implausible; assumed is a plain number"),
+        ("v [km/s],T [K],mu", "{v},293,0.5", "1e.03 to 3e.03 m/s are implausible; assumed is km/s"),
+        ("log v [mm/s],T [K],mu", "{v},293,0.5", "'log v' is taken as a decadic logarithm"),
+    ],
+)
+def test_what_no_experiment_has_is_said(tmp_path, titles, row, words):
+    file = write(tmp_path, "\n".join([titles, *(row.format(v=v) for v in (1, 2, 3))]))
+    with pytest.warns(em.fit.FitWarning, match=words):
+        found = em.fit.read_friction(file)
+    assert found.mu.size == 3
+    assert found.report[0] in repr(found)
+
+
+def test_percent_and_rows_that_break_off(tmp_path):
+    rows = ["1,20,50", "2,20,60,", "3,20,70", "mean,,60", "4", "4,20,80,9"]
+    file = write(tmp_path, "\n".join(["v [mm/s],T [degC],mu [%]", *rows]))
+    with pytest.warns(em.fit.FitWarning, match=r"3 of 6 rows .* \(line 5, 6, 7\)"):
+        found = em.fit.read_friction(file)
+    np.testing.assert_allclose(found.mu, [0.5, 0.6, 0.7])
+    file = write(tmp_path, "\n".join(["# v[mm/s] T[K] mu n", "1 293 0.5 1", "2 0.6 1", "3 293 0.7 1"]))
+    with pytest.warns(em.fit.FitWarning, match=r"1 of 3 rows .* \(line 3\)"):
+        np.testing.assert_allclose(em.fit.read_friction(file).mu, [0.5, 0.7])

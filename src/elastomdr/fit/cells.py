@@ -32,10 +32,11 @@ class Row(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """A file's rows; `text` is empty for spreadsheets."""
+    """A file's rows; `text` and `separator` are empty for spreadsheets."""
 
     rows: list[Row]
     text: str
+    separator: str = ""
 
 
 def read_cells(path: Path) -> Sheet:
@@ -54,7 +55,7 @@ def read_cells(path: Path) -> Sheet:
         return Sheet(with_points(_spreadsheet(path), ""), "")
     text = decode(raw, path.name)
     separator = separator_of(text.splitlines())
-    return Sheet(with_points(_split(text, separator), separator), text)
+    return Sheet(with_points(_split(text, separator), separator), text, separator)
 
 
 def decode(raw: bytes, name: str) -> str:

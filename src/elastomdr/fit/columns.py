@@ -42,15 +42,18 @@ _SPELLED = {
 _NAMES = {
     "omega": r"w|ω|omega|angular frequency|ang\.? freq(uency|\.)?|angular freq\.?|kreisfrequenz|각주파수",
     "frequency": r"f|freq\.?|frequency|frequenz|주파수",
-    "temperature": r"temp\.?|temperature|temperatur|sample temp(erature)?|온도",
-    "time": r"time|zeit|시간",
-    "storage": rf"{_STORAGE}|[ge]'|[ge]_?(1|p|prime|stor|storage)|"
+    "temperature": r"temp\.?|temperature|temperatur|온도|t[ _](sample|set)|"
+    r"(sample|specimen|probe|set|set ?point|program(med)?|target|nominal|furnace|oven|chamber) temp(\.|erature)?|"
+    r"(probe|soll)n?temperatur",
+    "time": r"(step )?time|zeit|시간",
+    "storage": rf"{_STORAGE}|(modulus )?[ge]'|[ge]_?(1|p|prime|stor|storage)|"
     r"([ge]|shear|tensile|young'?s)[ _](stor|storage|storage modulus)",
-    "loss": rf"{_LOSS}|[ge]''|[ge]_?(2|pp|dprime|loss)|([ge]|shear|tensile|young'?s)[ _](loss|loss modulus)",
+    "loss": rf"{_LOSS}|(modulus )?[ge]''|[ge]_?(2|pp|dprime|loss)|([ge]|shear|tensile|young'?s)[ _](loss|loss modulus)",
     "absolute": r"\|[ge]\*\|?|[ge]\*|[ge]_?abs|complex modulus|komplexer modul",
     "phase": r"phase ?angle|phase|delta|δ|phasenwinkel",
     "tangent": r"tan_?\(?(d|delta|δ)\)?|tan ?(d|delta|δ)|tand|loss (tangent|factor)|verlustfaktor",
-    "relaxation": r"[ge]_?(relax|t)|[ge]\(t\)|relaxation modulus|relaxationsmodul|relax|relaxation|완화탄성률",
+    "relaxation": r"[ge]_?(relax|t)|[ge]\(t\)|relaxationsmodul|relax|relaxation|완화탄성률|"
+    r"(stress |shear |tensile )?relaxation modulus( [ge](\(t\))?)?",
     "torque": r"(oscillation )?torque|drehmoment",
 }
 _KIND = {"omega": "frequency", "storage": "modulus", "loss": "modulus", "absolute": "modulus", "relaxation": "modulus",
@@ -149,7 +152,7 @@ def _letter(role: str, name: str) -> str:
         return "E"
     behind = r"[_'*12(]|pp?\b|[ ]?(?:abs|stor|loss|relax|d?prime)"
     match = re.search(rf"(?<![a-z])([ge])(?={behind})", name, re.IGNORECASE)
-    match = match or re.match(r"\|?([GE])(?=[tT]\b)", name)
+    match = match or re.match(r"\|?([GE])(?=[tT]\b)", name) or re.search(r"modulus ([GE])$", name, re.IGNORECASE)
     return match[1].upper() if match else ""
 
 
@@ -208,7 +211,11 @@ def _role(name: str) -> str | None:
 def _plain_role(name: str) -> str | None:
     if name in ("T", "t"):
         return "temperature" if name == "T" else "time"
-    return next((role for role, pattern in _PATTERNS.items() if pattern.fullmatch(name)), None)
+    for spelled in dict.fromkeys((name, name.replace("_", " "))):
+        for role, pattern in _PATTERNS.items():
+            if pattern.fullmatch(spelled):
+                return role
+    return None
 
 
 def _split(title: str) -> tuple[str, str, str]:
@@ -225,10 +232,11 @@ def _split(title: str) -> tuple[str, str, str]:
         match = re.fullmatch(pattern, text)
         if match and known_unit(match[2]):
             return match[1].strip(), known_unit(match[2]), ""
-    for pattern in (r"(.+?)_(rad_?s|rad_per_s|[a-zA-Z]+)", r"(\S.*?)\s+([^\s]+)"):
+    for pattern in (r"(.+?)_(rad_?s|rad_per_s|deg_[cCfF]|[a-zA-Z]+)", r"(\S.*?)\s+([^\s]+)"):
         match = re.fullmatch(pattern, text)
         if match:
-            unit = {"rads": "rad/s", "rad_s": "rad/s", "rad_per_s": "rad/s"}.get(match[2].lower(), match[2])
+            unit = {"rads": "rad/s", "rad_s": "rad/s", "rad_per_s": "rad/s", "deg_c": "degc",
+                    "deg_f": "degf"}.get(match[2].lower(), match[2])  # fmt: skip
             if known_unit(unit) and _role(match[1]):
                 return match[1].strip(), known_unit(unit), ""
     return text, "", ""

@@ -40,6 +40,7 @@ class Dma:
     shifted: bool = False  # whether the frequencies are reduced ones: a master curve somebody else made
     source: str = ""
     copies: int = 0  # points that were left out because they repeat others
+    columns: tuple[str, ...] = ()  # which columns of the file were taken as what
 
     def __post_init__(self) -> None:
         _kind(self.kind)
@@ -124,6 +125,7 @@ def join(*parts: Dma) -> Dma:
         return np.concatenate([getattr(part, name) for part in parts])
 
     several = len({part.source for part in parts}) > 1
+    differ = several and len({part.columns for part in parts}) > 1
     arrays = ("temperature", "frequency", "storage", "loss", "time", "relaxation", "time_temperature")
     return replace(
         parts[0],
@@ -135,12 +137,18 @@ def join(*parts: Dma) -> Dma:
         warnings=_each(part.warnings for part in parts),
         bad_rows=_each(_bad_rows(part, several) for part in parts),
         source=", ".join(_each((part.source,) for part in parts)),
+        columns=_each(_columns(part, differ) for part in parts),
     )
 
 
 def _bad_rows(part: Dma, several: bool) -> tuple[str, ...]:
     """The rows left out, with their file where there are several."""
     return tuple(f"{part.source}: {text}" if several and text.startswith("line ") else text for text in part.bad_rows)
+
+
+def _columns(part: Dma, differ: bool) -> tuple[str, ...]:
+    """What was taken as what, with its file where several differ."""
+    return tuple(f"{part.source}: {text}" if differ and "," not in part.source else text for text in part.columns)
 
 
 def _each(lists: Any) -> tuple[str, ...]:

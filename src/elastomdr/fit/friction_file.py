@@ -1,9 +1,8 @@
 """Reading measured friction: a table of velocity, friction coefficient and, where known, temperature and pressure."""
 
 import os
-import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,23 +12,16 @@ from jaxtyping import Float
 
 from .._runtime import plain, positive
 from ..errors import InputError, closest
-from .columns import checked_unit, convert, known_unit
+from .columns import checked_unit, convert, spelled
 from .data import FitWarning
-from .table import METRES, Table, read_table
+from .friction_columns import EXAMPLES, NAMES, checked_velocity, is_unit, known, per_second, role_of, with_units
+from .logarithms import LOGS, logarithm
+from .plausible import TEMPERATURES, kelvins_as_celsius
+from .table import Table, read_table
 
-_NAMES = {
-    "velocity": r"v|velocity|speed|sliding (velocity|speed)|geschwindigkeit|gleitgeschwindigkeit",
-    "mu": r"mu|µ|μ|cof|friction|(friction|frictional) coefficient|coefficient of friction|reib(wert|ungszahl)|"
-    r"reibungskoeffizient",
-    "temperature": r"t|temp\.?|temperature|temperatur",
-    "pressure": r"p|(nominal |contact |mean )?pressure|druck|flächenpressung",
-    "error": r"error|std|sigma|standard deviation|(error|std|standard deviation) of (mu|friction)|mu (error|std)",
-}
-_SECONDS = {"s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0}
-_VELOCITY = re.compile(r"(m|cm|mm|um|nm|km)(?:/(s|sec|min|h)|[ *.]?(s|min|h)\^?-1)")
-_SPELLED = str.maketrans({"µ": "u", "μ": "u", "⁻": "-", "¹": "1", "·": "*", "\u2212": "-"})
-_EXAMPLES = {"velocity": "mm/s", "temperature": "degC", "pressure": "MPa"}
 _SHOWN = 5  # lines that are named
+_LARGEST = 8.0  # mu, in the median, above which it is in percent
+_VELOCITIES = (1e-12, 1e3)  # of any experiment [m/s]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,7 +34,7 @@ class MeasuredFriction:
     pressure: Float[np.ndarray, " n"] | None  # [Pa]
     error: Float[np.ndarray, " n"] | None  # standard deviation of mu
     source: str  # name of the file
-    report: tuple[str, ...]  # what was left out
+    report: tuple[str, ...]  # what was left out, what is assumed, and what looks wrong
 
     @property
     def points(self) -> dict[str, np.ndarray]:
@@ -74,22 +66,28 @@ def read_friction(
       not recognised, as {"mu": "COF 2"} or by number from 1.
     - Velocities in m/s, mm/s, um/s, km/h, m/min ...; temperatures in degC, K, degF; pressures in Pa, kPa, MPa, bar ...
       `velocity_unit`, `temperature_unit`, `pressure_unit` fill in what the titles leave out and never overrule them.
-      `temperature` [K] is that of all points where the file has no such column.
+      `temperature` [K] is that of all points where the file has no such column. Velocities may be logarithms, as
+      "log10 v [m/s]" says; mu may be in [%].
     - Tab, semicolon, comma or blank separates; decimal commas; lines that start with # are passed over.
 
     Rows that are no measurement (an empty cell, no number, a velocity, temperature, pressure or error that is not
     positive, a negative coefficient) are left out, counted and named by their lines in `report` and in one
     `FitWarning`. Raises `InputError` for what cannot be read, for a unit that nobody gives, and where more than half of
-    the rows would be left out.
+    the rows would be left out. Temperatures, velocities and coefficients that no experiment has are said likewise, with
+    the unit that was assumed.
     """
     units = {
-        "velocity": _checked_velocity(velocity_unit),
+        "velocity": checked_velocity(velocity_unit),
         "temperature": checked_unit("temperature_unit", temperature_unit, "temperature"),
         "pressure": checked_unit("pressure_unit", pressure_unit, "modulus"),
     }
     name = Path(path).name
-    table = read_table(path, "velocities and friction coefficients", _is_unit)
+    table = with_units(read_table(path, "velocities and friction coefficients", is_unit, ragged=True))
     places = _places(table, columns, name)
+    log = logarithm(table.titles[places["velocity"]])[0] if table.titles else ""
+    if log:
+        with np.errstate(over="ignore"):
+            table.data[:, places["velocity"]] = LOGS[log] ** table.data[:, places["velocity"]]
     values = {role: _in_si(table, place, role, units.get(role), name) for role, place in places.items()}
     if "error" in values and "%" in table.units[places["error"]]:
         values["error"] = values["error"] / 100 * values["mu"]
@@ -100,10 +98,10 @@ def read_friction(
             raise InputError(f"temperature must be left out: {name!r} has a column for it.")
         values["temperature"] = np.full(values["mu"].shape, kelvin)
     good = np.all([np.isfinite(x) & ((x >= 0) if key == "mu" else (x > 0)) for key, x in values.items()], axis=0)
-    report = _left_out(table, good, name)
+    kept = {role: x[good] for role, x in values.items()}
+    report = (*_left_out(table, good, name), *_implausible(kept, table, places, units["temperature"], log))
     for text in report:
         warnings.warn(f"{name}: {text}", FitWarning, stacklevel=2)
-    kept = {role: x[good] for role, x in values.items()}
     return MeasuredFriction(
         kept["velocity"], kept["mu"], kept.get("temperature"), kept.get("pressure"), kept.get("error"), name, report
     )
@@ -114,17 +112,20 @@ def _places(table: Table, columns: Any, name: str) -> dict[str, int]:
     if not (columns is None or isinstance(columns, Mapping)):
         raise InputError(f"columns must be a dict such as {{'mu': 'COF 2'}}, got {columns!r}.")
     listed = ", ".join(f"{i}: {title}" for i, title in enumerate(table.titles, start=1)) or "no titles"
-    bare = [re.sub(r"[_\s]+", " ", title.strip().lower()) for title in table.titles]
+    roles = [role_of(title) for title in table.titles]
+    if "velocity" not in roles:  # of which alone people write logarithms
+        behind = [role_of(logarithm(title)[1]) for title in table.titles]
+        roles = [one or (other if other == "velocity" else "") for one, other in zip(roles, behind, strict=True)]
     places: dict[str, int] = {}
-    for role, pattern in _NAMES.items():
-        found = [i for i, title in enumerate(bare) if re.fullmatch(pattern, title)]
+    for role in NAMES:
+        found = [i for i, named in enumerate(roles) if named == role]
         if len(found) > 1 and role not in (columns or {}):
             raise InputError(f"path: {name!r} has more than one column for {role} ({listed}); say which in columns.")
         if found:
             places[role] = found[0]
     for role, wanted in (columns or {}).items():
-        if role not in _NAMES:
-            raise InputError(f"columns must name {', '.join(_NAMES)}, got {role!r}.{closest(str(role), _NAMES)}")
+        if role not in NAMES:
+            raise InputError(f"columns must name {', '.join(NAMES)}, got {role!r}.{closest(str(role), NAMES)}")
         titles = [title.strip() for title in table.titles]
         place = wanted - 1 if type(wanted) is int else titles.index(wanted) if wanted in titles else -1
         if not 0 <= place < len(table.units):
@@ -143,52 +144,23 @@ def _in_si(table: Table, place: int, role: str, user: str | None, name: str) -> 
     """The values of a column; its unit from its title, or else from the user, who does not overrule it."""
     said, values = table.units[place].strip(), table.data[:, place]
     if role in ("mu", "error"):
-        if said not in ("", "-", "1") and not (role == "error" and said == "%"):
-            raise InputError(f"path: {name!r} gives {role} in {said!r}, which must be a plain number.")
-        return values
-    if said and not _known(said, role):
-        raise InputError(f"path: {name!r} gives {role} in {said!r}, which is no unit of it, as {_EXAMPLES[role]}.")
-    given = _known(said, role)
+        if said not in ("", "-", "1", "%"):
+            raise InputError(f"path: {name!r} gives {role} in {said!r}, which must be a plain number, or in %.")
+        return values / 100 if said == "%" and role == "mu" else values
+    if said and not known(said, role):
+        raise InputError(f"path: {name!r} gives {role} in {said!r}, which is no unit of it, as {EXAMPLES[role]}.")
+    given = known(said, role)
     if given and user and given != user:
         raise InputError(f"{role}_unit is {user!r}, but {name!r} says {said!r}.")
     unit = given or user
     if not unit:
         raise InputError(
             f"path: {name!r} has a {role} without a unit; write it into the title, as "
-            f'"{role} [{_EXAMPLES[role]}]", or give {role}_unit.'
+            f'"{role} [{EXAMPLES[role]}]", or give {role}_unit.'
         )
     if role == "velocity":
-        return values * _per_second(unit)
+        return values * per_second(unit)
     return np.array(convert(values.tolist(), "temperature" if role == "temperature" else "storage", unit))
-
-
-def _known(text: str, role: str) -> str:
-    """A unit as it is compared, or an empty string where it is none of its kind."""
-    if role == "velocity":
-        bare = re.sub(r"\s+", "", text.translate(_SPELLED))
-        return bare if _VELOCITY.fullmatch(bare) else ""
-    unit = known_unit(text)
-    kind = "temperature" if role == "temperature" else "modulus"
-    try:
-        return checked_unit(role, unit, kind) or "" if unit else ""
-    except InputError:
-        return ""
-
-
-def _is_unit(text: str) -> bool:
-    return text.strip() in ("", "-", "1", "%") or any(_known(text, role) for role in _EXAMPLES)
-
-
-def _per_second(unit: str) -> float:
-    match = _VELOCITY.fullmatch(unit)
-    assert match is not None
-    return (METRES | {"km": 1e3})[match[1]] / _SECONDS[match[2] or match[3]]
-
-
-def _checked_velocity(text: str | None) -> str | None:
-    if text is not None and not (isinstance(text, str) and _known(text, "velocity")):
-        raise InputError(f"velocity_unit must be a unit such as m/s, mm/s, um/s, km/h, got {text!r}.")
-    return None if text is None else _known(text, "velocity")
 
 
 def _left_out(table: Table, good: np.ndarray, name: str) -> tuple[str, ...]:
@@ -200,3 +172,34 @@ def _left_out(table: Table, good: np.ndarray, name: str) -> tuple[str, ...]:
     if 2 * len(out) > good.size:
         raise InputError(f"path: {name!r}: {text}: more than half. Velocity and mu must be positive numbers.")
     return (text,)
+
+
+def _implausible(
+    values: dict[str, np.ndarray], table: Table, places: dict[str, int], user: str | None, log: str
+) -> Iterator[str]:
+    """Warnings on numbers that no experiment has, and what was assumed."""
+    if log == "log":
+        yield (
+            f"{table.titles[places['velocity']]!r} is taken as a decadic logarithm (log10); write ln in the title "
+            "where it is a natural one"
+        )
+    if not values["mu"].size:
+        return
+    if (middle := float(np.median(values["mu"]))) > _LARGEST:
+        yield (
+            f"mu of {middle:.3g} in the median is implausible; assumed is a plain number. Write mu [%] in the title if "
+            "it is in percent"
+        )
+    low, high = float(values["velocity"].min()), float(values["velocity"].max())
+    if low < _VELOCITIES[0] or high > _VELOCITIES[1]:
+        said = table.units[places["velocity"]].strip() or "the unit that was given"
+        yield f"velocities from {low:.3g} to {high:.3g} m/s are implausible; assumed is {said}. Check the unit"
+    if "temperature" in places:
+        kelvin = values["temperature"]
+        unit = known(table.units[places["temperature"]].strip(), "temperature") or user
+        kelvins = kelvins_as_celsius(kelvin - 273.15, melt=False) if unit == "degc" else ""
+        if kelvin.min() < TEMPERATURES[0] or kelvin.max() > TEMPERATURES[1] or kelvins:
+            yield (
+                f"temperatures from {kelvin.min():.4g} to {kelvin.max():.4g} K are implausible{kelvins}; assumed is "
+                f"{spelled(unit or '')}. Check whether they are in degC or K"
+            )

@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import InputError
 from .data import Dma
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
+from .temperatures import untold
 
 _HOTTEST = 1500.0  # above which no DMA is run [K]
 _ALIKE = 1.3  # neighbours per independent point below which they count as independent
@@ -29,9 +30,8 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
     """
     every = np.concatenate([dma.temperature, dma.time_temperature])
     if not np.isfinite(every).all():
-        raise InputError(
-            "temperature is not in the data; give it, with read_dma(..., temperature=293.15) or --temperature 20degC."
-        )
+        rates = np.concatenate([dma.frequency, 1 / dma.time])
+        raise InputError(f"temperature is not in the data: {untold(rates[~np.isfinite(every)])}")
     if every.max() > _HOTTEST:
         raise InputError(
             f"temperature must be at most {_HOTTEST:g} K, got {every.max():.4g} K: check its column and unit."

@@ -10,10 +10,13 @@ from ..errors import InputError
 from .cells import Row, number
 from .columns import MODULI, UNITS, Column, convert, is_complete, measure, per_second, spelled, unclear
 from .data import Dma
+from .duplicates import contradictions, preference, taken
 from .logarithms import antilogarithm
 from .misread import misread, moduli, moduli_roles
 from .plausible import implausible, inconsistent, is_elastic, mixed_up
 from .swapped import swapped
+from .temperatures import Above
+from .unsaid_logarithms import unsaid_logarithms
 
 _QUARTER = np.pi / 2 * (1 - 1e-9)  # phase angle of a liquid without elasticity, whose storage modulus is 0 [rad]
 _NAMED = 6  # bad rows that a warning names one by one
@@ -31,6 +34,16 @@ class Block(NamedTuple):
 
     columns: list[Column]
     rows: list[Row]
+    titles: list[str]  # of all columns
+    above: tuple[Above, ...] = ()  # temperatures in the line above
+    width: int = 0  # cells of its rows, where it is cut at blanks and a cell that is not there moves the others
+    part: tuple[int, int] = (0, 1)  # which of how many blocks, side by side
+
+    @property
+    def told(self) -> float | None:
+        """The temperature that a line above gives to all points [K]; None where there is a column, or no such line."""
+        column = any(column.role == "temperature" for column in self.columns)
+        return self.above[0].kelvin if len(self.above) == 1 and not column else None
 
 
 def measurements(path: Path, block: Block, options: Options, units: dict[str, str]) -> Dma:
@@ -50,7 +63,7 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     known = {role: _known_unit(chosen[role], options, units) for role in checks}
     given |= {role: unit for role, unit in known.items() if unit is not None}
     checks = [role for role in checks if role in given]
-    values, bad = _numbers(block.rows, chosen, given, needed, checks)
+    values, kept, bad = _numbers(block, chosen, given, needed, checks)
     if not values[needed[0]]:
         raise InputError(
             f"no row below the header {chosen[needed[0]].title!r} is a measurement ({'; '.join(bad[:2])})."
@@ -63,13 +76,15 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     storage, loss = moduli(arrays) if dynamic else (none, none)
     elastic = is_elastic(storage, loss, arrays.get("relaxation", none))
     texts = [*inconsistent(arrays.get("omega"), storage, loss, extra, chosen)]
+    texts += contradictions(arrays, chosen, _others(block, chosen, needed, kept, options, units))
     texts += implausible(arrays, titles, given, modulus_given(options), elastic)
     if dynamic:
         misnamed = [*misread(arrays, chosen, given)]
         texts += misnamed or mixed_up(storage, loss, [chosen[role] for role in moduli_roles(arrays)], given)
     texts += _assumed([chosen[role] for role in needed])
     if {"storage", "loss"} <= arrays.keys():
-        texts += swapped(arrays, chosen["storage"], chosen["loss"])
+        logarithms = [*unsaid_logarithms(arrays, values, chosen)]
+        texts += logarithms or swapped(arrays, chosen["storage"], chosen["loss"])
     if bad:
         more = f" and {len(bad) - _NAMED} more, all of them in bad_rows and in the master curve's table"
         more = more if len(bad) > _NAMED else ""
@@ -77,18 +92,17 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     n = len(values[needed[0]])
     temperature = arrays.get("temperature")
     if temperature is None:
-        temperature = np.full(n, np.nan if options.temperature is None else options.temperature)
-        if options.temperature is None:
-            texts.append(
-                f"{path.name}: there is no temperature column; shifting needs temperature=... [K] "
-                f"(--temperature 20degC)."
-            )
+        kelvin = block.told if options.temperature is None else options.temperature
+        temperature = np.full(n, np.nan if kelvin is None else kelvin)
     common: dict[str, Any] = {
         "kind": kind,
         "units": {role: _said(chosen[role].log, given[role]) for role in needed},
         "warnings": tuple(texts),
         "bad_rows": tuple(bad),
         "source": path.name,
+        "columns": taken(
+            block.titles, [chosen[role] for role in needed], _temperature_from(block, options), block.part
+        ),
     }
     if not dynamic:
         return Dma(none, none, none, none, time=arrays["time"], relaxation=arrays["relaxation"],
@@ -97,7 +111,8 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
 
 
 def _chosen(columns: list[Column], options: Options) -> dict[str, Column]:
-    """One column per role: of several, the first whose unit is known and that is no logarithm.
+    """One column per role: of several, the first whose unit is known and that is no logarithm; of temperatures, that
+    of the sample.
 
     Raises `InputError` for moduli of two kinds.
     """
@@ -110,7 +125,7 @@ def _chosen(columns: list[Column], options: Options) -> dict[str, Column]:
         if not is_complete(columns):
             raise InputError(f"the file has no storage and loss modulus of {options.kind}, only one of both.")
     chosen: dict[str, Column] = {}
-    for column in sorted(columns, key=lambda column: (bool(column.said), bool(column.log))):
+    for column in sorted(columns, key=lambda column: (bool(column.said), preference(column), bool(column.log))):
         chosen.setdefault(column.role, column)
     return chosen
 
@@ -120,14 +135,42 @@ def modulus_given(options: Options) -> bool:
     return options.units["modulus"] is not None
 
 
+def _others(
+    block: Block, chosen: dict[str, Column], needed: list[str], rows: list[Row], options: Options, units: dict[str, str]
+) -> Iterator[tuple[Column, np.ndarray]]:
+    """Further columns of what is read, whose unit somebody says, with their numbers in SI, NaN where there are none."""
+    for column in block.columns:
+        kind = measure(column.role)
+        if column.role not in needed or column is chosen[column.role] or column.said:
+            continue
+        if column.letter and chosen[column.role].letter not in ("", column.letter):
+            continue  # a modulus of the other kind
+        unit = column.unit or units.get(column.role) or options.units.get(kind)
+        if unit or kind == "ratio":
+            cells = (row.cells[column.place] if column.place < len(row.cells) else "" for row in rows)
+            values = [np.nan if (value := _value(cell, column)) is None else value for cell in cells]
+            yield column, np.array(convert(values, column.role, unit or ""))
+
+
+def _temperature_from(block: Block, options: Options) -> str:
+    """Where the temperature of points comes from that have no column of it."""
+    if options.temperature is not None:
+        return f"temperature {options.temperature - 273.15:g} degC, as given"
+    return "temperature not known" if block.told is None else "temperature from the line above"
+
+
 def _numbers(
-    rows: list[Row], chosen: dict[str, Column], given: dict[str, str], needed: list[str], checks: list[str]
-) -> tuple[dict[str, list[float]], list[str]]:
-    """The numbers of good rows, by role, and what is wrong with each of the others."""
+    block: Block, chosen: dict[str, Column], given: dict[str, str], needed: list[str], checks: list[str]
+) -> tuple[dict[str, list[float]], list[Row], list[str]]:
+    """The numbers of good rows, by role, these rows, and what is wrong with each of the others."""
     values: dict[str, list[float]] = {role: [] for role in (*needed, *checks)}
-    bad = []
-    for row in rows:
+    kept, bad = [], []
+    at = f", block {block.part[0] + 1}" if block.part[1] > 1 else ""
+    for row in block.rows:
         found, wrong = {}, ""
+        if block.width and len(row.cells) != block.width and _moved(row, block.width):
+            bad.append(f"line {row.line}{at}: it has {len(row.cells)} cells, the header {block.width} titles")
+            continue
         for role in needed:
             column = chosen[role]
             cell = row.cells[column.place] if column.place < len(row.cells) else ""
@@ -145,15 +188,21 @@ def _numbers(
                 break
             found[role] = value
         if wrong:
-            bad.append(f"line {row.line}: {wrong}")
+            bad.append(f"line {row.line}{at}: {wrong}")
             continue
+        kept.append(row)
         for role in checks:
             column = chosen[role]
             extra = _value(row.cells[column.place], column) if column.place < len(row.cells) else None
             found[role] = np.nan if extra is None else extra
         for role, value in found.items():
             values[role].append(value)
-    return values, bad
+    return values, kept, bad
+
+
+def _moved(row: Row, width: int) -> bool:
+    """Whether a row that is cut at blanks has lost cells, or has more numbers than there are columns."""
+    return len(row.cells) < width or any(number(cell) is not None for cell in row.cells[width:])
 
 
 def _assumed(columns: list[Column]) -> Iterator[str]:
@@ -188,6 +237,11 @@ def _unit(column: Column, options: Options, fixed: dict[str, str]) -> str:
         known = ", ".join(spelled(unit) for unit in UNITS[kind])
         raise InputError(f"the unit of {column.title!r} is {column.said!r}, which is none of {known}: write it as one.")
     unit = column.unit or fixed.get(column.role) or options.units.get(kind)
+    if unit and unit not in UNITS[kind]:  # of a column that the user named
+        raise InputError(
+            f"column {column.place + 1} {column.title!r}, named for {column.role}, is in {spelled(unit)}, which is "
+            f"none of {', '.join(map(spelled, UNITS[kind]))}."
+        )
     if unit:
         return unit
     option = {"frequency": "frequency_unit", "modulus": "modulus_unit", "temperature": "temperature_unit",
@@ -209,7 +263,7 @@ def _known_unit(column: Column, options: Options, fixed: dict[str, str]) -> str 
     """The unit of a column that is only compared with others; None where nobody says it."""
     kind = measure(column.role)
     if kind == "ratio" or column.unit:
-        return column.unit
+        return column.unit if column.unit in UNITS[kind] else None
     return fixed.get(column.role) or options.units[kind] if kind == "modulus" and not column.said else None
 
 

@@ -45,6 +45,7 @@ class MaterialFit(AbstractFindings):
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the material, as pairs of a name and a text."""
         yield "material", self.material.name
+        yield from (("columns", text) for text in self.master.dma.columns)
         yield from ((name, text) for name, text in self.master.findings() if name != "warning")
         yield "shift law", f"{self.law} in the material" if self.law != "none" else "none in the material"
         yield from ((name, text) for name, text in self.prony.findings() if name != "warning")

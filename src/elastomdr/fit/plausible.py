@@ -5,17 +5,21 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from .columns import MODULI, Column, spelled
+from .data import Dma
 from .misread import moduli_roles
 
 _LARGEST = 3e10  # [Pa], above any polymer
 _SMALLEST = 1e3  # [Pa], below what the stiffest point of any solid polymer or melt in its plateau has
 _SOFTEST = 1e4  # [Pa], below what a solid polymer has that is no gel
 _FLAT = 0.3  # lowest over highest relaxation modulus of a solid in its plateau
-_TEMPERATURES = (120.0, 700.0)  # [K]
+TEMPERATURES = (120.0, 700.0)  # [K]
 _LEAST_TANGENT = 3e-3  # of a polymer; a thousandth of what rubbers and melts have, 0.03 to 3, is below
 _LARGEST_TANGENT = 100.0  # in the median of a file: a melt in its terminal zone has more at its slow end only
 _CONTRADICTION = 0.1  # relative difference in the median of two columns that say the same
-_HOT = 473.15  # coldest temperature of a file, if in degC, above which it may well be kelvins [K]
+_HOT = 200.0  # coldest number of a file in degC above which all may well be kelvins, up to
+_KELVINS = 450.0  # the hottest
+_MELT = 1e6  # [Pa], above the median of a melt, which has moreover
+_FLOWS = 0.3  # more than this loss tangent in the median
 
 
 def implausible(
@@ -37,15 +41,47 @@ def implausible(
                 f"moduli from {low:.3g} to {high:.3g} Pa are implausibly {side} for a {what}; assumed is the unit, "
                 f"{whose}: {', '.join(f'{title} in {unit}' for title, unit in units.items() if unit)}. Check it."
             )
-    if "temperature" in arrays:
-        low, high = float(arrays["temperature"].min()), float(arrays["temperature"].max())
-        if low < _TEMPERATURES[0] or high > _TEMPERATURES[1] or (given["temperature"] == "degc" and low > _HOT):
-            yield (
-                f"temperatures from {low:.4g} to {high:.4g} K are implausible for a DMA; assumed is the unit of the "
-                f"file, {spelled(given['temperature'])}. Check whether they are in degC or K."
-            )
     if given.get("omega") == "hz":
         yield f"{titles['omega']!r} is an angular frequency in Hz: are Hz and rad/s mixed up? Assumed is Hz."
+
+
+def implausible_temperatures(dma: Dma) -> Iterator[str]:
+    """A warning on temperatures of all isotherms together that hardly anybody measures at."""
+    temperature = np.concatenate([dma.temperature, dma.time_temperature])
+    temperature = temperature[np.isfinite(temperature)]
+    unit = dma.units.get("temperature")
+    if not temperature.size or unit is None:
+        return
+    low, high = float(temperature.min()), float(temperature.max())
+    melt = (not dma.frequency.size or is_melt(dma.storage, dma.loss, np.zeros(0))) and (
+        not dma.time.size or is_melt(dma.storage, dma.loss, dma.relaxation)
+    )
+    kelvins = kelvins_as_celsius(temperature - 273.15, melt) if unit == "degC" else ""
+    if low < TEMPERATURES[0] or high > TEMPERATURES[1] or kelvins:
+        yield (
+            f"temperatures from {low:.4g} to {high:.4g} K are implausible for a DMA{kelvins}; assumed is the unit of "
+            f"the file, {unit}. Check whether they are in degC or K."
+        )
+
+
+def kelvins_as_celsius(celsius: np.ndarray, melt: bool) -> str:
+    """Why numbers given in degC look like kelvins, in words; an empty text where they do not.
+
+    All of them lie where kelvins of an ordinary measurement would, above 200 degC, and either they all end in .15, as
+    kelvins do that were whole degrees Celsius, or nothing is seen of a melt, which is what most polymers are there.
+    """
+    if not celsius.size or celsius.min() < _HOT or celsius.max() > _KELVINS:
+        return ""
+    if np.all(np.abs(celsius % 1 - 0.15) < 1e-6):
+        return f" (the numbers {celsius.min():g} to {celsius.max():g} all end in .15, as kelvins do)"
+    return "" if melt else " (as kelvins they would be ordinary)"
+
+
+def is_melt(storage: np.ndarray, loss: np.ndarray, relaxation: np.ndarray) -> bool:
+    """Whether a material flows as a melt does: soft, with a large loss tangent or much relaxation, in the median."""
+    if relaxation.size:
+        return bool(np.median(relaxation) < _MELT and relaxation.min() < _FLAT * relaxation.max())
+    return bool(np.median(storage) < _MELT and np.median(loss / storage) > _FLOWS)
 
 
 def is_elastic(storage: np.ndarray, loss: np.ndarray, relaxation: np.ndarray) -> bool:

@@ -3,17 +3,22 @@
 import os
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from .._runtime import positive, scalar
 from ..errors import InputError, closest
+from .blocks import blocks, with_named
 from .cells import Row, Sheet, number, read_cells
-from .columns import Column, checked_unit, is_complete, is_unit_row, named, unclear_logarithm, understand
+from .columns import Column, checked_unit, is_complete, understand
 from .data import KINDS, Dma, FitWarning, join
-from .logarithms import other_logarithm
 from .measurements import Block, Options, measurements
+from .plausible import implausible_temperatures
+from .refusal import no_columns
+from .side_by_side import apart, together
+from .temperatures import advised, check_told
 
 _ROLES = ("frequency", "temperature", "storage", "loss", "time", "relaxation")
 _FORMAT_UNITS = {
@@ -43,7 +48,8 @@ def read_dma(
     `excel`), TRIOS exports, Eplexor sheets, RepTate's .osc and .tts. Units come from the file or from the arguments
     `frequency_unit` ("Hz", "rad/s"), `modulus_unit` ("Pa", "MPa", ...), `temperature_unit` ("degC", "K"), `time_unit`
     ("s"), which fill in what the file leaves out and never overrule it; `kind` ("shear", "tensile") likewise.
-    `temperature` [K] is that of all points where the file has no such column. `columns` names columns that are not
+    `temperature` [K] is that of all points where the file has no such column, and no lines above several blocks that
+    say one each. Isotherms may stand side by side. `columns` names columns that are not
     recognised, as {"storage": "Modulus 1"} or by number from 1; logarithms are read where titles or units say which.
     Rows that are no measurement are left out, counted and named in a `FitWarning` and in the result; so is what looks
     implausible. Raises `InputError` for what cannot be read, and for units that nobody gives.
@@ -58,6 +64,7 @@ def read_dma(
         found = join(*(_read(Path(one), options) for one in path))
     else:
         raise InputError(f"path must be a file or a list of files, got {path!r}.")
+    found = replace(found, warnings=(*found.warnings, *implausible_temperatures(found)))
     for text in found.warnings:
         warnings.warn(text, FitWarning, stacklevel=2)
     return found
@@ -90,68 +97,15 @@ def _read(path: Path, options: Options) -> Dma:
         parameters = _parameters(sheet)
         if parameters is not None or path.suffix.lower() in (".osc", ".tts"):
             return _reptate(path, sheet, parameters or {}, options)
-        blocks = list(_blocks(sheet.rows, options))
-        if not blocks:
-            raise InputError(_no_columns(sheet.rows, options))
-        return join(*(measurements(path, block, options, {}) for block in blocks))
+        sides = [apart(block, options) for block in blocks(sheet, options)]
+        if not sides:
+            raise InputError(no_columns(sheet, options))
+        check_told([block.told for parts in sides for block in parts], options.temperature)
+        found = [together([measurements(path, block, options, {}) for block in parts]) for parts in sides]
+        return advised(join(*found))
     except InputError as error:
         text = str(error)
         raise InputError(text if text.startswith(path.name) else f"{path.name}: {text}") from error
-
-
-def _blocks(rows: list[Row], options: Options) -> Iterator[Block]:
-    """Headers that are understood, each with the rows below it up to the next header."""
-    found: Block | None = None
-    skip = -1
-    for i, row in enumerate(rows):
-        if i == skip:
-            continue
-        if row.line == 0:  # the end of a sheet
-            if found is not None and found.rows:
-                yield found
-            found = None
-            continue
-        if sum(number(cell) is not None for cell in row.cells) >= 2:
-            if found is not None:
-                found.rows.append(row)
-            continue
-        below = next((k for k in range(i + 1, len(rows)) if any(rows[k].cells) or rows[k].line == 0), i)
-        units = rows[below].cells if is_unit_row(rows[below].cells) else []
-        columns = _named(row.cells, understand(row.cells, units), units, options)
-        if is_complete(columns):
-            if found is not None and found.rows:
-                yield found
-            found = Block(columns, [])
-            skip = below if units else -1
-        elif found is not None and any(row.cells) and _broken([cell for cell in row.cells if cell]):
-            found.rows.append(row)  # counted as bad below
-        elif found is not None and found.rows and row.cells and row.cells[0].startswith("["):
-            yield found
-            found = None
-    if found is not None and found.rows:
-        yield found
-
-
-def _broken(cells: list[str]) -> bool:
-    """Whether what is left of a row belongs to a table, and is no remark: several cells, or a number first."""
-    return len(cells) > 2 or number(cells[0]) is not None
-
-
-def _named(titles: list[str], columns: list[Column], units: list[str], options: Options) -> list[Column]:
-    """Adds the columns that the user named."""
-    understood = columns
-    for role, wanted in options.columns.items():
-        if isinstance(wanted, int) and not isinstance(wanted, bool):
-            place = wanted - 1
-        else:
-            place = next((i for i, title in enumerate(titles) if title.strip() == str(wanted).strip()), -1)
-        if not 0 <= place < len(titles):
-            continue
-        known = next((column for column in understood if column.place == place), None)
-        below = units[place] if place < len(units) else None
-        columns = [column for column in columns if column.place != place and column.role != role]
-        columns.append(named(role, place, titles[place], below, known))
-    return columns
 
 
 def _parameters(sheet: Sheet) -> dict[str, str] | None:
@@ -175,15 +129,15 @@ def _reptate(path: Path, sheet: Sheet, parameters: dict[str, str], options: Opti
     if not is_complete(columns):
         titles = ["omega", "storage", "loss"], []
         columns = [Column(i, role, role, "", "G") for i, role in enumerate(titles[0])]
-    columns = _named(titles[0], columns, titles[1], options)
+    columns = with_named(titles[0], columns, titles[1], options)
     if master:
         columns = [column for column in columns if column.role != "temperature"]
     units = _FORMAT_UNITS | {"frequency": "rad/s"}
     kelvin = options.temperature if given is None else given + 273.15
     body = [row for row in rows[start:] if row.cells]
     kind = options.kind or ("shear" if not any(column.letter for column in columns) else None)
-    found = measurements(path, Block(columns, body), options._replace(kind=kind, temperature=kelvin), units)
-    return Dma(**{**vars(found), "shifted": master})
+    found = measurements(path, Block(columns, body, titles[0]), options._replace(kind=kind, temperature=kelvin), units)
+    return advised(Dma(**{**vars(found), "shifted": master}))
 
 
 def _titles(lines: list[str], start: int) -> tuple[list[str], list[str]]:
@@ -191,27 +145,3 @@ def _titles(lines: list[str], start: int) -> tuple[list[str], list[str]]:
     if not heads:
         return [], []
     return heads[0], heads[1] if len(heads) > 1 else []
-
-
-def _no_columns(rows: list[Row], options: Options) -> str:
-    if not any(any(row.cells) for row in rows):
-        return "the file is empty."
-    if any(is_complete(_named(row.cells, understand(row.cells, []), [], options)) for row in rows):
-        return "there are no numbers below the header."
-    found = {c.role for row in rows for c in _named(row.cells, understand(row.cells, []), [], options)}
-    absent = [role for role in ("storage", "loss") if role not in found]
-    if {"frequency", "omega"} & found and len(absent) == 1:
-        return (
-            f"there is no {absent[0]} modulus: friction needs the storage modulus with the loss modulus or "
-            f"tan delta, or |G*| with tan delta or the phase angle. Name its column, as columns={{{absent[0]!r}: "
-            f"'Modulus 1'}} (--column {absent[0]}='Modulus 1')."
-        )
-    unclear = [cell for row in rows for cell in row.cells if other_logarithm(cell)]
-    if unclear:
-        return unclear_logarithm(unclear[0])
-    shown = next((row.cells for row in rows if sum(bool(cell) for cell in row.cells) >= 2), [])
-    return (
-        "no header names frequency, storage and loss modulus (or time and relaxation modulus); "
-        f"the first row is {', '.join(cell for cell in shown[:8] if cell) or 'empty'}. "
-        "Name the columns, as columns={'storage': 'Modulus 1'} (--column storage='Modulus 1')."
-    )

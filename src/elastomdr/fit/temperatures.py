@@ -1,0 +1,81 @@
+"""The temperature of a table that stands in a line above it, and what to do where it stands nowhere."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from .columns import convert, known_unit
+from .data import Dma, describe_list
+
+_UNIT = r"deg ?[CFcf]|°\s?[CF]|º\s?[CF]|℃|℉|K|C|kelvin|celsius"
+_OF_BLOCK = re.compile(  # nothing but the temperature, and what may number the block
+    r"[^\w+-]*(?:(?:step|block|set|sweep|run|curve|frequency sweep)(?:\s*\d+(?!\d))?[^\w+-]*)?"
+    r"(?:(?:t|temp\.?|temperatur|(?:(?:sample|test) )?temp(?:erature)?|isotherme?|온도)\s*(?:at|of|bei)?|at|bei)?"
+    rf"\s*[=:,;]?\s*([+-]?\d+(?:[.,]\d+)?)\s*\[?\(?({_UNIT})\W*",
+    re.IGNORECASE,
+)
+_LONGEST = 80  # characters of such a line
+_NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
+
+
+class Above(NamedTuple):
+    """A temperature in a line above the columns."""
+
+    place: int  # column of its cell
+    kelvin: float
+    text: str
+
+
+def above(cells: Sequence[str]) -> tuple[Above, ...]:
+    """The temperatures that a row of remarks gives: one in each cell that is one, or that of the whole row."""
+    found = tuple(_each(cells))
+    if found:
+        return found
+    return tuple(_each([" ".join(cell for cell in cells if cell)]))
+
+
+def _each(cells: Sequence[str]) -> Iterator[Above]:
+    for place, cell in enumerate(cells):
+        plain = re.sub("[\u2212\u2013]", "-", cell.strip())
+        match = _OF_BLOCK.fullmatch(plain) if cell and len(cell) < _LONGEST else None
+        unit = known_unit(match[2].replace(" ", "")) if match else ""
+        if match and unit:
+            value = float(match[1].replace(",", "."))
+            kelvin = convert([value], "temperature", unit)[0]
+            if kelvin > 0:
+                yield Above(place, kelvin, cell.strip())
+
+
+def check_told(told: Sequence[float | None], user: float | None) -> None:
+    """Raises `InputError` where a user gives one temperature [K] to blocks that have several in lines above them."""
+    several = sorted({round(kelvin - 273.15, 2) for kelvin in told if kelvin is not None})
+    if user is not None and len(several) > 1:
+        raise InputError(
+            f"temperature must be left out, got {user:g} K: lines above the columns say "
+            f"{describe_list(several, 'degC')}."
+        )
+
+
+def advised(dma: Dma) -> Dma:
+    """The same data, with a warning where a temperature is not known."""
+    known = np.isfinite(np.concatenate([dma.temperature, dma.time_temperature]))
+    if known.all():
+        return dma
+    rates = np.concatenate([dma.frequency, 1 / dma.time])[~known]
+    text = f"{dma.source}: there is no temperature column, which shifting needs: {untold(rates)}"
+    return replace(dma, warnings=(*dma.warnings, text))
+
+
+def untold(rates: np.ndarray) -> str:
+    """What to do about points, of these frequencies or times, whose temperature is not known."""
+    if np.unique(np.log(rates).round(3)).size < _NEW * rates.size:
+        return (
+            "frequencies (or times) repeat, as in several isotherms; give each its own temperature, in a column, in a "
+            "line 'T = -20 degC' above its block, or in Python as join(read_dma(file, temperature=253.15), ...) from a "
+            "file each."
+        )
+    return "give it, with read_dma(..., temperature=293.15) or --temperature 20degC."
