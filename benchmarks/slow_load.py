@@ -3,8 +3,8 @@
 Elements at equal distances, u linear over a step h, e_k = exp(-h/tau_k), phi_k = (1 - e_k) tau_k/h, S = E_inf + eta/h +
 sum E_k phi_k: without contact u+ = u_free = u - (E_inf u + sum e_k f_k)/S, in contact q+ = S (d - g - u_free), and d
 so that the line, q between two elements linear and cut where it is zero, carries the load. Steps shrink geometrically
-towards the start of each interval, in a fixed way, so that halving steps and elements together divides the error by
-four; two such limits and their difference are what is returned. Nothing is shared with elastomdr.
+towards both ends of each interval (where a load vanishes a dashpot alone decides the depth, in a moment), in a fixed
+way, so that halving steps and elements together divides the error by four; two such limits and their difference are what is returned. Nothing is shared with elastomdr.
 """
 
 import itertools
@@ -57,8 +57,9 @@ def _march(law: Law, line: Line, time: np.ndarray, load: np.ndarray, reach: floa
         f = law.moduli[:, None] * u
     out.append(depth)
     for i, (t0, t1, p0, p1) in enumerate(zip(time[:-1], time[1:], load[:-1], load[1:], strict=True)):
-        grade = 15.0 if i == 0 else 8.0
-        place = np.expm1(grade * np.arange(steps + 1) / steps) / np.expm1(grade)
+        grade = 15.0 if i == 0 or p1 == 0 else 10.0
+        half = 0.5 * np.expm1(grade * np.arange(steps + 1) / steps) / np.expm1(grade)
+        place = np.append(half, 1 - half[-2::-1])
         for s0, s1 in itertools.pairwise(place):
             h = (t1 - t0) * (s1 - s0)
             z = h / law.times
