@@ -67,7 +67,7 @@ def test_mixed_up_units_are_said_and_no_diagnosis_is_made_of_them(tmp_path):
     fit = em.fit.material(dma, 293.15)
     for wrong in ("Not thermorheologically simple", "more terms may help", "data scatter", "contradict"):
         assert not any(wrong in text for text in fit.warnings)
-    said = [text for text in fit.warnings if "in mixed-up units, which is to be put right first" in text]
+    said = [text for text in fit.warnings if "look misread (columns or units), which is to be put right first" in text]
     assert [text.split(" ", 3)[:3] for text in said] == [
         ["No", "shift", "makes"], ["The", "storage", "modulus"], ["The", "loss", "modulus"]
     ]  # fmt: skip

@@ -38,7 +38,7 @@ class Dma:
     warnings: tuple[str, ...] = ()
     bad_rows: tuple[str, ...] = ()
     shifted: bool = False  # whether the frequencies are reduced ones: a master curve somebody else made
-    doubtful: bool = False  # whether storage and loss modulus look exchanged or in other units than those read
+    doubtful: bool = False  # whether storage and loss modulus look misread: columns, units or logarithms
     source: str = ""
     copies: int = 0  # points that were left out because they repeat others
     columns: tuple[str, ...] = ()  # which columns of the file were taken as what

@@ -18,7 +18,7 @@ _NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms a
 _WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
 _FAR = 0.3  # half a 95 % interval of an extrapolated shift above which it is no longer of much use [decades]
 _POOR = 0.1  # relative residual of a series worth a warning
-_AS_READ = "storage and loss modulus look exchanged or in mixed-up units, which is to be put right first"
+_AS_READ = "storage and loss modulus look misread (columns or units), which is to be put right first"
 _CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
 
 
