@@ -5,6 +5,9 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
+from elastomdr.fit import calibration
+from elastomdr.fit.compiled import with_jacobian
+from elastomdr.fit.parameters import applied
 
 LAW = em.WLF(6.0, 110.0, 293.15)
 KELVIN = np.array([268.15, 278.15, 288.15, 293.15, 303.15, 318.15])
@@ -117,6 +120,45 @@ def test_calibration_finds_what_was_changed():
     np.testing.assert_allclose(found.material.moduli, other.moduli, rtol=0.1)
     np.testing.assert_allclose(em.friction(found.material, ball, velocity=SPEED, **SCENE).mu, found.computed, rtol=1e-6)
     assert "residuals" in repr(found)
+
+
+def test_other_measurements_of_a_scene_compile_nothing(monkeypatch):
+    """The parameters are put into the scene once per program, and once more for the answer."""
+    count, ball = [], em.Paraboloid(5e-3)
+    monkeypatch.setattr(calibration, "applied", lambda *given: (count.append(0), applied(*given))[1])
+    arguments = {"velocity": SPEED, "parameters": ("modulus", "slope", "c1")} | SCENE
+    start = em.friction(RUBBER, ball, velocity=SPEED, **SCENE).mu
+    found = []
+    for factor in (1.0, 1.02, 1.03):
+        count.clear()
+        found.append(em.fit.calibrate(RUBBER, ball, measured=factor * start, error=1e-3, **arguments))
+    assert len(count) == 1
+    assert found[1].parameters != found[2].parameters
+
+
+def test_programs_are_kept_for_the_constants_they_have():
+    """Another scene, a change of one's own, or more scenes than are kept, and never a stale answer."""
+    calls = []
+
+    def square(a, kept=True):
+        def compute(p):
+            calls.append(a)
+            return a * p**2
+
+        value, jacobian = with_jacobian(compute, {"a": np.array([a]), "name": "x", "none": None} if kept else None)
+        np.testing.assert_allclose(value(np.array([3.0])), 9.0 * a)
+        np.testing.assert_allclose(jacobian(np.array([3.0])), [[6.0 * a]])
+
+    for a in (1.0, 2.0, 1.0):
+        square(a)
+    assert calls == [1.0, 2.0]
+    square(1.0, kept=False)
+    assert calls == [1.0, 2.0, 1.0]
+    for a in range(10, 20):
+        square(float(a))
+    square(1.0)
+    assert calls[-1] == 1.0
+    with_jacobian(lambda p: p, (print, 1.0))  # no constant: not kept
 
 
 @pytest.mark.parametrize(

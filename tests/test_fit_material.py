@@ -180,9 +180,9 @@ def test_vertical_shifts_that_a_material_cannot_have_are_said():
     assert f"storage {100 * fit.prony.storage_residual:.2g} %" in said["note"]
 
 
-def ragged(noise):
+def ragged(noise, size=0.1):
     """Vertical shifts of 10 % without order, and a flat rubber to hide them in."""
-    up = (1 + 0.1 * np.sin(ROWS[:, 1])) * (1 + noise * np.random.default_rng(0).normal(size=(2, len(ROWS))))
+    up = (1 + size * np.sin(ROWS[:, 1])) * (1 + noise * np.random.default_rng(0).normal(size=(2, len(ROWS))))
     return em.fit.dma(2 * np.pi * ROWS[:, 0], up[0] * ROWS[:, 2], up[1] * ROWS[:, 3], ROWS[:, 1] + 273.15, kind="shear")
 
 
@@ -205,6 +205,18 @@ def test_vertical_shifts_that_the_data_decide_are_kept_for_the_shift_factors():
     assert any("The data leave no doubt of them" in text for text in chosen.warnings)
     panels = [len(draw_shifts(fit.master).figure.axes) for fit in (chosen, plain)]
     assert panels == [2, 1]  # none for vertical shifts that were not looked for
+
+
+def test_what_to_do_where_a_material_misses_its_data_for_want_of_vertical_shifts():
+    """Both figures are said, those of the material that is written and those of the other one; law or no law."""
+    dma = ragged(0.0, 0.25)
+    chosen, plain = (em.fit.material(dma, 293.15, vertical=vertical) for vertical in (None, False))
+    assert max(chosen.as_used.values()) > 0.1
+    text = next(text for text in chosen.warnings if "leave no doubt" in text)
+    said = re.search(r"are met to (\S+), (\S+) % rms only .*--reference.*--no-vertical\): (\S+), (\S+) %", text)
+    sizes = [100 * size for fit in (chosen, plain) for size in fit.as_used.values()]
+    np.testing.assert_allclose([float(number) for number in said.groups()], sizes, rtol=0.06)
+    assert em.fit.material(dma, 293.15, law="none").as_used == {}
 
 
 def test_cards_hold_the_same_material():

@@ -14,7 +14,7 @@ import elastomdr as em
 from elastomdr.fit import FitWarning
 from elastomdr.fit.columns import Column
 from elastomdr.fit.misread import misread
-from elastomdr.fit.swapped import look_swapped
+from elastomdr.fit.swapped import look_swapped, other_readings
 
 DATA = Path(os.environ.get("ELASTOMDR_DATA", Path(__file__).parents[2] / "shared" / "data" / "dma"))
 LIBRARY = Path(__file__).parents[1] / "materials"
@@ -40,7 +40,11 @@ def read(*names, **options):
 )
 def test_measured_moduli_are_not_taken_for_swapped_and_would_be_found(names, options):
     dma = read(*names, **options)
-    assert not any("look exchanged" in text for text in dma.warnings)
+    assert not dma.doubtful
+    assert not any("look exchanged" in text or "mixed up" in text for text in dma.warnings)
+    for factor in (1e3, 10.0):
+        mixed = other_readings(dma.temperature, dma.frequency, dma.storage, factor * dma.loss)
+        assert mixed == [factor] or "master" in names[0]  # which contradicts itself
     assert look_swapped(dma.temperature, dma.frequency, dma.loss, dma.storage)
     tangent = dma.loss / dma.storage
     rows = {"omega": dma.frequency, "temperature": dma.temperature, "storage": dma.storage, "tangent": tangent}

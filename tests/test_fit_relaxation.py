@@ -5,6 +5,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
+from elastomdr.fit.from_relaxation import _widest
 from elastomdr.material.check import check_material
 from elastomdr.material.validity import Range, as_range, shared
 
@@ -63,6 +64,16 @@ def test_a_range_that_is_empty_is_said_and_kept(tmp_path):
     with pytest.warns(em.ExtrapolationWarning, match="at most 100%"):
         curve = em.friction(material, em.SelfAffine(0.8, rms_slope=0.1, q_low=1e4, q_high=1e5), **rough)
     assert np.all(curve.extrapolated)
+
+
+def test_nowhere_within_a_range_is_the_loss_modulus_known_to_worse_than_six_percent():
+    """Within half as much again as at the ends, and never above the widest interval that counts as known."""
+    rate = np.linspace(0.0, 6.0, 61)
+    bump = np.exp(-((rate - 3.0) ** 2) / 0.1)
+    for limit, inside, whole in ((0.03, 0.044, True), (0.03, 0.046, False), (0.06, 0.059, True), (0.06, 0.07, False)):
+        found = _widest(rate, np.maximum(0.99 * limit, inside * bump), limit)
+        assert (found == [0.0, 6.0]) == whole, (limit, inside)
+        assert len(found) == 2  # a stretch on one side of what is not known
 
 
 def test_an_empty_range_has_no_frequency_inside():

@@ -1,4 +1,6 @@
-"""Storage and loss modulus in each other's place: found where no passive material has them, and nowhere else."""
+"""Storage and loss modulus in each other's place, or in different units: found where no passive material has them, and
+nowhere else.
+"""
 
 import warnings
 
@@ -7,7 +9,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.fit import FitWarning
-from elastomdr.fit.swapped import look_swapped
+from elastomdr.fit.swapped import look_swapped, other_readings
 
 from .dma_files import KNOWN, data, isotherms, measure, plain_csv, reptate, trios, two_rows
 
@@ -31,8 +33,44 @@ def test_passive_materials_are_told_from_swapped_ones(name, noise):
         for count in (5, 20):
             hertz = np.geomspace(0.1, 0.1 * 10**decades, count)
             dma = data(CELSIUS, noise, seed, MATERIALS[name], hertz=hertz)
-            assert not look_swapped(dma.temperature, dma.frequency, dma.storage, dma.loss)
+            assert other_readings(dma.temperature, dma.frequency, dma.storage, dma.loss) == []
             assert swap(dma)
+
+
+@pytest.mark.parametrize(
+    ("name", "factors"),
+    [("melt", (1e3, 1e-3, 10.0)), ("gum", (1e3, 10.0)), ("filled", (1e3, 10.0)), ("glass", (1e3,))],
+)
+def test_a_loss_modulus_in_another_unit_is_found(name, factors):
+    """Low loss too: a tangent of 0.03 that becomes 30 is none that the median of a file could not have."""
+    for seed, decades in enumerate((1.0, 2.7)):
+        dma = data(CELSIUS, 0.01, seed, MATERIALS[name], hertz=np.geomspace(0.1, 0.1 * 10**decades, 12))
+        for factor in factors:
+            found = other_readings(dma.temperature, dma.frequency, dma.storage, factor * dma.loss)
+            assert found == [factor] or (name == "glass" and set(found) <= {None, factor})  # both moduli are flat
+            assert factor in found
+
+
+def test_mixed_up_units_are_said_and_no_diagnosis_is_made_of_them(tmp_path):
+    """kPa under a title of MPa, in a rubber of low loss: one warning, and none that blames material or terms."""
+    rows = measure(FILLED, CELSIUS, np.geomspace(0.1, 50.0, 10), 0.01)
+    assert 0.02 < np.median(rows[:, 3] / rows[:, 2]) < 0.1
+    rows[:, 3] *= 1000
+    with pytest.warns(
+        FitWarning, match=r"one if the loss modulus is 1000 times smaller: are their units mixed up\? Assumed"
+    ):
+        dma = em.fit.read_dma(plain_csv(tmp_path, rows))
+    assert dma.doubtful
+    assert len(dma.warnings) == 1
+    assert "in Pa and 'G_loss_pa' in Pa" in dma.warnings[0]
+    assert em.fit.join(em.fit.dma([1.0], [1e6], [1e5], 293.15, kind="shear"), dma).doubtful
+    fit = em.fit.material(dma, 293.15)
+    for wrong in ("Not thermorheologically simple", "more terms may help", "data scatter", "contradict"):
+        assert not any(wrong in text for text in fit.warnings)
+    said = [text for text in fit.warnings if "look misread (columns or units), which is to be put right first" in text]
+    assert [text.split(" ", 3)[:3] for text in said] == [
+        ["No", "shift", "makes"], ["The", "storage", "modulus"], ["The", "loss", "modulus"]
+    ]  # fmt: skip
 
 
 def test_what_cannot_be_told_is_not_said():

@@ -21,6 +21,7 @@ from ..mapping.spectrum import AbstractSpectrum
 from ..mapping.synthesis import PER_WAVE, PERIODS, line_count
 from ..material.prony import Prony
 from ..scenes.rough import is_rough
+from .compiled import with_jacobian
 from .findings import TWO_SIGMA, AbstractFindings
 from .parameters import MEANINGS, Change, applied, check
 
@@ -99,7 +100,8 @@ def calibrate(
     of standard deviation 1 or as in `widths`: one that ends as uncertain as it began was not in the data, and a warning
     says so; `weakest` names what the data decide least. Jacobians are exact (`jax.jacfwd` through the contact
     solution), on rough surfaces central differences. There `samples`, which must be the same for all cutoffs, is by
-    default enough for a cutoff one standard deviation of the prior above its start (ten times, at most). Raises
+    default enough for a cutoff one standard deviation of the prior above its start (ten times, at most). Under an
+    indenter a first call mostly compiles; calls with other measurements of the same scene use its program. Raises
     `InputError` for unknown names, measurements that do not match, or a start where the contact has no answer.
     """
     if not isinstance(material, Prony):
@@ -125,7 +127,8 @@ def calibrate(
     compute = _computer(material, shape, quantity, names, change, scene)
     rough = is_rough(shape)
     with jax.enable_x64(True):
-        value, *jacobians = _by_differences(compute, names) if rough else _compiled(compute)
+        constants = (quantity, names, material, shape, scene) if change is None else None
+        value, *jacobians = _by_differences(compute, names) if rough else with_jacobian(compute, constants)
         begin = np.array([start[name] for name in names])
         first = np.asarray(value(begin))
         if first.shape != data.shape:
@@ -201,22 +204,6 @@ def _computer(material: Prony, shape: Any, quantity: str, names: list[str], chan
         return result * 10.0 ** values.get("gain", 0.0) + values.get("offset", 0.0)
 
     return compute
-
-
-def _compiled(compute: Any) -> tuple[Any, Any]:
-    """A function's value and its Jacobian, compiled as one: compiling takes far longer than computing both."""
-    both = jax.jit(jax.jacfwd(lambda p: 2 * (compute(p),), has_aux=True))
-    last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
-
-    def at(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        key = p.tobytes()
-        if key not in last:
-            jacobian, value = both(p)
-            last.clear()
-            last[key] = np.asarray(value), np.asarray(jacobian)
-        return last[key]
-
-    return lambda p: at(p)[0], lambda p: at(p)[1]
 
 
 def _by_differences(compute: Any, names: list[str]) -> tuple[Any, ...]:

@@ -38,6 +38,7 @@ class Dma:
     warnings: tuple[str, ...] = ()
     bad_rows: tuple[str, ...] = ()
     shifted: bool = False  # whether the frequencies are reduced ones: a master curve somebody else made
+    doubtful: bool = False  # whether storage and loss modulus look misread: columns, units or logarithms
     source: str = ""
     copies: int = 0  # points that were left out because they repeat others
     columns: tuple[str, ...] = ()  # which columns of the file were taken as what
@@ -136,6 +137,7 @@ def join(*parts: Dma) -> Dma:
         },
         warnings=_each(part.warnings for part in parts),
         bad_rows=_each(_bad_rows(part, several) for part in parts),
+        doubtful=any(part.doubtful for part in parts),
         source=", ".join(_each((part.source,) for part in parts)),
         columns=_each(_columns(part, differ) for part in parts),
     )

@@ -53,7 +53,8 @@ def known_range(
     points: Points, joint: Joint, state: AtReference, loss: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[float, float] | tuple[()]:
     """Angular frequencies at which the moduli of a series are known: those of dynamic data, and where relaxation
-    determines its loss modulus to 3 %, or nearly as well as anywhere if that is 6 % at least; rounded [rad/s].
+    determines its loss modulus to 3 %, or nearly as well as anywhere, and nowhere between to worse than 6 %; rounded
+    [rad/s].
 
     The widest stretch, of half a decade at least; () where there is none.
     """
@@ -96,8 +97,11 @@ def known_to(
 
 
 def _widest(rate: np.ndarray, half: np.ndarray, limit: float) -> list[float]:
-    """Ends of the widest stretch whose intervals are within a limit at either end, and nearly so (`_BEST`) between."""
-    edges = np.flatnonzero(np.diff(half <= _BEST * limit, prepend=False, append=False))  # first of one, next after it
+    """Ends of the widest stretch whose intervals are within a limit at either end, and between within half as much
+    again (`_BEST`), but nowhere above the widest that counts as known.
+    """
+    near = half <= min(_BEST * limit, _LEAST_KNOWN)
+    edges = np.flatnonzero(np.diff(near, prepend=False, append=False))  # first of one, next after it
     known = [rate[a:b][half[a:b] <= limit] for a, b in zip(edges[::2], edges[1::2], strict=True)]
     ends = [(float(x[0]), float(x[-1])) for x in known if x.size and np.ptp(x) >= _SHORTEST * _LN10]
     return list(max(ends, key=np.ptp, default=()))

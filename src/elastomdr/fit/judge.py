@@ -18,6 +18,7 @@ _NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms a
 _WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
 _FAR = 0.3  # half a 95 % interval of an extrapolated shift above which it is no longer of much use [decades]
 _POOR = 0.1  # relative residual of a series worth a warning
+_AS_READ = "storage and loss modulus look misread (columns or units), which is to be put right first"
 _CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
 
 
@@ -46,6 +47,9 @@ def _disagree(master: "MasterCurve") -> Iterator[str]:
 def _simple(master: "MasterCurve") -> Iterator[str]:
     misfit, worst = master.joint.misfit, max(master.noise.values())
     if misfit > _NOT_SIMPLE and worst > _WORTH_SAYING and master.temperature.size > 1:
+        if master.dma.doubtful:
+            yield f"No shift makes the isotherms one curve ({100 * worst:.2g} % in the worst modulus): {_AS_READ}."
+            return
         yield (
             f"Not thermorheologically simple: the isotherms scatter {misfit:.1f} times as much about one common "
             f"curve as "
@@ -126,9 +130,14 @@ def judge_series(
     data: Data,
     contradiction: bool,
     excess: float | None,
+    doubtful: bool,
     converged: bool,
 ) -> Iterator[str]:
-    """Warnings on what a series does not meet; single outliers are not held against it."""
+    """Warnings on what a series does not meet; single outliers are not held against it.
+
+    `contradiction` is that of storage and loss modulus, `excess` that of relaxation and both; `doubtful` says that
+    columns or units look wrong.
+    """
     if not converged:
         yield "The refinement of the times did not converge: look at the figure before using the series."
     for channel, key in enumerate(("storage", "loss", "relaxation")):
@@ -144,6 +153,8 @@ def judge_series(
                 f"{said}: relaxation and dynamic moduli contradict each other, by a factor of "
                 f"{max(excess, 1 / excess):.2g}."
             )
+        elif doubtful:
+            yield f"{said}: {_AS_READ}."
         elif contradiction:
             yield f"{said}: storage and loss modulus contradict each other, no passive material comes closer to both."
         elif size > 1.5 * data.noise[channel]:

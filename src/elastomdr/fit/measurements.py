@@ -78,13 +78,15 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     texts = [*inconsistent(arrays.get("omega"), storage, loss, extra, chosen)]
     texts += contradictions(arrays, chosen, _others(block, chosen, needed, kept, options, units))
     texts += implausible(arrays, titles, given, modulus_given(options), elastic)
+    doubts: list[str] = []
     if dynamic:
-        misnamed = [*misread(arrays, chosen, given)]
-        texts += misnamed or mixed_up(storage, loss, [chosen[role] for role in moduli_roles(arrays)], given)
-    texts += _assumed([chosen[role] for role in needed])
-    if {"storage", "loss"} <= arrays.keys():
-        logarithms = [*unsaid_logarithms(arrays, values, chosen)]
-        texts += logarithms or swapped(arrays, chosen["storage"], chosen["loss"])
+        one, other = (chosen[role] for role in moduli_roles(arrays))
+        if {"storage", "loss"} <= arrays.keys():
+            doubts += [*unsaid_logarithms(arrays, values, chosen)] or swapped(arrays, one, other, given)
+        else:
+            doubts += misread(arrays, chosen, given)
+        doubts = doubts or [*mixed_up(storage, loss, [one, other], given)]
+    texts += [*doubts, *_assumed([chosen[role] for role in needed])]
     if bad:
         more = f" and {len(bad) - _NAMED} more, all of them in bad_rows and in the master curve's table"
         more = more if len(bad) > _NAMED else ""
@@ -99,6 +101,7 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
         "units": {role: _said(chosen[role].log, given[role]) for role in needed},
         "warnings": tuple(texts),
         "bad_rows": tuple(bad),
+        "doubtful": bool(doubts),
         "source": path.name,
         "columns": taken(
             block.titles, [chosen[role] for role in needed], _temperature_from(block, options), block.part

@@ -38,13 +38,13 @@ def misread(arrays: Mapping[str, np.ndarray], chosen: Mapping[str, Column], give
     temperature = arrays.get("temperature", np.zeros(rate.size))
     readings = dict(_readings(arrays, one, other, given[other]))
     best = closer(temperature, rate, moduli(arrays), list(readings.values()), _MISFIT)
-    if best is None:
+    if not best:
         return
     first, second = chosen[one].title, chosen[other].title
     said = {"%": "in %", "": "as a ratio"}.get(given[other], f"in {given[other]}")
     yield (
         f"{first!r} and {second!r} suit no passive material as they are named, and one if "
-        f"{list(readings)[best].format(first=first, second=second)}. Assumed are the names, and {second!r} {said}; "
+        f"{list(readings)[best[0]].format(first=first, second=second)}. Assumed are the names, and {second!r} {said}; "
         "if they are wrong, correct the title in the file."
     )
 

@@ -16,6 +16,7 @@ from ..material.library import save_material
 from ..material.prony import Prony
 from ..material.shift import ShiftTable
 from ..material.validity import Range
+from .as_used import as_used
 from .cards import abaqus_card, ansys_card, plain_card
 from .data import Dma
 from .findings import TWO_SIGMA, AbstractFindings
@@ -26,6 +27,7 @@ from .tables import master_csv, prony_csv, shifts_csv
 LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
 _DIGITS = 8  # of a law in the material: what follows is rounding, and differs between machines
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
+_MISSED = 0.1  # relative residual as used above which the material without vertical shifts is told beside it
 _UNLIKELY = 0.01  # chance that there are no vertical shifts below which the data have decided that there are
 
 
@@ -176,7 +178,7 @@ def material(
         )
         texts = (*dma.warnings, *master.warnings, *fit.warnings)
         said = description or f"Fitted to {dma.summary()}"
-        return MaterialFit(fit.material, master, fit, chosen, _as_used(fit.material, dma), texts, citation, said)
+        return MaterialFit(fit.material, master, fit, chosen, as_used(fit.material, dma), texts, citation, said)
 
     lifted = fitted(master_curve(dma, reference, True if vertical is None else vertical))
     size, celsius = _lift(lifted.master)
@@ -195,8 +197,11 @@ def material(
     )
     if there:
         text += " The data leave no doubt of them: without, shift factors would make up for what is none of theirs."
-    advice = " vertical=False (--no-vertical) fits a material that has none from the start." * bool(vertical or there)
-    return replace(lifted, warnings=(*lifted.warnings, text + advice))
+    if there and vertical is None and max(lifted.as_used.values(), default=0.0) > _MISSED:
+        text += _instead(lifted, fitted(lifted.master.without_vertical()))
+    elif vertical or there:
+        text += " vertical=False (--no-vertical) fits a material that has none from the start."
+    return replace(lifted, warnings=(*lifted.warnings, text))
 
 
 def _lift(master: MasterCurve) -> tuple[float, float]:
@@ -223,18 +228,34 @@ def _squares(sizes: dict[str, float]) -> float:
 
 def _said(plain: MaterialFit, lifted: MaterialFit) -> str:
     """What a fit with vertical shifts would have been, beside the one without."""
-    moved = np.abs(lifted.master.log10_a - plain.master.log10_a).max()
     own = lifted.prony.storage_residual, lifted.prony.loss_residual, lifted.prony.relaxation_residual
-    met, used = (
-        ", ".join(f"{100 * size:.2g}" for size in sizes if np.isfinite(size))
-        for sizes in (own, lifted.as_used.values())
-    )
-    names = ", ".join(name.removesuffix(" modulus") for name in lifted.as_used)
+    met = ", ".join(f"{100 * size:.2g}" for size in own if np.isfinite(size))
     return (
         "Fitted without vertical shifts, which a material cannot have. With them (vertical=True, --vertical), shift "
-        f"factors move by up to {moved:.2g} decades, the master curve is met to {met} % rms ({names}), but the moduli "
-        f"as measured only to {used} %."
+        f"factors move by up to {_moved(plain, lifted):.2g} decades, the master curve is met to {met} % rms "
+        f"({_names(lifted)}), but the moduli as measured only to {_met(lifted)} %."
     )
+
+
+def _instead(lifted: MaterialFit, plain: MaterialFit) -> str:
+    """What to do where the data have vertical shifts and the material, which has none, misses them."""
+    return (
+        f" The moduli as measured are met to {_met(lifted)} % rms only ({_names(lifted)}), worst far from the "
+        "reference temperature: let that be where the material is used (--reference). Or give vertical=False "
+        f"(--no-vertical): {_met(plain)} %, by shift factors moved by up to {_moved(plain, lifted):.2g} decades."
+    )
+
+
+def _moved(one: MaterialFit, other: MaterialFit) -> float:
+    return float(np.abs(one.master.log10_a - other.master.log10_a).max())
+
+
+def _met(fit: MaterialFit) -> str:
+    return ", ".join(f"{100 * size:.2g}" for size in fit.as_used.values())
+
+
+def _names(fit: MaterialFit) -> str:
+    return ", ".join(name.removesuffix(" modulus") for name in fit.as_used)
 
 
 def _choose(master: MasterCurve) -> str:
@@ -264,31 +285,6 @@ def _table(master: MasterCurve) -> ShiftTable:
     log10_a = np.append(master.log10_a[away], 0.0).round(_DIGITS)
     order = np.argsort(temperature)
     return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))
-
-
-def _as_used(material: Prony, dma: Dma) -> dict[str, float]:
-    """Relative rms residuals of a material at the measured temperatures, without any vertical shift."""
-    if material.shift is None:
-        return {}
-    times, moduli, level = np.asarray(material.times), np.asarray(material.moduli), float(material.equilibrium)
-    parts = {}
-    if dma.frequency.size:
-        x = (dma.frequency * _factor(material.shift, dma.temperature))[:, None] * times
-        parts["storage modulus"] = (level + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
-        parts["loss modulus"] = (moduli / (x + 1 / x)).sum(axis=1) / dma.loss - 1
-    if dma.time.size:
-        x = (dma.time / _factor(material.shift, dma.time_temperature))[:, None] / times
-        parts["relaxation modulus"] = (level + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
-    return {name: float(np.sqrt(np.mean(part**2))) for name, part in parts.items()}
-
-
-def _factor(law: Any, temperature: np.ndarray) -> np.ndarray:
-    """a_T; a table ends at the mean of its last isotherm, and holds a little beyond."""
-    try:
-        return 10 ** np.asarray(law.log10_a(temperature))
-    except InputError:
-        low, high = (float(law.temperature[i]) for i in (0, -1))
-        return 10 ** np.asarray(law.log10_a(np.clip(temperature, low, high)))
 
 
 def _round(value: float, digits: int) -> float:

@@ -259,7 +259,15 @@ def prony(
         relaxation=relaxation,
         kind=kind,
         warnings=(
-            *judge_series(points, residuals, data, contradiction, relaxation_excess(joint), found.posterior.converged),
+            *judge_series(
+                points,
+                residuals,
+                data,
+                contradiction,
+                relaxation_excess(joint),
+                master is not None and master.dma.doubtful,
+                found.posterior.converged,
+            ),
             *judge_level(level, end, interval),
             *judge_range(limits),
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),

@@ -26,7 +26,7 @@ def unsaid_logarithms(
     rate = arrays["omega" if "omega" in arrays else "frequency"]
     temperature = arrays.get("temperature", np.zeros(rate.size))
     named = arrays["storage"], arrays["loss"]
-    if closer(temperature, rate, named, [(10**storage, 10**loss), (named[1], named[0])], _MISFIT) == 0:
+    if closer(temperature, rate, named, [(10**storage, 10**loss), (named[1], named[0])], _MISFIT)[:1] == [0]:
         yield (
             f"{chosen['storage'].title!r} and {chosen['loss'].title!r} suit no passive material as they are named, and "
             "one if they are decadic logarithms of moduli in Pa. Assumed are the names; if they are wrong, write log10 "
