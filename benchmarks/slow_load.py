@@ -4,7 +4,8 @@ Elements at equal distances, u linear over a step h, e_k = exp(-h/tau_k), phi_k 
 sum E_k phi_k: without contact u+ = u_free = u - (E_inf u + sum e_k f_k)/S, in contact q+ = S (d - g - u_free), and d
 so that the line, q between two elements linear and cut where it is zero, carries the load. Steps shrink geometrically
 towards both ends of each interval (where a load vanishes a dashpot alone decides the depth, in a moment), in a fixed
-way, so that halving steps and elements together divides the error by four; two such limits and their difference are what is returned. Nothing is shared with elastomdr.
+way, so that halving steps and elements together divides the error by four; two such limits and their difference are
+what is returned. Nothing is shared with elastomdr.
 """
 
 import itertools
