@@ -37,17 +37,18 @@ def _march(law: Law, line: Line, time: np.ndarray, load: np.ndarray, reach: floa
             return float(free.min())
         low, high = np.minimum(free[:-1], free[1:]), np.maximum(free[:-1], free[1:])
         rise = high - low
-        d = max(depth, float(free.min()))
-        for _ in range(100):
+        d, last = max(depth, float(free.min())), np.inf
+        for turn in range(100):
             over = np.clip(d - low, 0, None)
             flat = over >= rise
             part = np.where(flat, 1.0, over / np.where(flat, 1.0, rise))
             area = np.where(flat, d - 0.5 * (low + high), 0.5 * over * part).sum() * dx
             slope = part.sum() * dx
             new = d - (area * line.weight * stiffness - load) / (line.weight * stiffness * max(slope, 1e-6 * dx))
-            if abs(new - d) <= 1e-14 * abs(new):
+            stalled = turn > 5 and abs(new - d) >= last  # of a convex function steps shrink until rounding
+            if stalled or abs(new - d) <= 1e-14 * abs(new):
                 return new
-            d = new
+            d, last = new, abs(new - d)
         return d
 
     out = []
