@@ -11,7 +11,7 @@ from .cells import Row, number
 _MARK = re.compile(r"\s*(?:#+|%+|//+|;+)\s*")  # begins a line that programs which want numbers pass over
 _BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]")
 _WORDS = re.compile(
-    r"\b(storage|loss|complex|relaxation|phase|tan|angular|sample|loss|shear|tensile)\s+"
+    r"\b(storage|loss|complex|relaxation|phase|tan|angular|sample|shear|tensile)\s+"
     r"(?=(modulus|factor|tangent|angle|delta|δ|frequency|temp|storage|loss|relaxation))",
     re.IGNORECASE,
 )
