@@ -136,3 +136,29 @@ def test_each_row_of_a_long_table_stays_one_material(write):
     dma = em.fit.read_dma(write(text))
     check(dma)
     assert 'passed over: 5 "G\' [Pa]", 6' in dma.columns[0]
+
+
+def above_each(lines):
+    """One header, and a line above each isotherm."""
+    text = [",".join(title for title in TITLES if "T" not in title)]
+    for line, part in zip(lines, PARTS, strict=True):
+        text += [line, *(",".join(f"{x:.12g}" for x in np.delete(row, 1)) for row in part)]
+    return "\n".join(text)
+
+
+def test_a_decimal_comma_above_a_table_with_commas(write):
+    dma = em.fit.read_dma(write(above_each(["T = -20,5 °C", "T = 0,0 °C", "T = 20,5 °C"])), kind="shear")
+    np.testing.assert_allclose(np.unique(dma.temperature), [252.65, 273.15, 293.65])
+
+
+@pytest.mark.parametrize("line", ["T = 0 ± 0.1 °C", "T = 0", "T = 0 °C (repeated)", "T = .5 °C"])
+def test_a_temperature_that_is_not_understood_is_not_that_of_the_last_isotherm(line, write):
+    with pytest.raises(InputError, match=r"line 9, 'T = .* cannot be understood: write it as 'T = -20 degC'"):
+        em.fit.read_dma(write(above_each(["T = -20 °C", line, "T = 20 °C"])), kind="shear")
+
+
+def test_a_number_of_a_sweep_is_no_sign(write):
+    """In 'Sweep 1-20 °C' nobody knows: no temperature, and a warning."""
+    with pytest.warns(FitWarning, match="there is no temperature column"):
+        dma = em.fit.read_dma(write(above_each(["Sweep 1-20 °C", "Sweep 2-30 °C", "Run 3 C"])), kind="shear")
+    assert np.isnan(dma.temperature).all()

@@ -114,3 +114,14 @@ def test_logarithms_under_a_plain_title_are_said(write):
         for factor in (4e6 / S.min(), 2.5e6 / L.min()):
             named = {"G' [MPa]": factor * S / 1e6, "G'' [MPa]": factor * L / 1e6}
             em.fit.read_dma(write(table(**{"T [degC]": T, "f [Hz]": F}, **named)))
+
+
+@pytest.mark.parametrize("part", [0.0, 0.5])
+def test_the_temperature_of_the_sample_needs_its_numbers(part, write):
+    """A column of it that is empty, or has holes, gives way to one that is whole."""
+    cells = [f"{x:g}" if i < part * T.size else "" for i, x in enumerate(T)]
+    rows = plain().splitlines()
+    text = [f"{rows[0]},Sample temperature [degC]", *(f"{a},{b}" for a, b in zip(rows[1:], cells, strict=True))]
+    dma = em.fit.read_dma(write("\n".join(text)))
+    np.testing.assert_allclose(dma.temperature, T + 273.15)
+    assert dma.bad_rows == ()

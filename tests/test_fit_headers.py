@@ -118,3 +118,14 @@ def test_a_modulus_beside_a_time_is_asked_for_as_relaxation(write):
     with pytest.raises(InputError, match=r"as columns={'relaxation': 4} \(--column relaxation=4\)"):
         em.fit.read_dma(path)
     assert em.fit.read_dma(path, columns={"relaxation": 4}, kind="tensile").size == 2
+
+
+@pytest.mark.parametrize(
+    ("title", "unit", "values"), [("Strain", "%", 0.1), ("No.", "#", 1.0), ("Damping", "%", 20.0)], ids=str
+)
+def test_a_unit_row_that_begins_with_a_mark(title, unit, values, tmp_path):
+    """% and # are units of a column where they have a cell and a title of their own."""
+    lines = [f"{title},Temperature,Frequency,G',G''", f"{unit},°C,Hz,MPa,kPa"]
+    lines += [f"{values},{T},{f},{s / 1e6!r},{g / 1e3!r}" for T, f, s, g in ROWS.tolist()]
+    (tmp_path / "a.csv").write_text("\n".join(lines), encoding="utf-8")
+    assert read(tmp_path / "a.csv").bad_rows == ()

@@ -86,3 +86,19 @@ def test_an_empty_range_has_no_frequency_inside():
         assert shared(nowhere, other).frequency == ()
     with pytest.raises(InputError, match="temperature, the lower first"):
         as_range({"temperature": []})
+
+
+def test_nothing_is_known_between_relaxation_and_dynamic_data_far_apart():
+    """A peak between them is not seen: the range is that of one of them, not of both and the gap."""
+    times = np.logspace(-8, 10, 37)
+    spectrum = 3e5 * (times * 1e4) ** -0.15 * np.exp(-times / 1e7) + 6e5 * np.exp(
+        -0.5 * (np.log10(times) - 1) ** 2 / 0.16
+    )
+    rubber, rng = em.Prony(2e4, spectrum + 1e-9, times), np.random.default_rng(3)
+    omega, t = np.geomspace(30, 3000, 21), np.geomspace(1e4, 1e8, 41)
+    moduli, relaxed = np.asarray(rubber.complex_modulus(omega)), np.asarray(rubber.relaxation(t))
+    storage, loss = (x * (1 + 1e-3 * rng.normal(size=omega.size)) for x in (moduli.real, moduli.imag))
+    dynamic = em.fit.dma(omega, storage, loss, 293.15, kind="shear")
+    slow = em.fit.relaxation(t, relaxed * (1 + 1e-3 * rng.normal(size=t.size)), 293.15, kind="shear")
+    low, high = em.fit.material(em.fit.join(dynamic, slow), 293.15).material.range.frequency
+    assert low > 1 or high < 1e-3

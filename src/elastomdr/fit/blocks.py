@@ -7,7 +7,7 @@ from .cells import Row, Sheet, number
 from .columns import Column, is_complete, is_unit_row, named, understand
 from .headers import bare, is_numeric, titles, widths
 from .measurements import Block, Options
-from .temperatures import above
+from .temperatures import above, unread
 
 
 def blocks(sheet: Sheet, options: Options) -> Iterator[Block]:
@@ -33,8 +33,8 @@ def blocks(sheet: Sheet, options: Options) -> Iterator[Block]:
                 found.rows.append(row)
             continue
         following = next((k for k in range(i + 1, len(rows)) if any(rows[k].cells) or rows[k].line == 0), i)
-        units = _units(rows[following])
         heads = titles(row, lines[row.line - 1] if lines else None, below[i])
+        units = _units(rows[following], len(heads))
         columns = with_named(heads, understand(heads, units), units, options)
         if is_complete(columns):
             yield from _whole(found)
@@ -55,6 +55,11 @@ def blocks(sheet: Sheet, options: Options) -> Iterator[Block]:
             found = found._replace(rows=[], above=here)
         elif found is not None and _broken([cell for cell in row.cells if cell]):
             found.rows.append(row)  # counted as bad below
+        elif found is not None and found.rows and _told_above(found) and (text := unread(row.cells)):
+            raise InputError(
+                f"line {row.line}, {text!r}, seems to give the temperature of the rows below it, but cannot be "
+                "understood: write it as 'T = -20 degC', or give the temperatures in a column."
+            )
         elif found is not None and found.rows and row.cells[0].startswith("["):
             yield from _whole(found)
             found = None
@@ -78,8 +83,13 @@ def with_named(heads: Sequence[str], columns: list[Column], units: list[str], op
     return columns
 
 
-def _units(row: Row) -> list[str]:
-    """The units that a row gives, an empty list where it gives none; it may be a comment, as the header above it."""
+def _units(row: Row, width: int) -> list[str]:
+    """The units that a row gives, an empty list where it gives none; it may be a comment, as the header above it.
+
+    A first cell of % or # is a unit where there is a title for it, and else the mark of a comment.
+    """
+    if len(row.cells) == width and is_unit_row(row.cells):
+        return row.cells
     cells = [bare(cell) for cell in row.cells[:1]] + row.cells[1:]
     if row.cells and row.cells[0] and not cells[0]:
         cells = cells[1:]
@@ -94,6 +104,11 @@ def _block(heads: list[str], columns: list[Column], width: int, options: Options
     by_number = options._replace(columns={role: at for role, at in options.columns.items() if isinstance(at, int)})
     columns = with_named(numbered, [], [], by_number)
     return Block(columns if is_complete(columns) else [], [], heads, told, width)
+
+
+def _told_above(block: Block) -> bool:
+    """Whether the temperature of a block stands above it, and in no column."""
+    return bool(block.above) and all(column.role != "temperature" for column in block.columns)
 
 
 def _whole(block: Block | None) -> Iterator[Block]:

@@ -10,7 +10,7 @@ from .columns import Column, measure
 _KELVINS = 3.0  # median difference of two temperatures of one sample above which they contradict each other [K]
 _RATIO = 0.05  # the same of moduli and loss tangents, relative
 _RATE = 0.02  # of frequencies and times
-_OF_SAMPLE = re.compile(r"sample|specimen|probe|prüfling", re.IGNORECASE)
+_OF_SAMPLE = re.compile(r"sample|specimen|proben|prüfling", re.IGNORECASE)
 _PROGRAMMED = re.compile(r"set|prog|target|nominal|soll|command|furnace|oven|chamber", re.IGNORECASE)
 _NAMED = 6  # columns passed over that are named
 

@@ -56,14 +56,20 @@ def known_range(
     determines its loss modulus to 3 %, or nearly as well as anywhere, and nowhere between to worse than 6 %; rounded
     [rad/s].
 
-    The widest stretch, of half a decade at least; () where there is none.
+    The widest stretch, of half a decade at least; () where there is none. Relaxation and dynamic data make one stretch
+    where the loss modulus is known between them too.
     """
     dynamic = points.log_rate[points.channel != RELAXATION]
     ends = [dynamic.min(), dynamic.max()] if dynamic.size else []
     rate = _grid(points)
     if rate.size:
         half = _half(joint, state, rate, loss)
-        ends += _widest(rate, half, float(np.clip(_BEST * half.min(), _KNOWN, _LEAST_KNOWN)))
+        relaxed = _widest(rate, half, float(np.clip(_BEST * half.min(), _KNOWN, _LEAST_KNOWN)))
+        gap = _between(ends, relaxed)
+        if gap.size and _half(joint, state, gap, loss).max() > _LEAST_KNOWN:
+            ends = max(ends, relaxed, key=np.ptp)
+        else:
+            ends += relaxed
     if not ends:
         return ()
     low, high = (float(f"{np.exp(x):.4g}") for x in (min(ends), max(ends)))
@@ -94,6 +100,15 @@ def known_to(
         f"not measured; the series has it to +- {half.max():.2g} % (95 %) from {low:.3g} to {high:.3g} "
         "rad/s, and friction no better"
     )
+
+
+def _between(one: list[float], other: list[float]) -> np.ndarray:
+    """ln(omega) in the gap between two stretches; empty where they meet, or one is empty."""
+    if not one or not other:
+        return np.zeros(0)
+    low, high = min(max(one), max(other)), max(min(one), min(other))
+    count = int(np.ceil((high - low) / _LN10 * _PER_DECADE)) + 1
+    return np.linspace(low, high, count) if high > low else np.zeros(0)
 
 
 def _widest(rate: np.ndarray, half: np.ndarray, limit: float) -> list[float]:

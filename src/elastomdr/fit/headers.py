@@ -15,6 +15,7 @@ _WORDS = re.compile(
     r"(?=(modulus|factor|tangent|angle|delta|δ|frequency|temp|storage|loss|relaxation))",
     re.IGNORECASE,
 )
+_IN_A_CELL = re.compile(r"\s*[#%]\s*[,;\t]")
 _GLUE = "\0"
 _LONGEST = 5000  # characters of a line of titles
 _COPY = re.compile(r"(.*\S)\.\d+")  # what pandas makes of a title that it has met before
@@ -26,8 +27,8 @@ def bare(line: str) -> str:
 
 
 def is_remark(line: str) -> bool:
-    """Whether a line begins with a mark that no table of numbers begins with."""
-    return line.lstrip().startswith(("#", "%", "//"))
+    """Whether a line begins with a mark that no table of numbers begins with; one in a cell of its own is a unit."""
+    return line.lstrip().startswith(("#", "%", "//")) and not _IN_A_CELL.match(line)
 
 
 def titles(row: Row, line: str | None, width: int) -> list[str]:

@@ -48,7 +48,7 @@ class Block(NamedTuple):
 
 def measurements(path: Path, block: Block, options: Options, units: dict[str, str]) -> Dma:
     """A block's points in SI; `units` are those that the format fixes."""
-    chosen = _chosen(block.columns, options)
+    chosen = _chosen(block.columns, block.rows, options)
     dynamic = "storage" in chosen or "absolute" in chosen
     if dynamic:
         chosen.pop("time", None)
@@ -113,9 +113,9 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
     return Dma(temperature, arrays[needed[0]], storage, loss, **common)
 
 
-def _chosen(columns: list[Column], options: Options) -> dict[str, Column]:
+def _chosen(columns: list[Column], rows: list[Row], options: Options) -> dict[str, Column]:
     """One column per role: of several, the first whose unit is known and that is no logarithm; of temperatures, that
-    of the sample.
+    of the sample, if it has as many numbers as the others.
 
     Raises `InputError` for moduli of two kinds.
     """
@@ -128,7 +128,17 @@ def _chosen(columns: list[Column], options: Options) -> dict[str, Column]:
         if not is_complete(columns):
             raise InputError(f"the file has no storage and loss modulus of {options.kind}, only one of both.")
     chosen: dict[str, Column] = {}
-    for column in sorted(columns, key=lambda column: (bool(column.said), preference(column), bool(column.log))):
+
+    def holes(column: Column) -> int:
+        return sum(number(cell) is None for row in rows for cell in row.cells[column.place : column.place + 1])
+
+    fewest = min((holes(column) for column in columns if column.role == "temperature"), default=0)
+
+    def order(column: Column) -> tuple[bool, bool, int, bool]:
+        holed = column.role == "temperature" and holes(column) > fewest
+        return bool(column.said), holed, preference(column), bool(column.log)
+
+    for column in sorted(columns, key=order):
         chosen.setdefault(column.role, column)
     return chosen
 

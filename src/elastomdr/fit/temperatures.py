@@ -15,9 +15,12 @@ _UNIT = r"deg ?[CFcf]|°\s?[CF]|º\s?[CF]|℃|℉|K|C|kelvin|celsius"
 _OF_BLOCK = re.compile(  # nothing but the temperature, and what may number the block
     r"[^\w+-]*(?:(?:step|block|set|sweep|run|curve|frequency sweep)(?:\s*\d+(?!\d))?[^\w+-]*)?"
     r"(?:(?:t|temp\.?|temperatur|(?:(?:sample|test) )?temp(?:erature)?|isotherme?|온도)\s*(?:at|of|bei)?|at|bei)?"
-    rf"\s*[=:,;]?\s*([+-]?\d+(?:[.,]\d+)?)\s*\[?\(?({_UNIT})\W*",
+    rf"\s*[=:,;]?\s*(?<!\d)([+-]?\d+(?:[.,]\d+)?)\s*\[?\(?({_UNIT})\W*",
     re.IGNORECASE,
 )
+# "Run 3 C": its number, and who knows what else.
+_NUMBERED = re.compile(r"\W*(?:step|block|set|sweep|run|curve)\s*\d+\s*[CK]\b", re.IGNORECASE)
+_LIKE_ONE = re.compile(r"\bt(?:emp\w*)?\s*[=:]|°|º|℃|deg ?[CF]\b|isotherm|\d\s*[KC]\b", re.IGNORECASE)
 _LONGEST = 80  # characters of such a line
 _NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
 
@@ -32,16 +35,21 @@ class Above(NamedTuple):
 
 def above(cells: Sequence[str]) -> tuple[Above, ...]:
     """The temperatures that a row of remarks gives: one in each cell that is one, or that of the whole row."""
-    found = tuple(_each(cells))
-    if found:
-        return found
-    return tuple(_each([" ".join(cell for cell in cells if cell)]))
+    whole = [cell for cell in cells if cell]
+    ways = ([",".join(whole)], cells, [" ".join(whole)])  # a decimal comma may have been cut
+    return next((found for way in ways if (found := tuple(_each(way)))), ())
+
+
+def unread(cells: Sequence[str]) -> str:
+    """A row of remarks that seems to give a temperature, in a way that `above` does not understand; else nothing."""
+    text = " ".join(cell for cell in cells if cell)
+    return text[:_LONGEST] if re.search(r"\d", text) and _LIKE_ONE.search(text) else ""
 
 
 def _each(cells: Sequence[str]) -> Iterator[Above]:
     for place, cell in enumerate(cells):
         plain = re.sub("[\u2212\u2013]", "-", cell.strip())
-        match = _OF_BLOCK.fullmatch(plain) if cell and len(cell) < _LONGEST else None
+        match = _OF_BLOCK.fullmatch(plain) if cell and len(cell) < _LONGEST and not _NUMBERED.match(plain) else None
         unit = known_unit(match[2].replace(" ", "")) if match else ""
         if match and unit:
             value = float(match[1].replace(",", "."))
