@@ -129,3 +129,16 @@ def test_a_unit_row_that_begins_with_a_mark(title, unit, values, tmp_path):
     lines += [f"{values},{T},{f},{s / 1e6!r},{g / 1e3!r}" for T, f, s, g in ROWS.tolist()]
     (tmp_path / "a.csv").write_text("\n".join(lines), encoding="utf-8")
     assert read(tmp_path / "a.csv").bad_rows == ()
+
+
+def test_an_index_without_a_title_is_read_by_numbers(tmp_path):
+    """What pandas prints: one title fewer than columns, and the refusal's advice leads to the data."""
+    lines = ["temperature frequency storage loss", *(f"{i} {' '.join(map(str, row))}" for i, row in enumerate(ROWS))]
+    (tmp_path / "a.txt").write_text("\n".join(lines))
+    units = {"frequency_unit": "Hz", "modulus_unit": "Pa", "temperature_unit": "degC", "kind": "shear"}
+    with pytest.raises(InputError, match="or name every column by its number"):
+        em.fit.read_dma(tmp_path / "a.txt", **units)
+    columns = {"temperature": 2, "frequency": 3, "storage": 4, "loss": 5}
+    dma = em.fit.read_dma(tmp_path / "a.txt", columns=columns, **units)
+    np.testing.assert_allclose([dma.storage, dma.loss], ROWS[:, 2:].T)
+    np.testing.assert_allclose(dma.temperature, ROWS[:, 0] + 273.15)

@@ -35,7 +35,8 @@ def blocks(sheet: Sheet, options: Options) -> Iterator[Block]:
         following = next((k for k in range(i + 1, len(rows)) if any(rows[k].cells) or rows[k].line == 0), i)
         heads = titles(row, lines[row.line - 1] if lines else None, below[i])
         units = _units(rows[following], len(heads))
-        columns = with_named(heads, understand(heads, units), units, options)
+        untitled = [f"column {k}" for k in range(len(heads) + 1, below[i] + 1)] if lines else []
+        columns = with_named([*heads, *untitled], understand(heads, units), units, options)
         if is_complete(columns):
             yield from _whole(found)
             if not told and found is not None and not found.rows:
