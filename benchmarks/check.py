@@ -10,6 +10,7 @@ errors at rounding move by themselves. Exit status 1 if any has, or if a figure 
 
 import argparse
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -63,7 +64,7 @@ def main() -> int:
                 continue
             new, _, met = now[name]
             bad = new < old - THIRD * abs(old) if more else new > 1.5 * old and not met
-            if bad:
+            if bad or (math.isnan(new) and not math.isnan(old)):
                 rows.append((path.stem, name, old, new, "fallen"))
     fallen = len(rows)
     if rows:

@@ -121,7 +121,7 @@ def run(suite: Suite) -> int:
     found = [done[one] for one in _in_order(suite, wanted)]
     record |= _summary(suite, found)
     _print(suite, found, chosen)
-    if not chosen.family and chosen.scenes >= suite.scenes:
+    if not chosen.family and not chosen.report and chosen.scenes >= suite.scenes:
         save(suite.name, record)
     return 1 if any(one.crashed or any(v[0] == "wrong" for v in one.verdicts) for one in found) else 0
 

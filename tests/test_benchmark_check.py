@@ -59,9 +59,20 @@ def altered(index: int, factor: float, met: bool) -> dict:
         (altered(0, 0.8, met=False), 0, "0 fallen"),
         (altered(1, 5.0, met=True), 0, "0 fallen"),  # grown, and still within its target
         (altered(1, 20.0, met=False), 1, "largest error"),
+        (altered(0, float("nan"), met=False), 1, "times faster"),
+        (altered(1, float("nan"), met=False), 1, "largest error"),
         ({**RECORD, "verdicts": RECORD["verdicts"][1:]}, 1, "gone"),
     ],
-    ids=["same", "ratio -40 %", "ratio -20 %", "error within target", "error beyond target", "figure gone"],
+    ids=[
+        "same",
+        "ratio -40 %",
+        "ratio -20 %",
+        "error within target",
+        "error beyond target",
+        "no ratio",
+        "no error",
+        "figure gone",
+    ],
 )
 def test_check_reports_a_fall(check, tmp_path: Path, capsys, record: dict, status: int, said: str) -> None:
     write(tmp_path, record)

@@ -209,3 +209,18 @@ def test_table_that_begins_with_a_hole(tmp_path):
         (tmp_path / "cut.csv").write_text("x [um],height [um]\n" + "\n".join(rows))
         got = em.surface_from_file(tmp_path / "cut.csv")
         assert f"{len(holes)} of 256 points without a value" in got.report[0]
+
+
+@pytest.mark.parametrize(
+    "given", [{"periods": -1}, {"periods": 0}, {"points": 128.0}, {"points": None}, {"points": 2**16}, {"seed": -1}]
+)
+def test_a_map_that_is_never_drawn(given):
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
+    with pytest.raises(em.InputError, match="must be a whole number"):
+        em.reference.rough_map(surface, **given)
+
+
+def test_lines_without_end():
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=2e4)
+    with pytest.raises(em.InputError, match="seeds must be a whole number, 1 to 1000, got 1000000000000"):
+        em.friction(em.Foundation(1e6, [1e6], [1.0]), surface, velocity=1.0, pressure=1e5, seeds=10**12)

@@ -76,6 +76,9 @@ def rough_map(
     For `em.reference.half_space_sliding`. Raises `InputError` where `points` do not give the shortest wave four.
     """
     spectrum = as_spectrum("spectrum", spectrum)
+    whole_number("periods", periods, 1)
+    whole_number("points", points, 8, 8192)
+    whole_number("seed", seed, 0)
     side = 2 * np.pi * periods / spectrum.q_low
     least = 4 * periods * spectrum.q_high / spectrum.q_low
     if points % 4 or points < least * (1 - 1e-9):

@@ -15,6 +15,7 @@ from .ensemble import ensemble
 from .steady import brief, check_shift
 
 FULL = "full contact"
+_MOST_LINES = 1000  # of an ensemble
 _LIGHT = 0.03  # p/(E*(0) rms slope) up to which the book's rule is one of light contact (docs/rough.md)
 
 
@@ -99,6 +100,7 @@ def _check(foundation: Foundation, average: Any, rtol: Any, samples: Any, period
 def _seeds(seeds: Any) -> tuple[int, ...]:
     """The seeds of the lines: that many from 0 on, or those given."""
     if isinstance(seeds, (int, np.integer)) and not isinstance(seeds, bool) and seeds >= 1:
+        whole_number("seeds", seeds, 1, _MOST_LINES)
         return tuple(range(seeds))
     each = tuple(seeds) if isinstance(seeds, (list, tuple, range, np.ndarray)) else ()
     whole = all(isinstance(s, (int, np.integer)) and not isinstance(s, bool) and s >= 0 for s in each)
