@@ -157,3 +157,17 @@ def test_gradients_go_through_a_material_with_a_range():
 
     with jax.enable_x64(True):
         assert np.isfinite(float(jax.grad(friction)(3e6)))
+
+
+def test_a_rough_surface_at_temperatures_that_were_not_measured():
+    surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e3)
+    rubber = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, range={"temperature": LIMITS["temperature"]})
+    asked = {"velocity": 1.0, "pressure": 1e5, "average": None, "samples": 64, "rtol": 1e-2, "sampling": 1.0}
+    kelvin = np.array([293.15, 350.0])
+    for body in (surface, surface.line(samples=64)):
+        load = {**asked, "equivalent_length": 1e-3} if body is not surface else asked
+        with pytest.warns(
+            em.ExtrapolationWarning, match="1 of 2 points .* from 293.15 to 350 K, range 273.15 to 313.15"
+        ):
+            found = em.friction(rubber, body, temperature=kelvin, **load)
+        assert found.extrapolated.tolist() == [False, True]

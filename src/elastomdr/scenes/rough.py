@@ -142,6 +142,7 @@ def rough_friction(
     inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
     inputs += [("ensemble", ensemble_words(scene.seeds, lines[0].count, largest[0]))]
     inputs += [] if heat is None else [("heat", heat.words())]
+    hot = None if traced else _too_hot(foundation, kelvin, shape)
     if outside is not None and extrapolated is not None and foundation.range is not None:
         inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
         if extrapolated.any():
@@ -152,6 +153,13 @@ def rough_friction(
             inputs.append(("extrapolated", text))
             if not foundation.range.illustrative:
                 warnings.warn(f"{text}.", ExtrapolationWarning, stacklevel=4)
+    if hot is not None and hot.any() and foundation.range is not None:
+        found_beyond = "; ".join(foundation.range.findings(np.zeros(0), np.broadcast_to(kelvin, shape)))
+        text = f"{int(hot.sum())} of {hot.size} points lie beyond the range of the material: {found_beyond}"
+        inputs.append(("beyond", text))
+        extrapolated = hot if extrapolated is None else extrapolated | hot
+        if not foundation.range.illustrative:
+            warnings.warn(f"{text}.", ExtrapolationWarning, stacklevel=4)
     return FrictionCurve(
         velocity=numpy.broadcast_to(velocity, shape).copy(),
         mu=field(mu),
@@ -224,6 +232,15 @@ def ensemble_words(seeds: tuple[int, ...], count: int, largest: int = 0) -> str:
     if largest > count:
         text += f", of up to {largest} where that was too few"
     return text
+
+
+def _too_hot(foundation: Foundation, kelvin: Any, shape: tuple[int, ...]) -> np.ndarray | None:
+    """Which points are at temperatures beyond those of the material's data; None where these are not known."""
+    known = foundation.range
+    if known is None or (known.temperature is None and not known.beyond):
+        return None
+    temperature = None if kelvin is None else np.broadcast_to(kelvin, shape)
+    return known._replace(frequency=None).outside(np.zeros(shape), temperature)
 
 
 def _outside(foundation: Foundation, surface: Any, reduced: np.ndarray) -> np.ndarray | None:
