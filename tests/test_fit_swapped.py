@@ -114,3 +114,11 @@ def test_a_file_with_swapped_titles_gets_one_warning_that_says_how_to_swap_them(
         again = em.fit.read_dma(sorted({*writer(tmp_path, swapped)}), columns=columns)
     assert again.kind == "shear"
     np.testing.assert_allclose(np.sort(again.storage), np.sort(rows[:, 2]), rtol=1e-5)
+
+
+def test_a_damaged_modulus_is_no_overflow():
+    """In multiples of it neither."""
+    omega, storage = np.geomspace(0.1, 100, 12), np.geomspace(1e5, 1e7, 12)
+    loss = 0.3 * storage
+    loss[3] = 1e306
+    assert not look_swapped(np.full(12, 293.15), omega, storage, loss)

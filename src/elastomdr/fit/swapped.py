@@ -30,6 +30,7 @@ _FACTORS = (
 _TOLERANCE = 1.5  # between temperatures of one isotherm [K], as for master curves
 _LEAST_RANGE = 2.0  # ratio of the highest to the lowest frequency of an isotherm that says anything
 _HOTTEST = 1e4  # what is beyond is damaged [K]
+_LARGEST = 1e100  # modulus; what is beyond is damaged [Pa]
 _FEWEST = 5  # points that say anything
 _MOST = 100  # points of an isotherm that are looked at
 Moduli = tuple[np.ndarray, np.ndarray]  # storage and loss modulus
@@ -81,6 +82,7 @@ def other_readings(
     None is both exchanged, a number how many times too large the loss modulus is; of several the one closest to 1,
     for a loss modulus that is far too small suits any flat storage modulus. Arrays of one shape in SI units.
     """
+    storage, loss = (np.minimum(x, _LARGEST) for x in (storage, loss))
     readings = [(loss, storage), *((storage, loss / factor) for factor in _FACTORS)]
     found = [(None, *_FACTORS)[i] for i in closer(temperature, omega, (storage, loss), readings, _MISFIT)]
     least = min((factor for factor in found if factor), key=lambda factor: max(factor, 1 / factor), default=None)
