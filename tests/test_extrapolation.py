@@ -171,3 +171,7 @@ def test_a_rough_surface_at_temperatures_that_were_not_measured():
         ):
             found = em.friction(rubber, body, temperature=kelvin, **load)
         assert found.extrapolated.tolist() == [False, True]
+    with pytest.warns(em.ExtrapolationWarning, match="1 of 1 points .* temperature 350 K, range 273.15") as caught:
+        found = em.friction(rubber.at(350.0), surface, **asked)
+    assert found.extrapolated.all()
+    assert len(caught) == 1

@@ -19,14 +19,7 @@ from .passive import closest
 _MISFIT = 0.1  # rms relative misfit as read above which the columns are suspect, if
 _CLOSER = 3.0  # another reading is so many times closer
 _AS_CLOSE = 2.0  # misfit over that of the closest reading up to which another one may be meant as well
-_FACTORS = (
-    10.0,
-    0.1,
-    1e3,
-    1e-3,
-    1e6,
-    1e-6,
-)  # between dyn/cm2, Pa, kPa and MPa: how much too large the loss modulus may be
+_FACTORS = (10.0, 0.1, 1e3, 1e-3, 1e6, 1e-6)  # of dyn/cm2, Pa, kPa, MPa: how much too large the loss modulus may be
 _TOLERANCE = 1.5  # between temperatures of one isotherm [K], as for master curves
 _LEAST_RANGE = 2.0  # ratio of the highest to the lowest frequency of an isotherm that says anything
 _HOTTEST = 1e4  # what is beyond is damaged [K]

@@ -13,6 +13,7 @@ from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
 from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
+from ..material.validity import Range
 from ..results.curve import FrictionCurve, Rough
 from ..solve.heat import Heat
 from ..solve.periodic import Job, Line, solve_lines
@@ -142,24 +143,23 @@ def rough_friction(
     inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
     inputs += [("ensemble", ensemble_words(scene.seeds, lines[0].count, largest[0]))]
     inputs += [] if heat is None else [("heat", heat.words())]
-    hot = None if traced else _too_hot(foundation, kelvin, shape)
-    if outside is not None and extrapolated is not None and foundation.range is not None:
+    said = []
+    if outside is not None and extrapolated is not None:
         inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
         if extrapolated.any():
             text = (
                 f"at {int(extrapolated.sum())} of {outside.size} points more than {_OUTSIDE:.0%} of the mean square "
                 f"slope, at most {outside.max():.0%}, is excited beyond the frequencies of the material's data"
             )
-            inputs.append(("extrapolated", text))
-            if not foundation.range.illustrative:
-                warnings.warn(f"{text}.", ExtrapolationWarning, stacklevel=4)
-    if hot is not None and hot.any() and foundation.range is not None:
-        found_beyond = "; ".join(foundation.range.findings(np.zeros(0), np.broadcast_to(kelvin, shape)))
-        text = f"{int(hot.sum())} of {hot.size} points lie beyond the range of the material: {found_beyond}"
-        inputs.append(("beyond", text))
+            said.append(text)
+    hot, where = (None, "") if traced else _too_hot(foundation.range, kelvin, shape)
+    if hot is not None and hot.any():
+        said.append(f"{int(hot.sum())} of {hot.size} points lie beyond the range of the material: {where}")
         extrapolated = hot if extrapolated is None else extrapolated | hot
+    if said and foundation.range is not None:
+        inputs.append(("extrapolated", "; ".join(said)))
         if not foundation.range.illustrative:
-            warnings.warn(f"{text}.", ExtrapolationWarning, stacklevel=4)
+            warnings.warn(f"{'; '.join(said)}.", ExtrapolationWarning, stacklevel=4)
     return FrictionCurve(
         velocity=numpy.broadcast_to(velocity, shape).copy(),
         mu=field(mu),
@@ -234,13 +234,13 @@ def ensemble_words(seeds: tuple[int, ...], count: int, largest: int = 0) -> str:
     return text
 
 
-def _too_hot(foundation: Foundation, kelvin: Any, shape: tuple[int, ...]) -> np.ndarray | None:
-    """Which points are at temperatures beyond those of the material's data; None where these are not known."""
-    known = foundation.range
+def _too_hot(known: Range | None, kelvin: Any, shape: tuple[int, ...]) -> tuple[np.ndarray | None, str]:
+    """Which points are at temperatures beyond the material's data, None where these are not known; and in words."""
     if known is None or (known.temperature is None and not known.beyond):
-        return None
+        return None, ""
+    only, rate = known._replace(frequency=None), np.zeros(shape)
     temperature = None if kelvin is None else np.broadcast_to(kelvin, shape)
-    return known._replace(frequency=None).outside(np.zeros(shape), temperature)
+    return only.outside(rate, temperature), "; ".join(only.findings(rate, temperature))
 
 
 def _outside(foundation: Foundation, surface: Any, reduced: np.ndarray) -> np.ndarray | None:
