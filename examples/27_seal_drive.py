@@ -31,7 +31,7 @@ SHAFT = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / LONGEST, q_high=2 * 
 LINE = SHAFT.line(seed=2, periods=1, samples=128)
 VELOCITY = np.geomspace(1e-4, 0.1, 13)  # m/s
 MASS, STIFFNESS, DAMPING, STIFF = 5.0, 5e3, 20.0, 1e5  # kg, N/m, N s/m, N/m
-TIME, DRAWN = np.linspace(0, 3.0, 561), 0.05  # s; in which the drive is drawn until its spring holds the friction
+TIME, DRAWN = np.linspace(0, 2.6, 391), 0.05  # s; in which the drive is drawn until its spring holds the friction
 PERIOD = 2 * np.pi * np.sqrt(MASS / STIFFNESS)  # of the drive by itself [s]
 # Which rubber, speed of the drive [m/s], its stiffness [N/m].
 CASES = [(0, v, STIFFNESS) for v in (1e-4, 3e-4, 1e-3)] + [(1, 3e-4, STIFFNESS), (0, 3e-4, STIFF)]
@@ -80,7 +80,7 @@ def main(out: Path) -> None:
     left.axvline(slowest, color="#888888", linestyle="--", linewidth=1)
     left.set(xlabel="Speed of the drive [m/s]", ylabel="Damping ratio of drive and seal [-]", ylim=(-0.5, 0.2))
     left.set_title("Stick-slip, fast? (dotted, left of the dashed line: decides nothing)", fontsize=10)
-    right.set(xlabel="Time [s]", ylabel="Velocity of the rod / of the drive [-]", ylim=(0, 5), xlim=(0, 3))
+    right.set(xlabel="Time [s]", ylabel="Velocity of the rod / of the drive [-]", ylim=(0, 5), xlim=(0, 2.6))
     right.set_title("Stick-slip, slow? Drive of 5 kN/m", fontsize=10)
     for ax in (left, right):
         ax.grid(color="#dddddd")

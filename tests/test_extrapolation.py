@@ -175,3 +175,116 @@ def test_a_rough_surface_at_temperatures_that_were_not_measured():
         found = em.friction(rubber.at(350.0), surface, **asked)
     assert found.extrapolated.all()
     assert len(caught) == 1
+
+
+class TestHistories:
+    """Data from 1 to 1000 rad/s speak of ages from 1 ms to 1 s."""
+
+    rubber = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, name="rubber", range={"frequency": (1.0, 1e3)})
+
+    @pytest.mark.parametrize("what", [{"depth": 1e-5}, {"load": 1e-3}])
+    def test_a_step_is_known_by_its_age(self, what):
+        time = np.append(0.0, np.geomspace(1e-4, 10.0, 41))
+        with pytest.warns(em.ExtrapolationWarning, match="within 0.001 s decides.* after more than 1 s") as caught:
+            found = em.indent(self.rubber, BALL, time=time, **what)
+        assert len(caught) == 1
+        np.testing.assert_array_equal(found.extrapolated, (time < 0.99e-3) | (time > 1.01))
+        assert str(caught[0].message).rstrip(".") in found.summary()
+        assert "beyond the range of the material" in found.csv()
+        assert {":", "-"} == {line.get_linestyle() for line in found.plot().lines}
+
+    def test_temperature_shifts_the_ages(self):
+        factor, time = float(LAW.a(283.15)), np.append(0.0, np.geomspace(1e-4, 90.0, 61))
+        with pytest.warns(em.ExtrapolationWarning):
+            found = em.indent(self.rubber, BALL, time=time, depth=1e-5, temperature=283.15)
+        with pytest.warns(em.ExtrapolationWarning):
+            brought = em.indent(self.rubber.at(283.15), BALL, time=time, depth=1e-5)
+        assert 2 < factor < 10
+        np.testing.assert_array_equal(found.extrapolated, (time < 1e-3 * factor) | (time > factor))
+        np.testing.assert_array_equal(found.extrapolated, brought.extrapolated)
+        rubber = em.Prony(1e6, [4e6], [1e-3], shift=LAW, range=LIMITS)
+        with pytest.warns(em.ExtrapolationWarning, match="temperature from 350 to 350 K, range 273.15 to 313.15 K"):
+            assert em.indent(rubber, BALL, time=[0.0, 1.0], depth=[0, 1e-5], temperature=350.0).extrapolated.all()
+
+    @pytest.mark.parametrize(("omega", "within"), [(30.0, True), (5e3, False)])
+    def test_an_oscillation_is_known_by_its_frequency(self, omega, within):
+        time = np.linspace(0, 8 * np.pi / omega, 81)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = em.indent(self.rubber, BALL, time=time, depth=1e-5 * (1 - np.cos(omega * time)))
+        assert found.extrapolated[20:].all() != within
+        assert found.extrapolated[20:].any() != within
+
+    def test_histories_of_their_own(self):
+        time = np.linspace(0, 0.5, 21)
+        depth = 1e-5 * np.stack([time, 0 * time, np.ones_like(time)])
+        with pytest.warns(em.ExtrapolationWarning, match="1 of 63 points"):
+            found = em.indent(self.rubber, BALL, time=time, depth=depth)
+        assert np.argwhere(found.extrapolated).tolist() == [[2, 0]]
+
+    @pytest.mark.parametrize("velocity", [1e-4, 1e-2, 3.0])
+    @pytest.mark.parametrize("body", [BALL, em.SelfAffine(0.8, 0.2, 1e3, 4e3).line(samples=64)])
+    def test_sliding_agrees_with_steady_sliding(self, body, velocity):
+        way = 40 * 1e-3
+        time = np.linspace(0, way / velocity, 61)
+        load = 0.1 if body is BALL else 100.0
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            moving = em.slide(self.rubber, body, time=time, position=velocity * time, load=load, rtol=0.1)
+            steady = em.friction(self.rubber, body, velocity=velocity, load=load, average=None, rtol=1e-2)
+        assert moving.extrapolated[-1] == steady.extrapolated
+        assert not moving.extrapolated[0]  # where it is put down
+
+    def test_a_rest_grows_older(self):
+        time = np.linspace(0, 3.0, 61)
+        position = np.clip(time - 2, 0, None) * 5e-3
+        with pytest.warns(em.ExtrapolationWarning, match="after more than 1 s"):
+            found = em.slide(self.rubber, BALL, time=time, position=position, load=0.1, rtol=0.1)
+        old = (time > 1.001) & (time < 2.05)
+        assert found.extrapolated[old].all()
+        assert not found.extrapolated[(time < 0.999) | (time > 2.5)].any()
+        assert {line.get_linestyle() for line in found.plot().lines} == {"-", ":"}
+
+    def test_driven(self):
+        time = np.linspace(0, 2.0, 41)
+        scene = {"time": time, "position": 1e-4 * time, "load": 0.1, "tangential": em.Mount(0.01, 1e3, 1.0)}
+        with pytest.warns(em.ExtrapolationWarning, match="after more than 1 s"):
+            found = em.drive(self.rubber, BALL, **scene, rtol=0.1)
+        np.testing.assert_array_equal(found.extrapolated, time > 1)  # the contact is wider than its way
+        assert em.drive(em.Prony(1e6, [4e6], [1e-3]), BALL, **scene, rtol=0.1).extrapolated is None
+
+    def test_impacts(self):
+        velocity = np.geomspace(1e-4, 10.0, 6)
+        other = em.Prony(1e6, [1e6], [1.0])
+        with pytest.warns(em.ExtrapolationWarning, match="a_T/t to 4 a_T/t, t the contact time") as caught:
+            found = em.impact([self.rubber, other], BALL, mass=4e-3, velocity=velocity)
+        assert len(caught) == 1
+        assert not found.extrapolated[1].any()
+        np.testing.assert_array_equal(found.extrapolated[0], 4 / found.duration[0] > 1e3)
+        assert 0 < found.extrapolated[0].sum() < 6
+        assert found.plot() is not None
+
+    def test_tangential_loading_and_traction(self):
+        time = np.linspace(0, 0.5, 26)
+        moved = {"displacement": 1e-7 * np.sin(20 * time), "friction": 0.5, "load": 0.1}
+        assert not em.shear(self.rubber, BALL, time=time, **moved).extrapolated.any()
+        with pytest.warns(em.ExtrapolationWarning, match="after more than 1 s"):
+            found = em.shear(self.rubber, BALL, time=4 * time, **moved)
+        np.testing.assert_array_equal(found.extrapolated, 4 * time > 1.001)
+        scene = {"velocity": VELOCITY, "load": 1.0, "average": None, "rtol": 1e-3}
+        with pytest.warns(em.ExtrapolationWarning) as caught:
+            pulled = em.traction(self.rubber, BALL, creep=0.01, friction=0.5, **scene)
+        assert len(caught) == 1
+        with pytest.warns(em.ExtrapolationWarning):
+            rolled = em.rolling(self.rubber, BALL, **scene)
+        np.testing.assert_array_equal(pulled.extrapolated, rolled.extrapolated)
+        assert "extrapolated" in pulled.summary()
+
+    def test_an_elastic_structure_under_a_tread(self):
+        tread = em.half_space(self.rubber, tangential=True)
+        with pytest.warns(em.ExtrapolationWarning):
+            found = em.traction(
+                em.Foundation(1e7, [], []), BALL, tangential=tread, velocity=[1e-5, 1e-2], creep=0.01, friction=0.5,
+                load=1.0, average=None,
+            )  # fmt: skip
+        assert found.extrapolated.tolist() == [True, False]

@@ -99,3 +99,17 @@ def test_a_strong_dashpot_beside_slow_branches():
             off = abs(found.restitution - 0.70840141676)
             assert not found.converged or off <= min(found.error, rtol)
     assert found.converged
+
+
+def test_corrections_that_do_not_shrink():
+    """Off by 1.5e-6 in the depth where 1e-6 was asked: twelve times the last correction. The judge: LSODA at 1e-12."""
+    rubber = em.Foundation(
+        2189.2677073837144, [1.25124923e6, 57.8524781, 1.51651290e8], [2.08228e-3, 2.082285e-3, 2.08229e-3]
+    )
+    asked = {"mass": 207768926417.9676, "velocity": 491.5854174406091}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", em.ConvergenceWarning)
+        for rtol in (1e-6, 1e-5):
+            found = em.impact(rubber, em.Cone(2 * 0.00243122773026783 / math.pi), **asked, rtol=rtol)
+            assert not found.converged or abs(found.max_depth / 870.83129956 - 1) <= rtol
+    assert found.converged

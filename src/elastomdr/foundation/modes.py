@@ -51,13 +51,13 @@ def recovery_modes(law: Relaxation) -> Modes:
     return Modes(rate, gain, shape, norm, xp.asarray(chain.instantaneous))
 
 
-def to_branches(law: Relaxation, modes: Modes, m: Float[Array, "j *n"]) -> Float[Array, "k *n"]:
+def to_branches(law: Relaxation, modes: Modes, m: Float[Array, " j *n"]) -> Float[Array, " k *n"]:
     """Forces f_k of an element that recovers freely, from its modes: f_k = -sum_j E_k tau_k Y_jk m_j/lambda_j."""
     weights = -(law.moduli * law.times)[:, None] * (modes.rate[:, None] * modes.shape).T
     return jnp.tensordot(weights, m, axes=1)
 
 
-def to_modes(law: Relaxation, modes: Modes, u: Float[Array, "*n"], f: Float[Array, "k *n"]) -> Float[Array, "j *n"]:
+def to_modes(law: Relaxation, modes: Modes, u: Float[Array, "*n"], f: Float[Array, " k *n"]) -> Float[Array, " j *n"]:
     """Modes of an element that carries no force, from its displacement and branch forces."""
     lagging = jnp.expand_dims(law.moduli * law.times, tuple(range(1, f.ndim))) * u
     lagging = lagging - jnp.expand_dims(law.times, tuple(range(1, f.ndim))) * f  # E_k tau_k y_k

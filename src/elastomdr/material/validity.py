@@ -55,15 +55,17 @@ class Range(NamedTuple):
             outside |= ~_near(temperature, self.temperature)
         return outside
 
-    def findings(self, rate: np.ndarray, temperature: np.ndarray | None) -> Iterator[str]:
-        """What of the range is left, and by how far, in words."""
+    def findings(
+        self, rate: np.ndarray, temperature: np.ndarray | None, of: str = "v a_T/(2a) to 2 v a_T/a"
+    ) -> Iterator[str]:
+        """What of the range is left, and by how far, in words; `of` says what the rates are."""
         if self.beyond:
             yield self.beyond
         known = rate[np.isfinite(rate)]
         if self.frequency is not None and known.size and self.outside(known, None).any():
             low, high = (significant(float(x), 3) for x in (SLOWEST * known.min(), known.max()))
             words = self._words("frequency") if self.frequency else "empty: the data determine the loss modulus nowhere"
-            yield f"v a_T/(2a) to 2 v a_T/a from {low} to {high} rad/s, range {words}"
+            yield f"{of} from {low} to {high} rad/s, range {words}"
         if self.temperature is None or temperature is None or _near(temperature, self.temperature).all():
             return
         low, high = (f"{float(x):.6g}" for x in (temperature.min(), temperature.max()))

@@ -43,6 +43,7 @@ class Drive(AbstractResult):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    extrapolated: Bool[Array, " n"] | None = None  # whether the material is used beyond its range; None: not known
 
     quantity: ClassVar[str] = "Driven motion"
 
@@ -66,6 +67,7 @@ class Drive(AbstractResult):
             Column("imbalance", "missing in the energy balance", joule),
             Column("error", "estimated error of the coefficient", "-"),
             Column("converged", "converged", ""),
+            Column("extrapolated", "beyond the range of the material", "", optional=True),
         )
 
     def swing(self, period: float) -> Float[Array, " periods"]:

@@ -3,6 +3,7 @@
 import io
 import os
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ _VISIBLE = 0.004  # part of the figure's height from which an error band can be 
 _LEGEND = 12  # curves that a legend names; of more, it names as many, evenly spread
 _INK, _FAINT, _BLUE = "#222222", "#666666", "#1f5a94"
 _DPI = 200
+DOTTED = "dotted: beyond the range of the material's data"
 
 
 def draw(
@@ -54,11 +56,9 @@ def draw(
         words = ": ".join([", ".join(parts), text]).replace("degC", "°C") if named and parts else None
         colour = None if beside_others and len(all_curves) == 1 else colour  # the next one of the axes' own
         marker = "o" if x.size == 1 else None
-        inside = np.where(np.atleast_1d(beyond[curve.at])[order], np.nan, y)
-        line = ax.plot(x, inside, color=colour, linewidth=1.8, marker=marker, markersize=5, label=words, zorder=3)
-        colour = line[0].get_color()
-        if beyond[curve.at].any():
-            ax.plot(x, y, ":", color=colour, linewidth=1.4, marker=marker, markerfacecolor="none", zorder=3)
+        there = np.atleast_1d(beyond[curve.at])[order]
+        style = {"color": colour, "linewidth": 1.8, "marker": marker, "markersize": 5, "label": words, "zorder": 3}
+        colour = plot_within(ax, x, y, there, **style)
         if cold is not None:
             ax.plot(x, np.atleast_1d(cold[curve.at])[order], "--", color=colour, linewidth=1.2, zorder=2.5)
         if (e > _VISIBLE * highest).any():
@@ -80,10 +80,8 @@ def draw(
     )
     ax.set_ylim(0.0, max(1.16 * highest, ax.get_ylim()[1] if beside_others else 0.0))
     _frame(ax)
-    failed = int(np.sum(~fields["converged"]))
-    notes = [f"{failed} of {fields['converged'].size} points did not converge and are left out"] if failed else []
+    notes = [text] if (text := left_out(fields, "points")) else []
     notes += ["dashed: without heating"] if cold is not None else []
-    notes += ["dotted: beyond the range of the material's data"] if beyond.any() else []
     notes += ["shaded: estimated numerical error"] if shaded else []
     note = "; ".join(notes)
     if title or not beside_others:
@@ -96,6 +94,24 @@ def draw(
 def png(result: "AbstractCurve", title: str | None = None, measured: Any = None) -> bytes:
     """The figure of a result as a PNG image, 200 dots per inch."""
     return saved(draw(result, title=title, measured=measured))
+
+
+def plot_within(ax: Any, x: Any, y: Any, beyond: Any = None, **style: Any) -> Any:
+    """Draws a line, dotted where a material is used beyond its range; returns its colour."""
+    beyond = np.zeros(np.shape(y), dtype=bool) if beyond is None else beyond
+    colour = ax.plot(x, np.where(beyond, np.nan, y), **style)[0].get_color()
+    if beyond.any():
+        ax.plot(x, y, ":", markerfacecolor="none", **{**style, "color": colour, "linewidth": 1.3, "label": None})
+    return colour
+
+
+def left_out(fields: Mapping[str, np.ndarray], points: str) -> str:
+    """What the reader of a figure has to know: how many `points` did not converge, and what is dotted."""
+    good, beyond = fields["converged"], fields.get("extrapolated")
+    failed = int(np.sum(~good))
+    notes = [f"{failed} of {good.size} {points} did not converge and are left out"] if failed else []
+    notes += [DOTTED] if beyond is not None and beyond.any() else []
+    return "; ".join(notes)
 
 
 def saved(ax: Any) -> bytes:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .figure import _frame, _new_axes, _write_title, saved
+from .figure import _frame, _new_axes, _write_title, left_out, plot_within, saved
 
 if TYPE_CHECKING:
     from .drive import Drive
@@ -21,15 +21,14 @@ def draw_slide(result: "Slide", ax: Any, against: str, title: str | None, label:
     ax = _new_axes(False) if ax is None else ax
     beside_others = ax.has_data()
     x, y, error = fields[against], fields["mu"], fields["error"]
-    line = ax.plot(x, y, color=None if beside_others else _BLUE, linewidth=1.6, label=label, zorder=3)
+    style = {"color": None if beside_others else _BLUE, "linewidth": 1.6, "label": label, "zorder": 3}
+    colour = plot_within(ax, x, y, fields.get("extrapolated"), **style)
     if (error > _VISIBLE * np.nanmax(np.abs(y), initial=0.0)).any():
-        ax.fill_between(x, y - error, y + error, color=line[0].get_color(), alpha=0.2, linewidth=0, zorder=2)
+        ax.fill_between(x, y - error, y + error, color=colour, alpha=0.2, linewidth=0, zorder=2)
     ax.set(xlabel=AXES[against], ylabel="Friction coefficient [-]")
     _frame(ax)
-    failed = int(np.sum(~fields["converged"]))
-    note = f"{failed} of {y.size} points did not converge and are left out" if failed else ""
     if title or not beside_others:
-        _write_title(ax, title or result.heading(), result.model, note)
+        _write_title(ax, title or result.heading(), result.model, left_out(fields, "points"))
     if label:
         ax.legend(frameon=False, fontsize=8.5)
     return ax
@@ -43,17 +42,16 @@ def png(result: "Slide", title: str | None = None) -> bytes:
 
 def draw_history(result: "Drive", ax: Any, show: str, title: str | None, label: str | None) -> Any:
     """One column of a motion against time; returns the Axes."""
-    fields = result.fields()
-    column, y = next((c, v) for c, v in fields.items() if c.field == show)
+    fields = {column.field: value for column, value in result.fields().items()}
+    column = next(column for column in result.table if column.field == show)
     ax = _new_axes(False) if ax is None else ax
     beside_others = ax.has_data()
-    ax.plot(result.time, y, color=None if beside_others else _BLUE, linewidth=1.3, label=label, zorder=3)
+    style = {"color": None if beside_others else _BLUE, "linewidth": 1.3, "label": label, "zorder": 3}
+    plot_within(ax, result.time, fields[show], fields.get("extrapolated"), **style)
     ax.set(xlabel=AXES["time"], ylabel=column.title[0].upper() + column.title[1:])
     _frame(ax)
-    failed = int(np.sum(~result.converged))
-    note = f"{failed} of {y.size} points did not converge and are left out" if failed else ""
     if title or not beside_others:
-        _write_title(ax, title or result.heading(), result.model, note)
+        _write_title(ax, title or result.heading(), result.model, left_out(fields, "points"))
     if label:
         ax.legend(frameon=False, fontsize=8.5)
     return ax

@@ -60,6 +60,7 @@ class Impact(AbstractResult):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
 
     quantity: ClassVar[str] = "Impact"
     coordinates: ClassVar[tuple[str, ...]] = ("velocity", "mass", "before", "temperature")
@@ -79,6 +80,7 @@ class Impact(AbstractResult):
             Column("error", "estimated error of the restitution", "-"),
             Column("stuck", "stuck", ""),
             Column("converged", "converged", ""),
+            Column("extrapolated", "beyond the range of the material", "", optional=True),
         )
 
     def plot(self, ax: Any = None, title: str | None = None) -> Any:

@@ -51,6 +51,7 @@ class Indentation(AbstractResult):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
 
     quantity: ClassVar[str] = "Indentation"
 
@@ -67,6 +68,7 @@ class Indentation(AbstractResult):
             Column("dissipated", "dissipated energy", "J"),
             Column("error", "estimated relative error", "-"),
             Column("converged", "converged", ""),
+            Column("extrapolated", "beyond the range of the material", "", optional=True),
         )
 
     @in_float64

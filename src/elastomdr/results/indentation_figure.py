@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .axes import in_words
-from .figure import _colours, _frame, _named, _write_title, saved
+from .figure import _colours, _frame, _named, _write_title, left_out, plot_within, saved
 
 if TYPE_CHECKING:
     from .indentation import Indentation
@@ -23,11 +23,10 @@ def draw(result: "Indentation", ax: Any = None, title: str | None = None, label:
     instants = fields["time"].shape[-1]
     rows = {key: value.reshape(-1, instants) for key, value in fields.items()}
     unit, scale = _force_unit(rows["force"])
-    failed = int(np.sum(~fields["converged"]))
-    note = f"{failed} of {fields['converged'].size} instants did not converge and are left out" if failed else ""
+    note, beyond = left_out(fields, "instants"), rows.get("extrapolated")
     if ax is not None:
         beside = ax.has_data()
-        _curves(ax, 1e3 * rows["depth"], scale * rows["force"], [label] if label else _labels(rows), beside)
+        _curves(ax, 1e3 * rows["depth"], scale * rows["force"], [label] if label else _labels(rows), beside, beyond)
         _dress(ax, "Depth [mm]", f"Force [{unit}]")
         if title or not beside:
             _write_title(ax, title or result.heading(), result.model, note)
@@ -44,13 +43,13 @@ def draw(result: "Indentation", ax: Any = None, title: str | None = None, label:
     time = np.where(time > 0, time, np.nan) if log else time
     for panel, (key, name, factor) in zip((first, second, third), _PANELS, strict=True):
         factor = scale if key == "force" else factor
-        _curves(panel, time, factor * rows[key], labels, False)
+        _curves(panel, time, factor * rows[key], labels, False, beyond)
         if log:
             panel.set_xscale("log")
         _dress(panel, "Time since the first instant [s]" if log else "Time [s]", name.format(unit))
         if not log and (rows["time"][:, 0] != 0).any():
             panel.set_xlabel("Time since the first instant [s]")
-    _curves(fourth, 1e3 * rows["depth"], scale * rows["force"], labels, False)
+    _curves(fourth, 1e3 * rows["depth"], scale * rows["force"], labels, False, beyond)
     _dress(fourth, "Depth [mm]", f"Force [{unit}]")
     figure.suptitle(title or result.heading(), x=0.01, ha="left", fontsize=12, fontweight="bold")
     first.set_title(result.model, loc="left", fontsize=8, color="#666666")
@@ -66,12 +65,13 @@ def png(result: "Indentation", title: str | None = None) -> bytes:
     return saved(draw(result, title=title))
 
 
-def _curves(ax: Any, x: np.ndarray, y: np.ndarray, labels: list[str], keep_colours: bool) -> None:
+def _curves(ax: Any, x: np.ndarray, y: np.ndarray, labels: list[str], keep_colours: bool, beyond: Any) -> None:
     colours = [None] * len(x) if keep_colours else _colours(len(x))
     named = _named(len(x))
     for i in range(len(x)):
         text = labels[i] if i < len(labels) and named[i] else None
-        ax.plot(x[i], y[i], color=colours[i], linewidth=1.7, label=text)
+        there = None if beyond is None else beyond[i]
+        plot_within(ax, x[i], y[i], there, color=colours[i], linewidth=1.7, label=text)
 
 
 def _dress(ax: Any, x: str, y: str) -> None:

@@ -15,6 +15,8 @@ from .figure import (
     _new_axes,
     _spread,
     _write_title,
+    left_out,
+    plot_within,
 )
 
 if TYPE_CHECKING:
@@ -37,8 +39,7 @@ def draw_impact(result: "Impact", ax: Any = None, title: str | None = None) -> A
         _draw_restitution(result, known, ax)
     _frame(ax)
     if new or title:
-        failed = int(np.sum(~known["converged"]))
-        note = f"{failed} of {known['converged'].size} impacts did not converge and are left out" if failed else ""
+        note = left_out(known, "impacts")
         material = dict(result.inputs).get("material")
         _write_title(ax, title or f"Impact, {material}", result.model, note)
     return ax
@@ -51,7 +52,8 @@ def _draw_force(result: "Impact", ax: Any) -> None:
     if not np.isfinite(time).all():
         return
     fine = np.linspace(time[0], time[-1], 400)
-    ax.plot(1e3 * fine, CubicSpline(time, force)(fine), color=_BLUE, linewidth=1.8)
+    beyond = None if result.extrapolated is None else np.broadcast_to(result.extrapolated.ravel(), fine.shape)
+    plot_within(ax, 1e3 * fine, CubicSpline(time, force)(fine), beyond, color=_BLUE, linewidth=1.8)
     turn = time.size // 2
     ax.plot(1e3 * time[turn], force[turn], "o", color=_BLUE, markersize=5.5)
     words = f"turn, {significant(1e3 * float(np.ravel(result.max_depth)[0]), 3)} mm deep"
@@ -64,11 +66,12 @@ def _draw_force(result: "Impact", ax: Any) -> None:
 def _draw_restitution(result: "Impact", known: dict[str, np.ndarray], ax: Any) -> None:
     axis, lines = result.curves()
     shown = _spread(lines, _MOST)
-    xs = [_across(known, axis, "velocity", line) for line in shown]
+    xs, beyond = [_across(known, axis, "velocity", line) for line in shown], known.get("extrapolated")
     for x, line, colour in zip(xs, shown, _colours(len(shown)), strict=True):
         y, order, marker = np.atleast_1d(known["restitution"][line.at]), np.argsort(x), "o" if x.size == 1 else None
         label = line.label.replace("degC", "°C")
-        ax.plot(x[order], y[order], color=colour, linewidth=1.8, marker=marker, label=label)
+        there = None if beyond is None else np.atleast_1d(beyond[line.at])[order]
+        plot_within(ax, x[order], y[order], there, color=colour, linewidth=1.8, marker=marker, label=label)
     x = np.concatenate(xs)
     if (x > 0).all() and x.max() > 20 * x.min():
         ax.set_xscale("log")
@@ -83,12 +86,12 @@ def draw_shear(result: "Shear", ax: Any = None, title: str | None = None) -> Any
     new = ax is None
     ax = _new_axes(False) if new else ax
     known = {column.key: value for column, value in result.fields().items()}
-    ax.plot(1e6 * known["displacement"], known["force"], color=_BLUE if new else None, linewidth=1.6)
+    style = {"color": _BLUE if new else None, "linewidth": 1.6}
+    plot_within(ax, 1e6 * known["displacement"], known["force"], known.get("extrapolated"), **style)
     ax.set(xlabel="Tangential displacement [µm]", ylabel="Tangential force [N]")
     _frame(ax)
     if new or title:
-        failed = int(np.sum(~known["converged"]))
-        note = f"{failed} of {known['converged'].size} instants did not converge and are left out" if failed else ""
+        note = left_out(known, "instants")
         material = dict(result.inputs).get("material")
         _write_title(ax, title or f"Tangential loading, {material}", result.model, note)
     return ax
@@ -109,7 +112,8 @@ def draw_traction(result: "Traction", ax: Any = None, title: str | None = None) 
         x, y, most = (np.atleast_1d(z)[order] for z in (x, known["coefficient"][line.at], friction[line.at]))
         x = 100 * x if axis.name in ("slip", "creep") or not axis.unit else x
         label, marker = line.label.replace("degC", "°C"), "o" if x.size == 1 else None
-        ax.plot(x, y, color=colour, linewidth=1.8, marker=marker, label=label)
+        there = np.atleast_1d(known["extrapolated"][line.at])[order] if "extrapolated" in known else None
+        plot_within(ax, x, y, there, color=colour, linewidth=1.8, marker=marker, label=label)
         if (axis.name == along or not axis.unit) and np.isfinite(most).all() and np.ptp(most) > 0:
             # It depends on the sliding velocity: what a contact has that slips all over.
             ax.plot(x, np.where(x == 0, np.nan, np.sign(x) * most), "--", color=colour, linewidth=0.9, zorder=1)
@@ -127,8 +131,7 @@ def draw_traction(result: "Traction", ax: Any = None, title: str | None = None) 
     if len(lines) > 1:
         _legend_beside(ax)
     if new or title:
-        failed = int(np.sum(~known["converged"]))
-        note = f"{failed} of {known['converged'].size} points did not converge and are left out" if failed else ""
+        note = left_out(known, "points")
         material = dict(result.inputs).get("material")
         _write_title(ax, title or f"Traction, {material}", result.model, note)
     return ax

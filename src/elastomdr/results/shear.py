@@ -29,6 +29,7 @@ class Shear(AbstractResult):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    extrapolated: Bool[Array, " times"] | None = None  # whether the material is used beyond its range; None: not known
 
     quantity: ClassVar[str] = "Tangential loading with friction"
 
@@ -47,6 +48,7 @@ class Shear(AbstractResult):
             Column("stored", "stored tangentially", "J"),
             Column("error", "estimated error of the tangential force", "N"),
             Column("converged", "converged", ""),
+            Column("extrapolated", "beyond the range of the material", "", optional=True),
         )
 
     def plot(self, ax: Any = None, title: str | None = None) -> Any:

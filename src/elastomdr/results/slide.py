@@ -36,6 +36,7 @@ class Slide(AbstractResult):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    extrapolated: Bool[Array, " n"] | None = None  # whether the material is used beyond its range; None: not known
 
     quantity: ClassVar[str] = "Transient sliding"
 
@@ -55,6 +56,7 @@ class Slide(AbstractResult):
             Column("dissipated", "dissipated energy", joule),
             Column("error", "estimated error of the coefficient", "-"),
             Column("converged", "converged", ""),
+            Column("extrapolated", "beyond the range of the material", "", optional=True),
         )
 
     def findings(self) -> Iterator[tuple[str, str]]:

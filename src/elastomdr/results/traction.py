@@ -46,6 +46,7 @@ class Traction(AbstractResult):
     model: str = eqx.field(static=True)
     plan: Any = eqx.field(static=True)
     inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
     slip: Float[Array, "..."] | None = None  # s = (V - v)/V, where the scene was given by it
     road: Float[Array, "..."] | None = None  # velocity V of the road, beside the slip [m/s]
 
@@ -74,6 +75,7 @@ class Traction(AbstractResult):
             Column("contact.trailing", "trailing edge", "m"),
             Column("error", "estimated error of the traction coefficient", "-"),
             Column("converged", "converged", ""),
+            Column("extrapolated", "beyond the range of the material", "", optional=True),
         )
 
     def peak(self) -> TractionPeak:

@@ -20,6 +20,7 @@ from ..solve.mount import Mount
 from ..solve.over_line import AbstractOverLine, Indenter, rough
 from ..solve.refine import Levels, finest, refine
 from ..solve.sizes import contact_sizes, shared_level
+from .ages import sliding_beyond
 from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
 from .steady import BARE, LAYER, brief, contact, describe
 
@@ -91,7 +92,11 @@ def drive(
         inputs.append(("track", describe_line(track)))
     left_out = "elements that cannot be touched are left out"
     plan = SlidePlan(size[0], size[1], int(history.law.times.size), found.levels, left_out)
-    return _pack(history, found, mounts, plan, model, tuple([*inputs, *history.inputs]), per_length)
+    deep = found.forces.depth
+    body: Any = shape if lines is None else lines
+    beyond = sliding_beyond(history, body, deep, deep, stacklevel=4)
+    inputs = (*inputs, *history.inputs, *beyond.said)
+    return _pack(history, found, mounts, plan, model, inputs, per_length, beyond.points)
 
 
 def _mount(name: str, mount: Any) -> Mount | None:
@@ -246,8 +251,9 @@ def _missing(seen: Any) -> tuple[Any, Any]:
 
 
 def _pack(
-    history: GivenHistory, found: Levels, mounts: list[Any], plan: Any, model: str, inputs: Any, per_length: bool
-) -> Drive:
+    history: GivenHistory, found: Levels, mounts: list[Any], plan: Any, model: str, inputs: Any, per_length: bool,
+    extrapolated: Any,
+) -> Drive:  # fmt: skip
     traced = is_traced(found)
     if not traced and not found.good.all():
         text = f"{int((~found.good).sum())} of {found.good.size} instants did not converge to rtol={history.rtol:g}; "
@@ -280,4 +286,5 @@ def _pack(
         model=model,
         plan=plan,
         inputs=inputs,
+        extrapolated=extrapolated,
     )

@@ -10,6 +10,7 @@ from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
 from ..material.relaxation import Relaxation
+from ..material.validity import Range
 from ..solve.passage import Control
 from .steady import brief
 
@@ -44,6 +45,9 @@ class GivenHistory(NamedTuple):
     elements: int
     traced: bool
     inputs: tuple[tuple[str, str], ...]
+    range: Range | None  # of the material
+    temperature: Any  # [K], or None
+    factor: Any  # a_T
 
     @property
     def viscous(self) -> bool:
@@ -110,6 +114,7 @@ def given_history(
     if elements is not None and (not isinstance(elements, int) or elements < 16):
         raise InputError(f"elements must be a whole number, 16 at least, got {elements!r}.")
     law = foundation.law()
+    kelvin, factor = None, 1.0
     inputs = [("time", brief(time, "s")), ("position", brief(position, "m"))]
     inputs.append((control, brief(value, ("N/m" if per_length else "N") if control == "load" else "m")))
     if temperature is not None:
@@ -127,7 +132,20 @@ def given_history(
         jumps = np.diff(np.concatenate([np.zeros(1), value]))[np.concatenate([np.ones(1, bool), still])]
         if (np.maximum(value[np.concatenate([np.ones(1, bool), still])], 0) * (jumps > 0) > 0).any():
             raise InputError("depth must not jump on a material with a viscosity, whose force would be infinite.")
-    return GivenHistory(law, control, time, position, value, float(rtol), elements or _TRACED, traced, tuple(inputs))
+    return GivenHistory(
+        law,
+        control,
+        time,
+        position,
+        value,
+        float(rtol),
+        elements or _TRACED,
+        traced,
+        tuple(inputs),
+        foundation.range,
+        kelvin,
+        factor,
+    )
 
 
 def describe_line(line: RoughLine) -> str:

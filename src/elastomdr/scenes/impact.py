@@ -15,10 +15,12 @@ from ..material.relaxation import Relaxation
 from ..results.impact import History, Impact
 from ..solve.extrapolate import impacts
 from ..solve.impact import Body
+from .beyond import NOT_KNOWN, Beyond, told
 from .oblique import check_oblique, solve_oblique
 from .steady import brief, describe
 
 _WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are filled up to, so that few are compiled
+_PASSAGE = 4.0  # frequency times duration of the passage that `material/validity.py` speaks of
 HALF_SPACE = "MDR, exact for the half-space: approach and rebound (Ting's solution), quasi-static rubber, no adhesion"
 LAYER = "thin layer of independent elements, exact for the layer; quasi-static rubber, no adhesion"
 
@@ -73,12 +75,14 @@ def impact(
         text = f"{int((~good).sum())} of {good.size} impacts did not converge to rtol={rtol:g}; they are NaN."
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
     motion = found.motion
+    duration = shaped(nan_unless(found.timed, motion.duration))
+    beyond = NOT_KNOWN if traced else _beyond(scene, duration)
     history = History(series(motion.time), series(motion.depth), series(motion.speed), series(motion.force))
     return Impact(
         mass=scene.mass,
         velocity=scene.velocity,
         restitution=shaped(motion.restitution),
-        duration=shaped(nan_unless(found.timed, motion.duration)),
+        duration=duration,
         max_depth=shaped(motion.max_depth),
         max_force=shaped(motion.max_force),
         lost=shaped(0.5 * scene.mass.reshape(-1) * scene.velocity.reshape(-1) ** 2 * (1 - motion.restitution**2)),
@@ -90,7 +94,8 @@ def impact(
         temperature=scene.temperature,
         model=LAYER if scene.per_area else HALF_SPACE,
         plan="velocities as the grid, extrapolated in the number of steps",
-        inputs=scene.inputs,
+        inputs=scene.inputs + beyond.said,
+        extrapolated=beyond.points,
     )
 
 
@@ -102,6 +107,7 @@ class _Scene(NamedTuple):
     temperature: Any
     shape: tuple[int, ...]
     inputs: tuple[tuple[str, str], ...]
+    foundations: list[Foundation]  # one, or one for each place of the first axis
 
 
 def _scene(
@@ -153,8 +159,31 @@ def _scene(
     body = Body(shape, rates, moduli, viscosity, flat(mass), flat(velocity))
     return _Scene(
         body, per_area, xp.broadcast_to(mass, result), xp.broadcast_to(velocity, result),
-        None if kelvin is None else xp.broadcast_to(kelvin, result), result, tuple(inputs),
+        None if kelvin is None else xp.broadcast_to(kelvin, result), result, tuple(inputs), foundations,
     )  # fmt: skip
+
+
+def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
+    """An impact counts as a passage as long as its contact."""
+    if all(foundation.range is None for foundation in scene.foundations):
+        return NOT_KNOWN
+    points, what, illustrative = (
+        np.zeros((len(scene.foundations), duration.size // len(scene.foundations)), bool),
+        [],
+        True,
+    )
+    kelvin = None if scene.temperature is None else np.reshape(scene.temperature, points.shape)
+    for i, (foundation, times) in enumerate(zip(scene.foundations, duration.reshape(points.shape), strict=True)):
+        known, there = foundation.range, None if kelvin is None else kelvin[i]
+        if known is None:
+            continue
+        factor = 1.0 if there is None or foundation.shift is None else np.asarray(foundation.shift.a(there))
+        rate = _PASSAGE * factor / times
+        points[i] = known.outside(rate, there)
+        if points[i].any():
+            what += known.findings(rate, there, "a_T/t to 4 a_T/t, t the contact time,")
+            illustrative &= known.illustrative
+    return told(points.reshape(scene.shape), "; ".join(dict.fromkeys(what)), illustrative, stacklevel=4)
 
 
 def _standing(foundations: list[Foundation], shape: AbstractShape) -> bool:

@@ -15,6 +15,7 @@ from ..mapping.shapes import AbstractShape, Cylinder, PowerLaw
 from ..material.relaxation import Relaxation
 from ..results.indentation import Indentation
 from ..solve.control import Course, indent_under, indent_with_adhesion
+from .ages import history_beyond
 from .steady import brief, describe
 
 HALF_SPACE = "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
@@ -88,6 +89,12 @@ def indent(
         inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
 
+    ruled = numpy.maximum(found.depth if course.load is None or course.depth is not None else course.load, 0)
+    factor = 1.0 if foundation.shift is None or kelvin is None else foundation.shift.a(kelvin)
+    beyond = history_beyond(
+        foundation.range, numpy.broadcast_to(course.time, found.depth.shape), [ruled], kelvin, factor, stacklevel=3
+    )
+
     def known(field: Any) -> Any:
         return nan_unless(found.converged, field)
 
@@ -108,7 +115,8 @@ def indent(
         course=course if adhesion is None else None,
         model=_model(law, disc, adhesion),
         plan=found.plan,
-        inputs=tuple(inputs),
+        inputs=(*inputs, *beyond.said),
+        extrapolated=beyond.points,
     )
 
 

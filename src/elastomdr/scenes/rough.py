@@ -9,22 +9,20 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._runtime import Array, as_float64, nan_unless
-from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
-from ..foundation.law import Foundation
+from ..errors import ConvergenceWarning, InputError
 from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
-from ..material.validity import Range
 from ..results.curve import FrictionCurve, Rough
 from ..solve.heat import Heat
 from ..solve.periodic import Job, Line, solve_lines
 from ..solve.periodic_plan import RoughPlan, plan_lines
+from .beyond import NOT_KNOWN, excited_outside, rough_beyond
 from .ensemble import Ask, Mean, ensemble, lanes_of, mean_of_lines, on_enough_samples, solutions
 from .flash import SETTLED, warmed
 from .rough_arguments import RoughScene, load_level, set_up
 from .rough_traced import traced_mean_of_lines
 from .steady import AVERAGED, BARE, brief
 
-_OUTSIDE = 0.1  # share of the mean square slope beyond the material's range from which a point counts as extrapolated
 _COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
 _ROUNDS = 4  # of a call's solutions that heating takes, about
 _FLASH = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
@@ -127,8 +125,7 @@ def rough_friction(
     def field(values: Array) -> Array:
         return nan_unless(good, values).reshape(shape)
 
-    outside = None if traced else _outside(foundation, surface, reduced)
-    extrapolated = None if outside is None else outside > _OUTSIDE
+    outside = None if traced else excited_outside(foundation.range, surface, reduced)
     inputs = [
         ("material", foundation.name or "given directly"),
         ("surface", surface.label if traced else surface_words(surface, lines[0])),
@@ -143,23 +140,10 @@ def rough_friction(
     inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
     inputs += [("ensemble", ensemble_words(scene.seeds, lines[0].count, largest[0]))]
     inputs += [] if heat is None else [("heat", heat.words())]
-    said = []
-    if outside is not None and extrapolated is not None:
+    if outside is not None:
         inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
-        if extrapolated.any():
-            text = (
-                f"at {int(extrapolated.sum())} of {outside.size} points more than {_OUTSIDE:.0%} of the mean square "
-                f"slope, at most {outside.max():.0%}, is excited beyond the frequencies of the material's data"
-            )
-            said.append(text)
-    hot, where = (None, "") if traced else _too_hot(foundation.range, kelvin, shape)
-    if hot is not None and hot.any():
-        said.append(f"{int(hot.sum())} of {hot.size} points lie beyond the range of the material: {where}")
-        extrapolated = hot if extrapolated is None else extrapolated | hot
-    if said and foundation.range is not None:
-        inputs.append(("extrapolated", "; ".join(said)))
-        if not foundation.range.illustrative:
-            warnings.warn(f"{'; '.join(said)}.", ExtrapolationWarning, stacklevel=4)
+    beyond = NOT_KNOWN if traced else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)
+    inputs += beyond.said
     return FrictionCurve(
         velocity=numpy.broadcast_to(velocity, shape).copy(),
         mu=field(mu),
@@ -173,7 +157,7 @@ def rough_friction(
         model=_model(scene, average, heat),
         plan=_plan(scene, surface, average, rtol, skip, heat),
         inputs=tuple(inputs),
-        extrapolated=extrapolated,
+        extrapolated=beyond.points,
         rough=Rough(
             None if pressure is None else (given / length).reshape(shape),
             field(found.share), None if found.scatter is None else field(found.scatter), outside, count,
@@ -232,24 +216,3 @@ def ensemble_words(seeds: tuple[int, ...], count: int, largest: int = 0) -> str:
     if largest > count:
         text += f", of up to {largest} where that was too few"
     return text
-
-
-def _too_hot(known: Range | None, kelvin: Any, shape: tuple[int, ...]) -> tuple[np.ndarray | None, str]:
-    """Which points are at temperatures beyond the material's data, None where these are not known; and in words."""
-    if known is None or (known.temperature is None and not known.beyond):
-        return None, ""
-    only, rate = known._replace(frequency=None), np.zeros(shape)
-    temperature = None if kelvin is None else np.broadcast_to(kelvin, shape)
-    return only.outside(rate, temperature), "; ".join(only.findings(rate, temperature))
-
-
-def _outside(foundation: Foundation, surface: Any, reduced: np.ndarray) -> np.ndarray | None:
-    """Share of the mean square slope that is excited, at q v a_T, beyond the frequencies of the material's data."""
-    known = foundation.range
-    if known is None or known.frequency is None or isinstance(surface, RoughLine):
-        return None
-    if not known.frequency:
-        return np.ones(np.shape(reduced))
-    low, high = known.frequency
-    inside = surface.moment(3, low / reduced, high / reduced) / surface.moment(3)
-    return np.clip(1 - inside, 0.0, 1.0)

@@ -14,9 +14,11 @@ from ..mapping.reach import contact_measure, contact_size
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation, to_kelvin
+from ..material.validity import shared
 from ..results.shear import Shear
 from ..solve.rule import gauss
 from ..solve.shear import History, Scene, Sheared, line, panels, shear_history
+from .ages import history_beyond
 from .impact import _standing
 from .steady import brief, describe
 
@@ -140,6 +142,10 @@ def shear(
         ("friction coefficient", f"{float(mu):g}" if not is_traced(mu) else "traced"),
     ]
     inputs.append(("elements and steps", f"{elements} on a half line, {steps} between two instants"))
+    measured = shared(normal.range, tangential.range)
+    pressed, slid = xp.maximum(value, 0), displacement
+    moved = is_traced(slid) or bool(slid[0] != 0)  # else nobody asks for the first instant
+    beyond = history_beyond(measured, time, [pressed, slid], None, 1.0, at_once=moved, stacklevel=3)
     return Shear(
         time=time,
         displacement=displacement,
@@ -148,7 +154,8 @@ def shear(
         converged=good,
         model=LAYER if per_area else HALF_SPACE,
         plan="marched element by element",
-        inputs=tuple(inputs),
+        inputs=(*inputs, *beyond.said),
+        extrapolated=beyond.points,
     )
 
 

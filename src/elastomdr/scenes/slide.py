@@ -21,6 +21,7 @@ from ..solve.refine import Levels, finest, refine
 from ..solve.sizes import contact_sizes, shared_level
 from ..solve.slide import Forces, march, padded
 from ..solve.timeline import cut, timeline
+from .ages import sliding_beyond
 from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
 from .steady import BARE, LAYER, contact, describe
 
@@ -68,7 +69,9 @@ def slide(
     model = LINE if per_length else LAYER if foundation.per_area or isinstance(shape, Cylinder) else BARE
     what = describe_line(shape) if per_length else describe(shape)
     inputs = [("material", foundation.name or "given directly"), ("shape", what), *history.inputs]
-    return _pack(history, found, plan, model, tuple(inputs), per_length)
+    body: Any = shape if lines is None else lines
+    beyond = sliding_beyond(history, body, found.forces.depth, history.value, stacklevel=3)
+    return _pack(history, found, plan, model, (*inputs, *beyond.said), per_length, beyond.points)
 
 
 def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
@@ -170,8 +173,9 @@ def _within(
 
 
 def _pack(
-    history: GivenHistory, found: Levels, plan: Any, model: str, inputs: tuple[tuple[str, str], ...], per_length: bool
-) -> Slide:
+    history: GivenHistory, found: Levels, plan: Any, model: str, inputs: tuple[tuple[str, str], ...], per_length: bool,
+    extrapolated: Any,
+) -> Slide:  # fmt: skip
     numpy = jnp if is_traced(found) else np
     if not is_traced(found) and not found.good.all():
         text = f"{int((~found.good).sum())} of {found.good.size} points did not converge to rtol={history.rtol:g}; "
@@ -201,4 +205,5 @@ def _pack(
         model=model,
         plan=plan,
         inputs=inputs,
+        extrapolated=extrapolated,
     )

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array, as_float64, is_traced, nan_unless, positive, require
-from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError
+from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.direction import BARE_LINE
 from ..mapping.lines import AbstractLines, SingleLine, Strips
@@ -20,6 +20,7 @@ from ..results.curve import Contact
 from ..solve.passage import Control
 from ..solve.plan import Plan, make_plan
 from ..solve.sweep import run
+from .beyond import steady_beyond
 
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
 CORRECTED = "MDR line averaged over directions, corrected for an asymmetric contact (estimate for the half-space)"
@@ -168,7 +169,10 @@ def solve(scene: Scene) -> Steady:
     # A Foundation given directly is a line by definition; a half-space under the bare line is not.
     bare = BARE_LINE if scene.plan.model == BARE and scene.foundation.per_area is False else 0.0
     contact = Contact(shaped(result.line.leading), shaped(result.line.trailing))
-    extrapolated, said = _beyond(scene, contact)
+    size = 0.5 * (contact.leading + contact.trailing)
+    beyond = steady_beyond(
+        scene.foundation.range, scene.reduced.reshape(scene.shape), size, scene.temperature, stacklevel=4
+    )
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
         mu=shaped(result.mu),
@@ -179,31 +183,9 @@ def solve(scene: Scene) -> Steady:
         depth=shaped(result.line.depth),
         contact=contact,
         converged=good.reshape(scene.shape),
-        extrapolated=extrapolated,
-        inputs=scene.inputs + said,
+        extrapolated=beyond.points,
+        inputs=scene.inputs + beyond.said,
     )
-
-
-def _beyond(scene: Scene, contact: Contact) -> tuple[Any, tuple[tuple[str, str], ...]]:
-    """Which points use the material beyond its range, and a line for the inputs where some do.
-
-    The frequency of a point is 2 v a_T/a, with a half the length of the contact: a parabola's passage dissipates most
-    there, and nine tenths between a quarter and twice of it. A quarter is the reciprocal of the time that it lasts, and
-    must be within the range too. A warning is issued unless the range is an assumption.
-    None, and no line, without a range or while JAX traces.
-    """
-    known = scene.foundation.range
-    if known is None or is_traced(scene.reduced, contact, scene.temperature):
-        return None, ()
-    rate = np.asarray(4 * scene.reduced.reshape(scene.shape) / (contact.leading + contact.trailing))
-    outside = known.outside(rate, scene.temperature)
-    if not outside.any():
-        return outside, ()
-    what = "; ".join(known.findings(rate, scene.temperature))
-    said = f"{int(outside.sum())} of {outside.size} points lie beyond the range of the material: {what}"
-    if not known.illustrative:
-        warnings.warn(f"{said}.", ExtrapolationWarning, stacklevel=5)
-    return outside, (("extrapolated", said),)
 
 
 def _sunk(scene: Scene) -> str:

@@ -13,6 +13,7 @@ from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation, same_shift
 from ..mapping.lines import SingleLine
 from ..mapping.shapes import AbstractShape, Cylinder
+from ..material.validity import shared, with_range
 from ..results.friction_law import FrictionLaw
 from ..results.traction import Traction
 from ..solve.brush import Rolling, carter, tractions
@@ -83,6 +84,7 @@ def traction(
     normal, sheared = _laws(material, tangential)
     if temperature is not None:
         normal = _shifted(normal, sheared)
+    normal = with_range(normal, shared(normal.range, sheared.range))
     if normal.per_area and not isinstance(shape, Cylinder):
         raise InputError(
             "material must be a half-space under a body of revolution, or a layer under a Cylinder, got a layer under "
@@ -126,8 +128,9 @@ def traction(
             f"{lost} of {good.size} tractions did not converge; they are NaN.", ConvergenceWarning, stacklevel=3
         )
     force = nan_unless(good, xp.sign(creep) * pulled.force)
-    inputs = list(scene.inputs)
-    inputs[-1:-1] = _said(creep, friction, law)
+    inputs = list(found.inputs)
+    place = [name for name, _ in inputs].index("relative tolerance")
+    inputs[place:place] = _said(creep, friction, law)
     answer = Traction(
         velocity=found.velocity,
         creep=xp.broadcast_to(creep, scene.shape),
@@ -146,6 +149,7 @@ def traction(
         model=BRUSH + scene.plan.model,
         plan=scene.plan,
         inputs=tuple(inputs),
+        extrapolated=found.extrapolated,
     )
     return _braked(answer, slip, road)
 

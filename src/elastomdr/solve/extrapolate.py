@@ -14,10 +14,10 @@ from .._runtime import Array, is_traced
 from .impact import COARSEST, Body, Motion, grid, march
 
 _STAGES = ((1, 2, 3, 4), (1, 2, 3, 4, 5, 6, 7, 8), (1, 2, 3, 4, 6, 8, 10, 12, 16))  # grids, in units of the coarsest
-# Of the last correction. The error left is 0.02 of it in the median and 0.4 at most on smooth solids, but up to 1.8
-# with branches a millionth as long as the contact, 2.8 in the depth of a liquid that hardly turns, where corrections
-# shrink by a fifth only, and 3.2 beside a strong dashpot (benchmarks/stress_motion.py).
-_SHARE = 4.0
+# Of the last correction. The error left is 0.02 of it in the median and 0.4 at most on smooth solids, but up to 4 with
+# branches a millionth as long as the contact or a strong dashpot, 12 and 21 where corrections hardly shrink any more,
+# and any multiple of one that is small by chance, which the one before it shows (benchmarks/stress_motion.py).
+_SHARE, _SLOW, _BEFORE = 4.0, 20.0, 0.5
 _LOOSER = 100  # times rtol: what a duration may miss
 _BLOCK, _SMALL = 256, 8  # lanes computed together: their states fit the processor's cache
 _STUCK = 0.3  # fall of the force at the turn, from the fourth grid to the last, for a body that never turns
@@ -82,9 +82,10 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     sizes = _STAGES[stage]
     grids = [grid(k * COARSEST, sizes[-1] * COARSEST) for k in sizes]
     motions = jax.lax.map(lambda g: march(body, g, per_area=per_area), jax.tree.map(lambda *x: np.stack(x), *grids))
-    best, before = _extrapolated(motions, sizes), _extrapolated(motions, sizes[:-1])
-    error = _SHARE * jnp.abs(best.restitution - before.restitution)
-    duration, depth = (_SHARE * jnp.abs(a / b - 1) for a, b in zip(best[1:3], before[1:3], strict=True))
+    best, before, earlier = (_extrapolated(motions, sizes[: len(sizes) - left]) for left in range(3))
+    chance = _BEFORE if stage else 0.0  # of four grids the first three are coarse, and the last correction is large
+    error, duration, depth = (_left(a, b, c, chance) for a, b, c in zip(best[:3], before[:3], earlier[:3], strict=True))
+    duration, depth = duration / jnp.abs(before.duration), depth / jnp.abs(before.max_depth)
     enough = (error <= rtol * jnp.abs(best.restitution)) & (depth <= rtol)
     fine, coarse = motions.turning[-1], motions.turning[3]
     liquid = (body.moduli[0] == 0) & ((fine <= 1e-12) | ((fine < _STUCK * coarse) & (fine < _REST)))
@@ -97,6 +98,12 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     good = (jnp.all(motions.solved, axis=0) & enough & jnp.isfinite(best.restitution)) | (stuck & (depth <= rtol))
     timed = (duration <= _LOOSER * rtol) | stuck
     return Impacts(best, jax.lax.stop_gradient(jnp.where(stuck, 0.0, error)), stuck, good, timed)
+
+
+def _left(best: Array, before: Array, earlier: Array, chance: float) -> Array:
+    """What may be left of an error, by the last two corrections."""
+    last, first = jnp.abs(best - before), jnp.abs(before - earlier)
+    return jnp.maximum(jnp.where(last > 0.5 * first, _SLOW, _SHARE) * last, chance * first)
 
 
 def _extrapolated(motions: Motion, sizes: tuple[int, ...]) -> Motion:
