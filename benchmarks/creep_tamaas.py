@@ -15,7 +15,7 @@ import importlib.util
 from typing import Any
 
 import numpy as np
-from common import heading, one_core, plt, save, table, timed
+from common import heading, one_core, plt, save, table, timed, verdict
 
 one_core()
 import elastomdr as em  # noqa: E402
@@ -110,6 +110,14 @@ def main() -> None:
         add("tamaas, MaxwellViscoelastic, 64^2", lambda: maxwell(64), EVEN)
     columns = ("method", "steps", "largest error of a", "error at the end", "wall [s]", "processor [s]")
     record["creep"] = table(columns, rows)
+    record["verdicts"] = [
+        verdict("largest error of the contact radius", rows[0][2], 1e-9),
+        *(
+            verdict(f"wall time of {row[0]}, over ours", row[4] / rows[0][4], 10, least=True)
+            for row in rows
+            if "Euler" in row[0]
+        ),
+    ]
     ax.set(xlabel="Time [s]", ylabel="Relative error of the contact radius [-]", title="Creep of a ball, step load")
     ax.legend(frameon=False, fontsize=8)
     ax.grid(True, which="both", color="#dddddd", linewidth=0.5)

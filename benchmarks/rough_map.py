@@ -13,7 +13,7 @@ import warnings
 
 import matplotlib.pyplot as plt
 import numpy as np
-from common import heading, save, table
+from common import heading, save, table, verdict
 
 import elastomdr as em
 from elastomdr.mapping.synthesis import synthesise
@@ -25,6 +25,7 @@ SOFT = 1e6  # E*_inf [Pa]
 RUBBER = em.Foundation(SOFT, np.full(10, 1e6), np.geomspace(1e-7, 1e-2, 10))
 VELOCITY = np.array([1e-2, 1e-1, 1.0, 10.0, 100.0, 1000.0])  # [m/s]
 SHARES = np.array([0.01, 0.1, 1.0])  # p/(E*_inf rms slope)
+LIGHT = 0.03  # of these, up to which the book's rule is advised
 RULES = {"book": None, "full contact": "full contact"}
 
 
@@ -76,6 +77,14 @@ def main() -> None:
         *(f"{name} over 3D" for name in curves),
     )  # fmt: skip
     record["friction"] = table(columns, rows)
+    light = [row[5] for row in rows if row[0] <= LIGHT]
+    heavy = [row[6] for row in rows if row[0] > LIGHT]
+    record["verdicts"] = [
+        verdict("light contact, book's rule: lowest mu over 3D", min(light), 0.55, least=True),
+        verdict("light contact, book's rule: highest mu over 3D", max(light), 1),
+        verdict("higher loads, rule of full contact: lowest mu over 3D", min(heavy), 0.55, least=True),
+        verdict("higher loads, rule of full contact: highest mu over 3D", max(heavy), 1),
+    ]
     axes[0, 0].legend(frameon=False, fontsize=8.5)
     pressure = np.geomspace(0.003, 1, 9) * SOFT * SURFACE.rms_slope
     elastic = em.Foundation(SOFT, [], [])

@@ -16,7 +16,7 @@ import warnings
 from typing import Any
 
 import numpy as np
-from common import RESULTS, cached, heading, plt, save, table
+from common import RESULTS, cached, heading, plt, save, table, verdict
 
 import elastomdr as em
 
@@ -117,11 +117,25 @@ def main() -> None:
         share = 100 * float(np.mean(hits))
         print(f"  {model}: the bound covers {share:.1f} % of {len(hits)} points, to the reference's own error")
         record[f"covered by the bound, {model} [%]"] = share
+    record["verdicts"] = [
+        verdict(f"{model} average, {name}: farthest off the half-space", farthest(rows, name, model), 5, " %")
+        for model in AVERAGES
+        for name in SHAPES
+    ]
+    record["verdicts"] += [
+        verdict(f"{model} average: points that the bound covers", 100 * float(np.mean(hits)), 99, " %", least=True)
+        for model, hits in covered.items()
+    ]
     lines = ["| " + " | ".join(COLUMNS) + " |", "|" + "--:|" * len(COLUMNS)]
     lines += ["| " + " | ".join(_cell(value) for value in row) + " |" for row in rows]
     (RESULTS / "validity_map.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     save("validity_map", record, draw(clouds))
     shutil.copy(RESULTS / "validity_map.png", RESULTS.parents[1] / "docs" / "figures")
+
+
+def farthest(rows: list[tuple], shape: str, model: str) -> float:
+    """The largest deviation of a model under a shape, over all spectra, contrasts and speeds [%]."""
+    return max(abs(row[4 + list(MODELS).index(model)]) for row in rows if row[0] == shape)
 
 
 def _cell(value: Any) -> str:

@@ -74,9 +74,11 @@ def benchmarks() -> str:
     lines = ["# Benchmarks", "", "As recorded in `benchmarks/results/` by the scripts in `benchmarks/`.", ""]
     for path in sorted((ROOT / "benchmarks" / "results").glob("*.json")):
         record = json.loads(path.read_text(encoding="utf-8"))
+        if "title" not in record:  # reference values, kept for a benchmark that has a record of its own
+            continue
         lines += [f"## {record.get('title', path.stem)}", "", f"`python benchmarks/{path.stem}.py`", ""]
         lines += [*(f"- {text}" for text in (*record.get("inputs", []), record.get("machine", ""))), ""]
-        verdicts = record.get("verdicts", [])
+        verdicts = [*record.get("verdicts", []), *record.get("figures", [])]
         if verdicts:
             lines += ["| what | measured | asked | met |", "|---|---|---|---|"]
             for row in verdicts:

@@ -113,3 +113,10 @@ def test_corrections_that_do_not_shrink():
             found = em.impact(rubber, em.Cone(2 * 0.00243122773026783 / math.pi), **asked, rtol=rtol)
             assert not found.converged or abs(found.max_depth / 870.83129956 - 1) <= rtol
     assert found.converged
+
+
+@pytest.mark.parametrize("name", ["natural-rubber-like", "psa-468mp", "polyisoprene-34k"])
+def test_rubbers_of_many_branches(name):
+    """Corrections shrink by half only, and what is left is the last one: it is no reason to give up."""
+    found = em.impact(em.load_material(name), em.Sphere(5e-3), mass=4e-3, velocity=np.geomspace(1e-3, 10, 9))
+    assert found.converged.all()

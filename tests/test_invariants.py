@@ -1,6 +1,7 @@
 """What must hold for any rubber and any speed, on scenes that Hypothesis draws: scaling, splitting, dissipation."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -61,3 +62,71 @@ def test_friction_is_never_negative_and_force_lies_between_the_elastic_ends(scen
         glassy = relaxed * (1 + branches[0] + branches[1])
         assert (found.normal_force < glassy * (1 + 1e-9)).all()
         assert (found.normal_force > 0.5 * relaxed).all()  # at least the half that moves in
+
+
+@FEW
+@given(st.permutations(range(4)))
+def test_branches_come_in_one_order(order):
+    """Any other is refused, and a law that is put in order is the one it was."""
+    times, moduli = np.array([1e-3, 1e-1, 10.0, 1e3]), np.array([3.0, 1.0, 2.0, 0.5])
+    given = {"moduli": moduli[list(order)], "times": times[list(order)]}
+    if list(order) != [0, 1, 2, 3]:
+        with pytest.raises(em.InputError, match="times must be ascending"):
+            em.Foundation(1.0, **given)
+    back = np.argsort(given["times"])
+    found = em.Foundation(1.0, given["moduli"][back], given["times"][back])
+    assert (found.moduli == moduli).all()
+
+
+LINE = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e3).line(samples=64)
+SOFT = em.Foundation(1e6, [3e6, 1e6], [1e-4, 1e-2])
+
+
+@settings(FEW, max_examples=5)
+@given(st.integers(1, 63))
+def test_translation_of_a_line(places):
+    moved = em.RoughLine(LINE.x, np.roll(np.asarray(LINE.height), places))
+    one, two = (em.friction(SOFT, line, velocity=[0.01, 1.0], load=200.0, average=None) for line in (LINE, moved))
+    np.testing.assert_allclose(two.mu, one.mu, rtol=1e-10)
+    np.testing.assert_allclose(two.depth, one.depth, rtol=1e-10)
+
+
+@settings(FEW, max_examples=5)
+@given(st.floats(-1, 1), power(-3, 3))
+def test_translation_in_place_and_time(place, later):
+    time = np.linspace(0, 2e-2, 9)
+    position = 1e-3 * np.sin(300 * time)
+    one = em.slide(SOFT, em.Paraboloid(1e-3), time=time, position=position, load=1e-2, rtol=0.05)
+    two = em.slide(SOFT, em.Paraboloid(1e-3), time=time + later, position=position + place, load=1e-2, rtol=0.05)
+    # Places and instants lose the digits that the shift takes.
+    np.testing.assert_allclose(two.friction_force, one.friction_force, atol=1e-6 * 1e-2)
+
+
+@pytest.mark.parametrize("body", [em.Paraboloid(1e-3), LINE], ids=["indenter", "line"])
+def test_reversal_of_a_slide(body):
+    """Mirrored in space: the other way over the mirrored line."""
+    time = np.linspace(0, 2e-2, 9)
+    position = 0.1 * time + 2e-4 * np.sin(300 * time)
+    load = 1e-2 if body is not LINE else 200.0
+    mirrored = body if body is not LINE else em.RoughLine(LINE.x, np.roll(np.asarray(LINE.height)[::-1], 1))
+    one = em.slide(SOFT, body, time=time, position=position, load=load, rtol=0.05)
+    two = em.slide(SOFT, mirrored, time=time, position=-position, load=load, rtol=0.05)
+    # Elements begin at the left end of the way in both.
+    stated = one.error + two.error if body is not LINE else 1e-9
+    assert (np.abs(two.mu + one.mu) <= stated).all()
+    np.testing.assert_allclose(two.depth, one.depth, rtol=1e-9 if body is LINE else 1e-2)
+    assert np.abs(one.friction_force).max() > 1e-3 * load
+
+
+@settings(FEW, max_examples=10)
+@given(power(-4, 0), power(-3, 0))
+def test_reversal_of_creep_and_shear(creep, friction):
+    ball, time = em.Paraboloid(1e-3), np.linspace(0, 1.0, 9)
+    shared = {"tangential": SOFT, "friction": friction, "load": 1e-2}
+    one, two = (em.traction(SOFT, ball, velocity=1e-2, creep=s * creep, **shared) for s in (1, -1))
+    np.testing.assert_allclose(two.force, -one.force, rtol=1e-12)
+    np.testing.assert_allclose(two.slip_power, one.slip_power, rtol=1e-12)
+    moved = creep * 1e-5 * np.sin(5 * time)
+    one, two = (em.shear(SOFT, ball, time=time, displacement=s * moved, elements=64, **shared) for s in (1, -1))
+    np.testing.assert_allclose(two.force, -one.force, rtol=1e-12, atol=1e-16)
+    np.testing.assert_allclose(two.slip_loss, one.slip_loss, rtol=1e-12, atol=1e-20)

@@ -15,9 +15,10 @@ from .impact import COARSEST, Body, Motion, grid, march
 
 _STAGES = ((1, 2, 3, 4), (1, 2, 3, 4, 5, 6, 7, 8), (1, 2, 3, 4, 6, 8, 10, 12, 16))  # grids, in units of the coarsest
 # Of the last correction. The error left is 0.02 of it in the median and 0.4 at most on smooth solids, but up to 4 with
-# branches a millionth as long as the contact or a strong dashpot, 12 and 21 where corrections hardly shrink any more,
-# and any multiple of one that is small by chance, which the one before it shows (benchmarks/stress_motion.py).
-_SHARE, _SLOW, _BEFORE = 4.0, 20.0, 0.5
+# branches a millionth as long as the contact or a strong dashpot. Where corrections shrink slowly, each to r of the one
+# before, r/(1 - r) of it is left, and 12 to 21 times it was seen where they do not shrink. One that is small by chance
+# says nothing, which the one before it shows (benchmarks/stress_motion.py).
+_SHARE, _SLOWEST, _BEFORE = 4.0, 20.0, 0.5
 _LOOSER = 100  # times rtol: what a duration may miss
 _BLOCK, _SMALL = 256, 8  # lanes computed together: their states fit the processor's cache
 _STUCK = 0.3  # fall of the force at the turn, from the fourth grid to the last, for a body that never turns
@@ -103,7 +104,9 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
 def _left(best: Array, before: Array, earlier: Array, chance: float) -> Array:
     """What may be left of an error, by the last two corrections."""
     last, first = jnp.abs(best - before), jnp.abs(before - earlier)
-    return jnp.maximum(jnp.where(last > 0.5 * first, _SLOW, _SHARE) * last, chance * first)
+    left = 2 * last / jnp.maximum(first - last, 1e-300)  # 2 r/(1 - r)
+    share = jnp.where(last < first, jnp.clip(left, _SHARE, _SLOWEST), _SLOWEST)
+    return jnp.maximum(share * last, chance * first)
 
 
 def _extrapolated(motions: Motion, sizes: tuple[int, ...]) -> Motion:
