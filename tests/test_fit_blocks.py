@@ -162,3 +162,14 @@ def test_a_number_of_a_sweep_is_no_sign(write):
     with pytest.warns(FitWarning, match="there is no temperature column"):
         dma = em.fit.read_dma(write(above_each(["Sweep 1-20 °C", "Sweep 2-30 °C", "Run 3 C"])), kind="shear")
     assert np.isnan(dma.temperature).all()
+
+
+def test_two_temperatures_above_the_same_columns_are_refused(write):
+    table = "f [Hz],G' [Pa],G'' [Pa]\n" + "\n".join(f"{f},{g},{h}" for f, _, g, h in PARTS[0])
+    path = write(f"T = 20 degC\nT = 25 degC\n{table}\n")
+    with pytest.raises(InputError, match="'T = 20 degC' and 'T = 25 degC' stand above the same columns"):
+        em.fit.read_dma(path)
+    with pytest.warns(FitWarning, match="says 25 degC; assumed is what you give, 20 degC"):
+        assert set(em.fit.read_dma(path, temperature=293.15).temperature) == {293.15}
+    same = em.fit.read_dma(write(f"T = 20 degC\nT = 293.15 K\n{table}\n"))
+    assert set(same.temperature) == {293.15}

@@ -216,3 +216,16 @@ def test_relaxation_has_an_interval_and_no_boundless_term():
     assert 10 < high <= 100 * (1 + 1e-9)  # at least a decade less at the fast end
     with pytest.warns(em.fit.FitWarning, match="1 of 2 times are extrapolated"):
         fit.relaxation_band([1e-5, 1.0])
+
+
+@pytest.mark.parametrize(("gap", "whole"), [(0.3, True), (2.0, False)])
+def test_a_gap_in_the_data_is_no_part_of_the_range(gap, whole):
+    """Two windows of two decades, so many decades apart: what lies between is not measured."""
+    rubber, rng = em.load_material("tread-passenger-synthetic").at(293.15), np.random.default_rng(1)
+    omega = np.concatenate([np.geomspace(1e-2, 1, 13), 10**gap * np.geomspace(1, 100, 13)])
+    moduli = np.asarray(rubber.complex_modulus(omega))
+    storage, loss = (x * (1 + 0.01 * rng.standard_normal(omega.size)) for x in (moduli.real, moduli.imag))
+    found = em.fit.prony(omega, storage, loss, kind="shear")
+    low, high = found.material.range.frequency
+    assert any("leave a gap" in text for text in found.warnings) != whole
+    np.testing.assert_allclose((low, high) if whole else high / low, (0.01, omega[-1]) if whole else 100, rtol=1e-3)

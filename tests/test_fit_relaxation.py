@@ -61,7 +61,7 @@ def test_a_range_that_is_empty_is_said_and_kept(tmp_path):
     assert curve.extrapolated.all()
     assert "range of the material is empty" in str(curve.plan)
     rough = {"velocity": 1e-2, "pressure": 1e5, "temperature": 293.15, "average": None, "equivalent_length": 1e-3}
-    with pytest.warns(em.ExtrapolationWarning, match="at most 100%"):
+    with pytest.warns(em.ExtrapolationWarning, match="up to 100%"):
         curve = em.friction(material, em.SelfAffine(0.8, rms_slope=0.1, q_low=1e4, q_high=1e5), **rough)
     assert np.all(curve.extrapolated)
 

@@ -141,3 +141,10 @@ def test_percent_and_rows_that_break_off(tmp_path):
     file = write(tmp_path, "\n".join(["# v[mm/s] T[K] mu n", "1 293 0.5 1", "2 0.6 1", "3 293 0.7 1"]))
     with pytest.warns(em.fit.FitWarning, match=r"1 of 3 rows .* \(line 3\)"):
         np.testing.assert_allclose(em.fit.read_friction(file).mu, [0.5, 0.7])
+
+
+def test_an_error_in_percent_beside_a_coefficient_in_percent_is_refused(tmp_path):
+    """Of mu, or of 1?"""
+    file = write(tmp_path, "v [mm/s],mu [%],std [%]\n1,50,2\n2,60,2\n")
+    with pytest.raises(em.InputError, match="percent of mu or of 1"):
+        em.fit.read_friction(file)

@@ -7,7 +7,7 @@ from .cells import Row, Sheet, number
 from .columns import Column, is_complete, is_unit_row, named, understand
 from .headers import bare, is_numeric, titles, widths
 from .measurements import Block, Options
-from .temperatures import above, unread
+from .temperatures import Above, above, check_agree, unread
 
 
 def blocks(sheet: Sheet, options: Options) -> Iterator[Block]:
@@ -19,6 +19,7 @@ def blocks(sheet: Sheet, options: Options) -> Iterator[Block]:
     rows = sheet.rows
     lines = sheet.text.splitlines() if sheet.separator == " " else None
     below, told = widths(rows), ()
+    lines_above: list[tuple[Above, ...]] = []  # that give a temperature, since the last row of numbers
     found: Block | None = None
     skip = -1
     for i, row in enumerate(rows):
@@ -26,11 +27,12 @@ def blocks(sheet: Sheet, options: Options) -> Iterator[Block]:
             continue
         if row.line == 0:  # the end of a sheet
             yield from _whole(found)
-            found, told = None, ()
+            found, told, lines_above = None, (), []
             continue
         if is_numeric(row):
             if found is not None:
                 found.rows.append(row)
+                lines_above = []
             continue
         following = next((k for k in range(i + 1, len(rows)) if any(rows[k].cells) or rows[k].line == 0), i)
         heads = titles(row, lines[row.line - 1] if lines else None, below[i])
@@ -46,14 +48,19 @@ def blocks(sheet: Sheet, options: Options) -> Iterator[Block]:
                     f"line {rows[following].line} has {len(units)} units, cut at blanks, and {len(heads)} titles stand "
                     "above it: write - for no unit, or the units into the titles."
                 )
+            if options.temperature is None and all(column.role != "temperature" for column in columns):
+                check_agree(lines_above)
             found = _block(heads, columns, below[i] if lines else 0, options, told)
             told, skip = (), following if units else -1
             continue
         here = above(row.cells)
+        lines_above += [here] if len(here) == 1 else []
         told = here or told
         if len(here) == 1 and found is not None and all(column.role != "temperature" for column in found.columns):
             yield from _whole(found)
-            found = found._replace(rows=[], above=here)
+            if options.temperature is None:
+                check_agree(lines_above)
+            found, told = found._replace(rows=[], above=here), ()
         elif found is not None and _broken([cell for cell in row.cells if cell]):
             found.rows.append(row)  # counted as bad below
         elif found is not None and found.rows and _told_above(found) and (text := unread(row.cells)):

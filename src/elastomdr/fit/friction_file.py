@@ -90,6 +90,11 @@ def read_friction(
             table.data[:, places["velocity"]] = LOGS[log] ** table.data[:, places["velocity"]]
     values = {role: _in_si(table, place, role, units.get(role), name) for role, place in places.items()}
     if "error" in values and "%" in table.units[places["error"]]:
+        if "%" in table.units[places["mu"]]:
+            raise InputError(
+                f"path: {name!r} gives mu and its error in %, which may be percent of mu or of 1: give the error as a "
+                "plain number."
+            )
         values["error"] = values["error"] / 100 * values["mu"]
     if temperature is not None:
         kelvin = plain("temperature", temperature)

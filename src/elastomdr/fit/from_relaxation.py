@@ -5,6 +5,7 @@ end above all: relaxation from t_0 on has lost what relaxes within t_0, and that
 frequencies a decade or two below 1/t_0 (of order (omega t_0)^(1 - n) where G ~ t^-n). The smooth spectrum carries on.
 """
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -21,6 +22,7 @@ _KNOWN = 0.03  # half a 95 % interval of ln(loss modulus) up to which relaxation
 _BEST = 1.5  # or times the smallest such interval, where it is known nearly as well as anywhere,
 _LEAST_KNOWN = 0.06  # but never a wider one: noisier data would be said to determine more
 _SHORTEST = 0.5  # decades; over fewer, what seems to be known is where errors happen to cancel
+_WIDE = 0.5  # decades between neighbouring dynamic points from which the loss modulus between them may be unknown
 _WIDEST = 0.5  # standard deviation of ln(loss modulus) above which an estimate is worth nothing
 
 
@@ -56,17 +58,21 @@ def known_range(
     determines its loss modulus to 3 %, or nearly as well as anywhere, and nowhere between to worse than 6 %; rounded
     [rad/s].
 
-    The widest stretch, of half a decade at least; () where there is none. Relaxation and dynamic data make one stretch
-    where the loss modulus is known between them too.
+    The widest stretch, of half a decade at least; () where there is none. Relaxation and dynamic data, or isotherms of
+    dynamic data that do not overlap, make one stretch where the loss modulus is known between them too.
     """
-    dynamic = points.log_rate[points.channel != RELAXATION]
-    ends = [dynamic.min(), dynamic.max()] if dynamic.size else []
+    dynamic = np.unique(points.log_rate[points.channel != RELAXATION])
+    unknown = [
+        gap for gap in itertools.pairwise(dynamic) if np.ptp(gap) > _WIDE * _LN10 and _unknown(joint, state, gap, loss)
+    ]
+    edges = [*dynamic[:1], *(x for gap in unknown for x in gap), *dynamic[-1:]]
+    ends = [float(x) for x in max(zip(edges[::2], edges[1::2], strict=True), key=np.ptp, default=())]
     rate = _grid(points)
     if rate.size:
         half = _half(joint, state, rate, loss)
         relaxed = _widest(rate, half, float(np.clip(_BEST * half.min(), _KNOWN, _LEAST_KNOWN)))
-        gap = _between(ends, relaxed)
-        if gap.size and _half(joint, state, gap, loss).max() > _LEAST_KNOWN:
+        both = bool(ends and relaxed)
+        if both and _unknown(joint, state, (min(max(ends), max(relaxed)), max(min(ends), min(relaxed))), loss):
             ends = max(ends, relaxed, key=np.ptp)
         else:
             ends += relaxed
@@ -102,13 +108,15 @@ def known_to(
     )
 
 
-def _between(one: list[float], other: list[float]) -> np.ndarray:
-    """ln(omega) in the gap between two stretches; empty where they meet, or one is empty."""
-    if not one or not other:
-        return np.zeros(0)
-    low, high = min(max(one), max(other)), max(min(one), min(other))
-    count = int(np.ceil((high - low) / _LN10 * _PER_DECADE)) + 1
-    return np.linspace(low, high, count) if high > low else np.zeros(0)
+def _unknown(
+    joint: Joint, state: AtReference, gap: tuple[float, float], loss: Callable[[np.ndarray], np.ndarray]
+) -> bool:
+    """Whether between two ln(omega), ascending, the loss modulus is known to worse than 6 % somewhere."""
+    low, high = gap
+    if high <= low:
+        return False
+    rate = np.linspace(low, high, int(np.ceil((high - low) / _LN10 * _PER_DECADE)) + 1)
+    return bool(_half(joint, state, rate, loss).max() > _LEAST_KNOWN)
 
 
 def _widest(rate: np.ndarray, half: np.ndarray, limit: float) -> list[float]:

@@ -172,8 +172,14 @@ def judge_level(level: float, end: SlowEnd, interval: tuple[float, float]) -> It
         )
 
 
-def judge_range(limits: tuple[float, ...]) -> Iterator[str]:
-    """Whether there is a range of frequencies at all."""
+def judge_range(limits: tuple[float, ...], dynamic: np.ndarray) -> Iterator[str]:
+    """Whether there is a range of frequencies at all, and one of all `dynamic` data [rad/s]."""
+    if limits and dynamic.size and (dynamic.min() < 0.99 * limits[0] or dynamic.max() > 1.01 * limits[1]):
+        yield (
+            f"The data leave a gap in which the loss modulus is not known to 6 %: the range of the material is the "
+            f"widest part beside it, {limits[0]:.3g} to {limits[1]:.3g} rad/s of {dynamic.min():.3g} to "
+            f"{dynamic.max():.3g}. Measure between them, or closer isotherms."
+        )
     if not limits:
         yield (
             "Relaxation with so little fall, or so much noise, determines the loss modulus at no frequency: the range "

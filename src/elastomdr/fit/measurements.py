@@ -15,7 +15,7 @@ from .logarithms import antilogarithm
 from .misread import misread, moduli, moduli_roles
 from .plausible import implausible, inconsistent, is_elastic, mixed_up
 from .swapped import swapped
-from .temperatures import Above
+from .temperatures import Above, overruled
 from .unsaid_logarithms import unsaid_logarithms
 
 _QUARTER = np.pi / 2 * (1 - 1e-9)  # phase angle of a liquid without elasticity, whose storage modulus is 0 [rad]
@@ -86,7 +86,7 @@ def measurements(path: Path, block: Block, options: Options, units: dict[str, st
         else:
             doubts += misread(arrays, chosen, given)
         doubts = doubts or [*mixed_up(storage, loss, [one, other], given)]
-    texts += [*doubts, *_assumed([chosen[role] for role in needed])]
+    texts += [*doubts, *_assumed([chosen[role] for role in needed]), *overruled(block.told, options.temperature)]
     if bad:
         more = f" and {len(bad) - _NAMED} more, all of them in bad_rows and in the master curve's table"
         more = more if len(bad) > _NAMED else ""

@@ -269,7 +269,7 @@ def prony(
                 found.posterior.converged,
             ),
             *judge_level(level, end, interval),
-            *judge_range(limits),
+            *judge_range(limits, omega),
             *([_INCOMPRESSIBLE] if kind == "tensile" and poisson is None else []),
         ),
         converged=found.posterior.converged,

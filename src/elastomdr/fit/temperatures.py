@@ -21,6 +21,7 @@ _OF_BLOCK = re.compile(  # nothing but the temperature, and what may number the 
 # "Run 3 C": its number, and who knows what else.
 _NUMBERED = re.compile(r"\W*(?:step|block|set|sweep|run|curve)\s*\d+\s*[CK]\b", re.IGNORECASE)
 _LIKE_ONE = re.compile(r"\bt(?:emp\w*)?\s*[=:]|°|º|℃|deg ?[CF]\b|isotherm|\d\s*[KC]\b", re.IGNORECASE)
+_SAME = 0.5  # [K], within which two temperatures are one, rounded
 _LONGEST = 80  # characters of such a line
 _NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
 
@@ -56,6 +57,24 @@ def _each(cells: Sequence[str]) -> Iterator[Above]:
             kelvin = convert([value], "temperature", unit)[0]
             if kelvin > 0:
                 yield Above(place, kelvin, cell.strip())
+
+
+def check_agree(lines: Sequence[Sequence[Above]]) -> None:
+    """Raises `InputError` where lines above the same columns, each with one temperature, say different ones."""
+    found = [line[0] for line in lines]
+    other = next((one for one in found[:-1] if abs(one.kelvin - found[-1].kelvin) > _SAME), None)
+    if other is not None:
+        raise InputError(
+            f"{other.text!r} and {found[-1].text!r} stand above the same columns: leave the one that is theirs, or "
+            "give temperature=293.15 (--temperature 20degC)."
+        )
+
+
+def overruled(told: float | None, user: float | None) -> Iterator[str]:
+    """A warning where a user's temperature [K] is another than that of the line above the columns."""
+    if told is not None and user is not None and abs(told - user) > _SAME:
+        said, given = (f"{kelvin - 273.15:.4g} degC" for kelvin in (told, user))
+        yield f"a line above the columns says {said}; assumed is what you give, {given}."
 
 
 def check_told(told: Sequence[float | None], user: float | None) -> None:
