@@ -2,9 +2,12 @@
 
 In part, and then not recorded: the stress tests, of which those for which little is compiled, the coverage of fits and
 the damaged files. Whole they are `stress.py`, `stress_motion.py`, `fit_coverage.py` and `fuzz.py`. The half-space
-solutions of the validity map are kept from its own run (`validity_map.py --fresh`, five minutes).
+solutions of the validity map are kept from its own run (`validity_map.py --fresh`, five minutes). With `--data DIR`, a
+folder of the measured data, fits are set beside other tools too (`fit_peers.py`). Left out, since they take long and
+time nothing: `sliding_matrix.py`, `fit_held_out.py`, `fit_relaxation.py`; `fit_library.py` makes the library.
 """
 
+import argparse
 import subprocess
 import sys
 import time
@@ -22,11 +25,14 @@ SCRIPTS = (
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(description="All benchmarks, one after the other.")
+    parser.add_argument("--data", type=Path, help="folder of the measured data, for fit_peers.py")
+    data = parser.parse_args().data
     record = heading("All benchmarks, one after the other", "stress tests in part")
     begin, rows = time.perf_counter(), []
-    for script in SCRIPTS:
-        name, *options = script.split()
-        print(f"\n== {script} ==", flush=True)
+    scripts = [script.split() for script in SCRIPTS] + ([["fit_peers", str(data.resolve())]] if data else [])
+    for name, *options in scripts:
+        print(f"\n== {' '.join([name, *options])} ==", flush=True)
         start = time.perf_counter()
         command = [sys.executable, str(Path(__file__).with_name(f"{name}.py")), *options]
         status = subprocess.run(command).returncode
