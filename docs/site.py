@@ -72,6 +72,7 @@ def example(path: Path) -> str:
 def benchmarks() -> str:
     """The records under benchmarks/results: what was asked for, what was measured, and the figures."""
     lines = ["# Benchmarks", "", "As recorded in `benchmarks/results/` by the scripts in `benchmarks/`.", ""]
+    lines += ["`python benchmarks/run_all.py` runs them, `python benchmarks/check.py` says what has fallen since.", ""]
     for path in sorted((ROOT / "benchmarks" / "results").glob("*.json")):
         record = json.loads(path.read_text(encoding="utf-8"))
         if "title" not in record:  # reference values, kept for a benchmark that has a record of its own
