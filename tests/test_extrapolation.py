@@ -235,6 +235,11 @@ class TestHistories:
         assert moving.extrapolated[-1] == steady.extrapolated
         assert not moving.extrapolated[0]  # where it is put down
 
+    def test_a_flat_line_excites_nothing(self):
+        flat = em.RoughLine(1e-5 * np.arange(64), np.zeros(64))
+        assert not em.friction(self.rubber, flat, velocity=1e-9, load=100.0, average=None).extrapolated
+        assert not em.slide(self.rubber, flat, time=[0, 0.1], position=[0, 1e-3], load=100.0).extrapolated.any()
+
     def test_a_rest_grows_older(self):
         time = np.linspace(0, 3.0, 61)
         position = np.clip(time - 2, 0, None) * 5e-3

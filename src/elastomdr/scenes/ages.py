@@ -71,7 +71,8 @@ def sliding_beyond(
 def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
     """Of the contact [m]: of an indenter so deep, or a quarter of the wavelength of a wave as high and as steep."""
     if isinstance(body, RoughLine):
-        return 0.5 * np.pi * float(body.rms_height) / float(body.rms_slope)
+        slope = float(body.rms_slope)
+        return 0.5 * np.pi * float(body.rms_height) / slope if slope > 0 else np.inf
     deep = np.where(np.asarray(depth) > 0, depth, np.nan)
     return np.asarray(contact_size(body.shape, deep, not isinstance(body, SingleLine)))
 

@@ -61,6 +61,8 @@ def excited_outside(
     if isinstance(surface, RoughLine):
         q = 2 * np.pi * np.fft.rfftfreq(surface.count, float(surface.spacing))
         power = np.append(0.0, np.cumsum(np.square(q * np.abs(np.fft.rfft(np.asarray(surface.height))))))
+        if power[-1] == 0:  # a flat line excites nothing
+            return np.zeros(np.shape(reduced))
         inside = (power[np.searchsorted(q, high, "right")] - power[np.searchsorted(q, low)]) / power[-1]
     else:
         inside = surface.moment(3, low, high) / surface.moment(3)
