@@ -82,6 +82,7 @@ def test_damaged_files_are_refused_in_one_line(place, monkeypatch):
     [
         ("rtol = 1e-4", "rtol = " + "9" * 400, "rtol"),
         ('"5 mm"', '"1e200 m"', "between 1e-100 and 1e+100"),
+        ('"5 mm"', '"5 m^' + "9" * 320 + '"', "must be a length"),
         ('"rubber.toml"', '"/dev/zero"', "Not a regular file"),
         ('"rubber.toml"', '"a\\u0007b.toml"', "a?b.toml"),
     ],
@@ -185,6 +186,20 @@ def test_output_to_a_full_disk_is_one_line():
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False, timeout=60)
     assert done.returncode == 2
     assert done.stderr == "elastomdr: error: the output cannot be written: No space left on device.\n"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a POSIX shell")
+def test_output_that_is_closed_is_no_reason_to_fail():
+    code = "import sys; from elastomdr.cli.main import main; sys.exit(main(['materials']))"
+    done = subprocess.run(
+        ["sh", "-c", '"$0" -c "$1" >&-', sys.executable, code],
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0
+    assert done.stderr == ""
 
 
 def test_a_damaged_cache_of_compiled_code_is_one_line(place):

@@ -211,9 +211,18 @@ class TestHistories:
         time = np.linspace(0, 8 * np.pi / omega, 81)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            found = em.indent(self.rubber, BALL, time=time, depth=1e-5 * (1 - np.cos(omega * time)))
+            found = em.indent(self.rubber, BALL, time=time, depth=1e-5 * (1.5 - np.cos(omega * time)))
         assert found.extrapolated[20:].all() != within
         assert found.extrapolated[20:].any() != within
+
+    @pytest.mark.parametrize("rest", [0.0, 1e-4])
+    def test_a_deeper_press_before_hides_nothing(self, rest):
+        """Data within a factor of 1.0003, and forces that differ by one of 32."""
+        time, depth = [0, 0.1, 0.2, 0.5, 0.5000001, 0.5000002], [0, 1e-3, rest, rest, 2e-4, 4e-4]
+        with pytest.warns(em.ExtrapolationWarning, match="within 0.001 s decides"):
+            found = em.indent(self.rubber, BALL, time=time, depth=depth)
+        assert found.extrapolated[-1]
+        assert not found.extrapolated[1]
 
     def test_histories_of_their_own(self):
         time = np.linspace(0, 0.5, 21)

@@ -115,6 +115,12 @@ def test_corrections_that_do_not_shrink():
     assert found.converged
 
 
+def test_nearly_elastic_to_rounding():
+    """Corrections that no longer shrink since they are rounding are no sign of a series that converges slowly."""
+    found = em.impact(em.Foundation(E, [1e-3 * E], [1e-3]), em.Paraboloid(R), mass=M, velocity=[0.1, 1.0], rtol=1e-9)
+    assert found.converged.all()
+
+
 @pytest.mark.parametrize("name", ["natural-rubber-like", "psa-468mp", "polyisoprene-34k"])
 def test_rubbers_of_many_branches(name):
     """Corrections shrink by half only, and what is left is the last one: it is no reason to give up."""

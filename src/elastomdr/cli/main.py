@@ -24,7 +24,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         arguments = _parser().parse_args(argv)
         status = importlib.import_module(f".{arguments.verb}", __package__).run(arguments)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # closed before we were started
+            sys.stdout.flush()
         return status
     except InputError as error:
         print(f"elastomdr: error: {_one_line(str(error))}", file=sys.stderr)

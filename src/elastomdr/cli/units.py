@@ -100,7 +100,10 @@ def number_in(name: str, number: float, unit: str, kind: Kind) -> float:
 
 
 def _alike(first: Any, second: Any) -> bool:
-    return all(math.isclose(first.get(d, 0), second.get(d, 0), abs_tol=1e-9) for d in {*first, *second})
+    try:
+        return all(math.isclose(first.get(d, 0), second.get(d, 0), abs_tol=1e-9) for d in {*first, *second})
+    except OverflowError:  # an exponent of hundreds of digits
+        return False
 
 
 @functools.cache

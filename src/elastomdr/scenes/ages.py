@@ -1,9 +1,10 @@
 """Which instants of a history use a material beyond the range of its data.
 
 What was pressed in at s shows at t by the modulus at the age t - s, and data up to a frequency w say nothing of ages
-below 1/w, as a file's range of times has it. An instant lies beyond where half of the largest depth or load so far came
-or went within the youngest known age, or a tenth of it was there before the oldest one: for a parabola's passage nearly
-the rule for steady sliding (`steady_beyond`).
+below 1/w, as a file's range of times has it. An instant in contact lies beyond where half of its depth or load, or of
+what was there before, came or went within the youngest known age, or where a tenth of it was there before the oldest
+one: for a parabola's passage nearly the rule for steady sliding (`steady_beyond`). A tangential displacement changes
+its sign, and is compared with the largest so far.
 """
 
 from typing import Any
@@ -23,21 +24,22 @@ _ROUNDING = 1e-6
 
 
 def history_beyond(
-    known: Range | None, time: Any, courses: list[Any], temperature: Any, factor: Any, *, at_once: bool = True,
-    stacklevel: int,
+    known: Range | None, time: Any, pressed: Any, temperature: Any, factor: Any, *, slid: Any = None,
+    at_once: bool = True, stacklevel: int,
 ) -> Beyond:  # fmt: skip
-    """Instants [s] along the last axis of depths [m], loads [N] or displacements [m], each of the shape of `time`.
-
-    `at_once`: whether what is put on at once at the first instant is looked at there.
+    """Instants [s] along the last axis of depths [m] or loads [N] `pressed`, and displacements [m] `slid`, all of the
+    shape of `time`. `at_once`: whether what is put on at once at the first instant is looked at there.
     """
-    if known is None or is_traced(time, courses, temperature, factor):
+    if known is None or is_traced(time, pressed, slid, temperature, factor):
         return NOT_KNOWN
     ages = _ages(known, factor)
     young, old = np.zeros((2, *np.shape(time)), bool)
-    for course in courses:
-        for where, t, f in zip(np.ndindex(young.shape[:-1]), _rows(time), _rows(course), strict=True):
-            young[where] |= _young(t, f, ages[0])
-            old[where] |= _old(t, f, ages[1])
+    for where, t, f in zip(np.ndindex(young.shape[:-1]), _rows(time), _rows(pressed), strict=True):
+        young[where], old[where] = _pressed(t, f, ages)
+    if slid is not None:
+        largest = np.maximum.accumulate(np.abs(slid))
+        young |= _came(time, slid, ages[0]) > _YOUNG * largest
+        old |= np.abs(_before(time, slid, ages[1])) > _OLD * largest
     young[..., 0] &= at_once
     return _instants(known, young, old, ages, temperature, stacklevel + 1)
 
@@ -59,12 +61,11 @@ def sliding_beyond(
     path = np.concatenate([[0.0], np.cumsum(way)])
     since = np.interp(path - 2 * size, path, time, left=time[0])
     since = np.where(np.ptp(position) > 2 * size, since, time[0])
-    old = time - since > ages[1] * (1 + _ROUNDING)
+    old = (time - since > ages[1] * (1 + _ROUNDING)) & (course > 0)
     fast = np.zeros(time.shape, bool)
     fast[1:] = 2 * way * ages[0] > size[1:] * np.diff(time) * (1 + _ROUNDING)
-    young = _young(time, course, ages[0]) | fast
+    young = (_pressed(time, course, ages)[0] | fast) & (course > 0)
     young[0] = False
-    young, old = young & (course > 0), old & (course > 0)
     return _instants(known, young, old, ages, history.temperature, stacklevel + 1)
 
 
@@ -87,19 +88,23 @@ def _rows(values: Any) -> np.ndarray:
     return np.reshape(values, (-1, np.shape(values)[-1]))
 
 
-def _young(time: np.ndarray, course: np.ndarray, age: float) -> np.ndarray:
-    course = np.nan_to_num(course)
+def _pressed(time: np.ndarray, course: Any, ages: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Where a depth or load is too young, and where too old, to be known."""
+    course = np.maximum(np.nan_to_num(course), 0.0)
+    young = _came(time, course, ages[0]) > _YOUNG * np.maximum(course, _before(time, course, ages[0] * (1 - _ROUNDING)))
+    old = _before(time, course, ages[1] * (1 + _ROUNDING)) > _OLD * course
+    return young & (course > 0), old & (course > 0)
+
+
+def _came(time: np.ndarray, course: np.ndarray, age: float) -> np.ndarray:
+    """How much of a course came and went within an age."""
     gone = np.cumsum(np.abs(np.diff(course, prepend=0.0)))
-    return gone - np.interp(time - age * (1 - _ROUNDING), time, gone, left=0.0) > _YOUNG * _peak(course)
+    return gone - _before(time, gone, age * (1 - _ROUNDING))
 
 
-def _old(time: np.ndarray, course: np.ndarray, age: float) -> np.ndarray:
-    course = np.nan_to_num(course)
-    return np.abs(np.interp(time - age * (1 + _ROUNDING), time, course, left=0.0)) > _OLD * _peak(course)
-
-
-def _peak(course: np.ndarray) -> np.ndarray:
-    return np.maximum.accumulate(np.abs(course))
+def _before(time: np.ndarray, course: np.ndarray, age: float) -> np.ndarray:
+    """The course an age earlier."""
+    return np.interp(time - age, time, course, left=0.0)
 
 
 def _instants(

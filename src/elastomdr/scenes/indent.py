@@ -89,10 +89,10 @@ def indent(
         inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
 
-    ruled = numpy.maximum(found.depth if course.load is None or course.depth is not None else course.load, 0)
+    ruled = found.depth if course.load is None or course.depth is not None else course.load
     factor = 1.0 if foundation.shift is None or kelvin is None else foundation.shift.a(kelvin)
     beyond = history_beyond(
-        foundation.range, numpy.broadcast_to(course.time, found.depth.shape), [ruled], kelvin, factor, stacklevel=3
+        foundation.range, numpy.broadcast_to(course.time, found.depth.shape), ruled, kelvin, factor, stacklevel=3
     )
 
     def known(field: Any) -> Any:

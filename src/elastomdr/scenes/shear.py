@@ -143,9 +143,8 @@ def shear(
     ]
     inputs.append(("elements and steps", f"{elements} on a half line, {steps} between two instants"))
     measured = shared(normal.range, tangential.range)
-    pressed, slid = xp.maximum(value, 0), displacement
-    moved = is_traced(slid) or bool(slid[0] != 0)  # else nobody asks for the first instant
-    beyond = history_beyond(measured, time, [pressed, slid], None, 1.0, at_once=moved, stacklevel=3)
+    moved = is_traced(displacement) or bool(displacement[0] != 0)  # else nobody asks for the first instant
+    beyond = history_beyond(measured, time, value, None, 1.0, slid=displacement, at_once=moved, stacklevel=3)
     return Shear(
         time=time,
         displacement=displacement,

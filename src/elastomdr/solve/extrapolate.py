@@ -17,8 +17,9 @@ _STAGES = ((1, 2, 3, 4), (1, 2, 3, 4, 5, 6, 7, 8), (1, 2, 3, 4, 6, 8, 10, 12, 16
 # Of the last correction. The error left is 0.02 of it in the median and 0.4 at most on smooth solids, but up to 4 with
 # branches a millionth as long as the contact or a strong dashpot. Where corrections shrink slowly, each to r of the one
 # before, r/(1 - r) of it is left, and 12 to 21 times it was seen where they do not shrink. One that is small by chance
-# says nothing, which the one before it shows (benchmarks/stress_motion.py).
-_SHARE, _SLOWEST, _BEFORE = 4.0, 20.0, 0.5
+# says nothing, which those before it show (benchmarks/stress_motion.py).
+_SHARE, _SLOWEST, _BY_CHANCE = 4.0, 20.0, 0.5
+_ROUNDING = 1e-9  # relative correction below which it is not for a series any more to shrink
 _LOOSER = 100  # times rtol: what a duration may miss
 _BLOCK, _SMALL = 256, 8  # lanes computed together: their states fit the processor's cache
 _STUCK = 0.3  # fall of the force at the turn, from the fourth grid to the last, for a body that never turns
@@ -83,9 +84,9 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     sizes = _STAGES[stage]
     grids = [grid(k * COARSEST, sizes[-1] * COARSEST) for k in sizes]
     motions = jax.lax.map(lambda g: march(body, g, per_area=per_area), jax.tree.map(lambda *x: np.stack(x), *grids))
-    best, before, earlier = (_extrapolated(motions, sizes[: len(sizes) - left]) for left in range(3))
-    chance = _BEFORE if stage else 0.0  # of four grids the first three are coarse, and the last correction is large
-    error, duration, depth = (_left(a, b, c, chance) for a, b, c in zip(best[:3], before[:3], earlier[:3], strict=True))
+    series = [_extrapolated(motions, sizes[: len(sizes) - left]) for left in range(min(4, len(sizes) - 1))]
+    best, before = series[:2]
+    error, duration, depth = (_left(*values) for values in zip(*(one[:3] for one in series), strict=True))
     duration, depth = duration / jnp.abs(before.duration), depth / jnp.abs(before.max_depth)
     enough = (error <= rtol * jnp.abs(best.restitution)) & (depth <= rtol)
     fine, coarse = motions.turning[-1], motions.turning[3]
@@ -101,12 +102,16 @@ def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     return Impacts(best, jax.lax.stop_gradient(jnp.where(stuck, 0.0, error)), stuck, good, timed)
 
 
-def _left(best: Array, before: Array, earlier: Array, chance: float) -> Array:
-    """What may be left of an error, by the last two corrections."""
+def _left(best: Array, before: Array, earlier: Array, earliest: Array | None = None) -> Array:
+    """What may be left of an error, by the last corrections, of which four grids have two only."""
     last, first = jnp.abs(best - before), jnp.abs(before - earlier)
     left = 2 * last / jnp.maximum(first - last, 1e-300)  # 2 r/(1 - r)
     share = jnp.where(last < first, jnp.clip(left, _SHARE, _SLOWEST), _SLOWEST)
-    return jnp.maximum(share * last, chance * first)
+    share = jnp.where(last < _ROUNDING * jnp.abs(best), _SHARE, share)
+    if earliest is None:
+        return share * last
+    shrank = jnp.minimum(first / jnp.maximum(jnp.abs(earlier - earliest), 1e-300), 1.0)
+    return jnp.maximum(share * last, _BY_CHANCE * first * shrank)
 
 
 def _extrapolated(motions: Motion, sizes: tuple[int, ...]) -> Motion:
