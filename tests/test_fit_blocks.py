@@ -82,7 +82,16 @@ def test_the_same_temperatures_in_several_blocks_are_said(write):
 
 
 @pytest.mark.parametrize(
-    "title", ["T = {} degC", "# Temperature: {} °C", "[Isotherm {} °C]", "Temp. {} degC", "Step 3: {} °C", "{} °C"]
+    "title",
+    [
+        "T = {} degC",
+        "# Temperature: {} °C",
+        "[Isotherm {} °C]",
+        "Temp. {} degC",
+        "Step 3: {} °C",
+        "Interval: T = {} °C",
+        "{} °C",
+    ],
 )
 @pytest.mark.parametrize("again", [True, False])
 def test_temperatures_in_lines_above_blocks(title, again, write):

@@ -61,7 +61,8 @@ def test_gross_outliers_lose_their_hold():
     master = em.fit.master_curve(dirty, 293.15)
     truth = np.asarray(LAW.log10_a(master.temperature))
     assert np.abs(master.log10_a - truth).max() < 0.1
-    assert any("6 of 154 values are outliers" in text for text in master.warnings)
+    (said,) = (text for text in master.warnings if "6 of 154 values are outliers" in text)
+    assert said.count(" rad/s") == 6
 
 
 def test_two_processes_are_not_thermorheologically_simple():
@@ -107,3 +108,24 @@ def test_two_measurements_that_contradict_each_other_are_said_by_how_much():
         )
         assert len(texts) > (celsius is STEPS)  # between isotherms of the other, a vertical shift makes up for it
         assert not any("thermorheologically" in text for text in fit.warnings)
+
+
+@pytest.mark.parametrize(("celsius", "factor", "said"), [([20.0], 1.1, "at 20 degC"), (STEPS, 0.85, "-20, -10")])
+def test_a_second_pass_that_differs_is_no_scatter(celsius, factor, said):
+    again = data(celsius, seed=1, noise=0.02)
+    again = em.fit.dma(again.frequency, factor * again.storage, factor * again.loss, again.temperature, kind=again.kind)
+    master = em.fit.master_curve(em.fit.join(data(noise=0.02), again), 293.15)
+    (text,) = (text for text in master.warnings if "are repeated" in text)
+    assert said in text
+    assert "another sample, strain or pass" in text
+    quiet = em.fit.master_curve(em.fit.join(data(noise=0.02), data(celsius, seed=1, noise=0.02)), 293.15)
+    assert not any("are repeated" in text for text in quiet.warnings)
+
+
+def test_a_law_that_misses_the_data_is_said():
+    """Arrhenius' law for what WLF's is true of, forced on it."""
+    found = em.fit.material(data(), 293.15, law="Arrhenius", vertical=False)
+    assert max(found.as_used.values()) > 0.1
+    (text,) = (text for text in found.warnings if text.startswith("Material and shift law miss the data"))
+    assert "Arrhenius misses the shift factors by" in text
+    assert not any("shift law miss" in text for text in em.fit.material(data(), 293.15, vertical=False).warnings)

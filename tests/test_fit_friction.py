@@ -136,6 +136,19 @@ def test_other_measurements_of_a_scene_compile_nothing(monkeypatch):
     assert found[1].parameters != found[2].parameters
 
 
+def test_an_error_from_few_points_widens_intervals_as_students_t():
+    """1.96 standard deviations held 85 % of 150 truths with five points and two parameters; Student's t has 3.18."""
+    ball, speed, noise = em.Paraboloid(5e-3), SPEED[:5], np.array([1.0, -1.0, 0.5, 1.0, -1.5])
+    scene = SCENE | {"temperature": 293.15}
+    mu = em.friction(RUBBER, ball, velocity=speed, **scene).mu + 2e-4 * noise
+    arguments = {"velocity": speed, "measured": mu, "parameters": ("modulus", "slope")} | scene
+    found = em.fit.calibrate(RUBBER, ball, **arguments)
+    known = em.fit.calibrate(RUBBER, ball, error=found.error, **arguments)
+    for name in ("modulus", "slope"):
+        assert known.std[name] < 0.1 * known.prior[name]  # else the prior's part is not widened
+        assert found.std[name] / known.std[name] == pytest.approx(3.182 / 1.96, rel=0.05)
+
+
 def test_programs_are_kept_for_the_constants_they_have():
     """Another scene, a change of one's own, or more scenes than are kept, and never a stale answer."""
     calls = []

@@ -14,6 +14,7 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.optimize import least_squares
+from scipy.special import stdtrit
 
 from .._runtime import as_float64, positive, require
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError, closest
@@ -39,7 +40,10 @@ class Calibration(AbstractFindings):
     material: Prony
     shape: Any  # the indenter or surface, with the parameters that act on it
     parameters: dict[str, float]
-    std: dict[str, float]  # standard deviation of each parameter, prior included
+    std: dict[
+        str, float
+    ]  # standard deviation of each parameter, prior included; 1.96 times it holds 95 %, and where the
+    # error of the data is estimated from few points, is as much wider as Student's t
     prior: dict[str, float]  # standard deviation of each parameter without the data
     covariance: Float[np.ndarray, "p p"]  # in the order of `parameters`
     measured: Float[np.ndarray, "..."]
@@ -151,7 +155,10 @@ def calibrate(
                 sigma = np.full(data.shape, max(np.sqrt((left**2).sum() / max(left.size - len(names), 1)), 1e-9))
         assert answer is not None
         computed = np.asarray(value(answer.x))
-        matrix = np.asarray(jacobians[0](point))[used] / sigma[used][:, None]
+        # An error that is estimated from few points is itself uncertain: Student's t in place of 1.96.
+        freedom = max(int(used.sum()) - len(names), 1)
+        wider = float(stdtrit(freedom, 0.975)) / TWO_SIGMA if given is None else 1.0
+        matrix = np.asarray(jacobians[0](point))[used] / (wider * sigma[used][:, None])
         covariance = np.linalg.inv(matrix.T @ matrix + np.diag(spread**-2.0))
         values = dict(zip(names, answer.x.tolist(), strict=True))
         changed, shape, _ = applied(material, shape, scene, values, change)

@@ -8,7 +8,8 @@ import numpy as np
 from .agree import relaxation_excess
 from .data import describe_list
 from .level import SlowEnd
-from .spectrum import Points
+from .repeats import contradicting_repeats
+from .spectrum import CHANNELS, RELAXATION, Points
 from .terms import Data
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 _NOT_SIMPLE = 2.0  # scatter about the common curve over that of the isotherms alone
 _WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
 _FAR = 0.3  # half a 95 % interval of an extrapolated shift above which it is no longer of much use [decades]
+_NAMED = 6  # outliers that a warning names one by one
 _POOR = 0.1  # relative residual of a series worth a warning
 _AS_READ = "storage and loss modulus look misread (columns or units), which is to be put right first"
 _CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
@@ -24,7 +26,9 @@ _CHOICE = 0.1  # what the choice of shift model may move before it is worth sayi
 
 def judge(master: "MasterCurve") -> tuple[str, ...]:
     """The warnings of a master curve, most important first."""
-    whole = [*_disagree(master)] or _simple(master)  # the scatter of measurements that disagree is no isotherm's
+    repeats = contradicting_repeats(master.dma, master.isotherm, master.temperature)
+    # The scatter of measurements that disagree is no isotherm's.
+    whole = [*_disagree(master), *repeats] or _simple(master)
     return (
         *_failed(master), *whole, *_ambiguous(master), *_choice(master), *_gaps(master), *_details(master)
     )  # fmt: skip
@@ -113,10 +117,17 @@ def _details(master: "MasterCurve") -> Iterator[str]:
         yield "There are two temperatures only: Arrhenius' law can be fitted, WLF and VFT cannot."
     if copies := master.dma.copies:
         yield f"{copies} of {master.dma.size + copies} points repeat others in all their numbers, and are left out."
-    outliers = int((master.joint.shifts.posterior.weights < 1).sum())
-    if outliers:
-        total = master.joint.shifts.posterior.weights.size
-        yield f"{outliers} of {total} values are outliers (beyond 3 standard deviations) and count for less."
+    points, outliers = master.joint.shifts.points, np.flatnonzero(master.joint.shifts.posterior.weights < 1)
+    if outliers.size:
+        names = []
+        for i in outliers[:_NAMED]:
+            channel, celsius, rate = points.channel[i], temperature[points.isotherm[i]] - 273.15, points.log_rate[i]
+            when = f"{np.exp(-rate):.3g} s" if channel == RELAXATION else f"{np.exp(rate):.3g} rad/s"
+            names.append(f"{CHANNELS[channel]} at {celsius:.4g} degC and {when}")
+        yield (
+            f"{outliers.size} of {points.log_rate.size} values are outliers (beyond 3 standard deviations) and count "
+            f"for less: {'; '.join(names)}{' ...' if outliers.size > _NAMED else ''}."
+        )
     if "WLF" in master.laws and not master.laws["WLF"].holds:
         yield (
             f"The WLF law misses the shift factors by {master.laws['WLF'].rms:.2f} decades rms, more than they are "

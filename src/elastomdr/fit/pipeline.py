@@ -183,7 +183,7 @@ def material(
     lifted = fitted(master_curve(dma, reference, True if vertical is None else vertical))
     size, celsius = _lift(lifted.master)
     if size <= _LIFT:
-        return lifted
+        return replace(lifted, warnings=(*lifted.warnings, *_misses(lifted)))
     there = _decided(lifted.master)
     flat = lifted.master.without_vertical() if vertical is None and not there else None
     # A series is hardly closer to the data than the smooth curve through them: where that is worse, none is made.
@@ -202,6 +202,20 @@ def material(
     elif vertical or there:
         text += " vertical=False (--no-vertical) fits a material that has none from the start."
     return replace(lifted, warnings=(*lifted.warnings, text))
+
+
+def _misses(fit: MaterialFit) -> Iterator[str]:
+    """A warning where the material, by its shift law, is far from data that its series is close to."""
+    own = {f"{name} modulus": getattr(fit.prony, f"{name}_residual") for name in ("storage", "loss", "relaxation")}
+    if any(size > max(_MISSED, 2 * own[name]) for name, size in fit.as_used.items()):
+        law = fit.master.laws.get(fit.law)
+        said = (
+            f" {fit.law} misses the shift factors by {law.rms:.2g} decades rms; --law table keeps them." if law else ""
+        )
+        yield (
+            f"Material and shift law miss the data as measured: {_met(fit)} % rms ({_names(fit)}), while the series "
+            f"meets the shifted data.{said}"
+        )
 
 
 def _lift(master: MasterCurve) -> tuple[float, float]:

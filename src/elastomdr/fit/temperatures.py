@@ -12,14 +12,15 @@ from .columns import convert, known_unit
 from .data import Dma, describe_list
 
 _UNIT = r"deg ?[CFcf]|°\s?[CF]|º\s?[CF]|℃|℉|K|C|kelvin|celsius"
+_PARTS = "step|block|set|sweep|run|curve|interval|segment|abschnitt|messung|experiment|stage"
 _OF_BLOCK = re.compile(  # nothing but the temperature, and what may number the block
-    r"[^\w+-]*(?:(?:step|block|set|sweep|run|curve|frequency sweep)(?:\s*\d+(?!\d))?[^\w+-]*)?"
+    rf"[^\w+-]*(?:(?:{_PARTS}|frequency sweep)(?:\s*\d+(?!\d))?[^\w+-]*)?"
     r"(?:(?:t|temp\.?|temperatur|(?:(?:sample|test) )?temp(?:erature)?|isotherme?|온도)\s*(?:at|of|bei)?|at|bei)?"
     rf"\s*[=:,;]?\s*(?<!\d)([+-]?\d+(?:[.,]\d+)?)\s*\[?\(?({_UNIT})\W*",
     re.IGNORECASE,
 )
 # "Run 3 C": its number, and who knows what else.
-_NUMBERED = re.compile(r"\W*(?:step|block|set|sweep|run|curve)\s*\d+\s*[CK]\b", re.IGNORECASE)
+_NUMBERED = re.compile(rf"\W*(?:{_PARTS})\s*\d+\s*[CK]\b", re.IGNORECASE)
 _LIKE_ONE = re.compile(r"\bt(?:emp\w*)?\s*[=:]|°|º|℃|deg ?[CF]\b|isotherm|\d\s*[KC]\b", re.IGNORECASE)
 _SAME = 0.5  # [K], within which two temperatures are one, rounded
 _LONGEST = 80  # characters of such a line
