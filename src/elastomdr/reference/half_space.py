@@ -68,7 +68,7 @@ def half_space_sliding(
     Exact but for the grid: `points` by `points` cells of constant pressure over a window around the contact, with the
     influence function of a cell that slides (`elastomdr.reference.kernel`), so that the body is alone on an infinite
     surface and never meets its wake. The friction force is what the material dissipates. Arguments as for
-    `em.friction`; a point takes 0.1 to 1 s.
+    `em.friction`; a point takes 50 ms to 1 s.
 
     In a cell: exact but for the grid, the map's own or `points` by `points` (`elastomdr.reference.periodic`). `load` is
     that of one cell, and there is no depth, since the mean displacement of a periodic half-space is not defined.
