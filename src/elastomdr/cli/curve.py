@@ -31,6 +31,8 @@ def write_curve(scene: Scene, verb: str, call: Callable[..., Any], out: str) -> 
             if scene.rough and verb == "friction":
                 try:
                     curve = call(scene.material, scene.shape, **scene.arguments, progress=bar, store=parts)
+                except KeyboardInterrupt as error:
+                    raise KeyboardInterrupt(parts.said()) from error
                 finally:
                     bar.end()
             else:

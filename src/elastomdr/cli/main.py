@@ -30,8 +30,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except InputError as error:
         print(f"elastomdr: error: {_one_line(str(error))}", file=sys.stderr)
         return BAD_INPUT
-    except KeyboardInterrupt:
-        print("elastomdr: interrupted", file=sys.stderr)
+    except KeyboardInterrupt as error:
+        print(f"elastomdr: interrupted{error}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output, such as `head`, has what it wanted
         _drop_output()
