@@ -142,3 +142,20 @@ def test_an_index_without_a_title_is_read_by_numbers(tmp_path):
     dma = em.fit.read_dma(tmp_path / "a.txt", columns=columns, **units)
     np.testing.assert_allclose([dma.storage, dma.loss], ROWS[:, 2:].T)
     np.testing.assert_allclose(dma.temperature, ROWS[:, 0] + 273.15)
+
+
+@pytest.mark.parametrize(
+    ("storage", "loss", "kind"),
+    [
+        ("G_prime_MPa", "G_double_prime_MPa", "shear"),
+        ("G-storage [MPa]", "G-loss [MPa]", "shear"),
+        ("Re(E*) [MPa]", "Im(E*) [MPa]", "tensile"),
+        ("Storage Young's Modulus (MPa)", "Loss Young's Modulus (MPa)", "tensile"),
+    ],
+)
+def test_names_that_are_spelled_out(storage, loss, kind, write):
+    rows = "\n".join(f"{f},20,{f**0.1},{0.3 * f**0.1}" for f in (0.1, 0.3, 1, 3, 10))
+    found = em.fit.read_dma(write(f"f [Hz],T [degC],{storage},{loss}\n{rows}\n"))
+    assert found.kind == kind
+    np.testing.assert_allclose(found.loss / found.storage, 0.3)
+    np.testing.assert_allclose(found.storage[2], 1e6)

@@ -46,9 +46,10 @@ _NAMES = {
     r"(sample|specimen|probe|set|set ?point|program(med)?|target|nominal|furnace|oven|chamber) temp(\.|erature)?|"
     r"(probe|soll)n?temperatur",
     "time": r"(step )?time|zeit|시간",
-    "storage": rf"{_STORAGE}|(modulus )?[ge]'|[ge]_?(1|p|prime|stor|storage)|"
-    r"([ge]|shear|tensile|young'?s)[ _](stor|storage|storage modulus)",
-    "loss": rf"{_LOSS}|(modulus )?[ge]''|[ge]_?(2|pp|dprime|loss)|([ge]|shear|tensile|young'?s)[ _](loss|loss modulus)",
+    "storage": rf"{_STORAGE}|(modulus )?[ge]'|[ge]_?(1|p|prime|stor|storage)|re\([ge]\*?\)|"
+    r"([ge]|shear|tensile|young'?s)[ _-](stor|storage|storage modulus)|storage (shear|tensile|young'?s) modulus",
+    "loss": rf"{_LOSS}|(modulus )?[ge]''|[ge]_?(2|pp|dprime|double[_ -]?prime|loss)|im\([ge]\*?\)|"
+    r"([ge]|shear|tensile|young'?s)[ _-](loss|loss modulus)|loss (shear|tensile|young'?s) modulus",
     "absolute": r"\|[ge]\*\|?|[ge]\*|[ge]_?abs|complex modulus|komplexer modul",
     "phase": r"phase ?angle|phase|delta|δ|phasenwinkel",
     "tangent": r"tan_?\(?(d|delta|δ)\)?|tan ?(d|delta|δ)|tand|loss (tangent|factor)|verlustfaktor",
@@ -146,11 +147,11 @@ def is_complete(columns: Sequence[Column]) -> bool:
 def _letter(role: str, name: str) -> str:
     if measure(role) != "modulus":
         return ""
-    if re.match(r"shear", name, re.IGNORECASE):
+    if re.match(r"((storage|loss) )?shear", name, re.IGNORECASE):
         return "G"
-    if re.match(r"tensile|young", name, re.IGNORECASE):
+    if re.match(r"((storage|loss) )?(tensile|young)", name, re.IGNORECASE):
         return "E"
-    behind = r"[_'*12(]|pp?\b|[ ]?(?:abs|stor|loss|relax|d?prime)"
+    behind = r"[_'*12(]|pp?\b|[ ]?(?:abs|stor|loss|relax|(?:d|double[_ -]?)?prime)|-(?:stor|loss)|\*?\)"
     match = re.search(rf"(?<![a-z])([ge])(?={behind})", name, re.IGNORECASE)
     match = match or re.match(r"\|?([GE])(?=[tT]\b)", name) or re.search(r"modulus ([GE])$", name, re.IGNORECASE)
     return match[1].upper() if match else ""
