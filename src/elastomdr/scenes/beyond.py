@@ -80,9 +80,8 @@ def rough_beyond(
     points, what = only.outside(rate, kelvin), list(only.findings(rate, kelvin))
     if outside is not None and (outside > _OUTSIDE).any():
         points = points | (outside > _OUTSIDE)
-        what.append(
-            f"up to {outside.max():.0%} of the mean square slope is excited beyond the frequencies of the material's data"
-        )
+        most = f"up to {outside.max():.0%} of the mean square slope"
+        what.append(f"{most} is excited beyond the frequencies of the material's data")
     if outside is None and known.temperature is None and not known.beyond:
         return NOT_KNOWN
     return told(points, "; ".join(what), known.illustrative, stacklevel + 1)
