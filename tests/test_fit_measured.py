@@ -12,9 +12,9 @@ import pytest
 
 import elastomdr as em
 from elastomdr.fit import FitWarning
-from elastomdr.fit.columns import Column
-from elastomdr.fit.misread import misread
-from elastomdr.fit.swapped import look_swapped, other_readings
+from elastomdr.fit.reading.columns import Column
+from elastomdr.fit.reading.misread import misread
+from elastomdr.fit.reading.swapped import look_swapped, other_readings
 
 DATA = Path(os.environ.get("ELASTOMDR_DATA", Path(__file__).parents[2] / "shared" / "data" / "dma"))
 LIBRARY = Path(__file__).parents[1] / "materials"

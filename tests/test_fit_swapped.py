@@ -9,7 +9,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.fit import FitWarning
-from elastomdr.fit.swapped import look_swapped, other_readings
+from elastomdr.fit.reading.swapped import look_swapped, other_readings
 
 from .dma_files import KNOWN, data, isotherms, measure, plain_csv, reptate, trios, two_rows
 

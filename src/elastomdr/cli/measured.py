@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from ..fit.friction_file import MeasuredFriction
+    from ..fit.reading.friction_file import MeasuredFriction
 
 
 def read_measured(path: Path) -> "MeasuredFriction":
     """The points of `em.fit.read_friction`; what it left out is said with the result. Raises `InputError`."""
     from ..fit.data import FitWarning
-    from ..fit.friction_file import read_friction
+    from ..fit.reading.friction_file import read_friction
 
     try:
         with warnings.catch_warnings():

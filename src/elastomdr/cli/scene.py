@@ -30,7 +30,7 @@ class Scene:
     shape: Any
     arguments: dict[str, Any]  # keyword arguments: velocity, load or depth, temperature, average, rtol
     rough: bool = False  # whether the scene has a [surface]
-    measured: Any = None  # points to draw, `fit.friction_file.MeasuredFriction`
+    measured: Any = None  # points to draw, `fit.reading.friction_file.MeasuredFriction`
     further: Further | None = None  # what a [warming] or a [conveyor] computes in place of the rolling resistance
 
 

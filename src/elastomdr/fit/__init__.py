@@ -5,12 +5,12 @@ from typing import Any
 
 _HOMES = {
     "data": ("Dma", "FitWarning", "dma", "relaxation", "join"),
-    "read": ("read_dma",),
+    "reading.dma_file": ("read_dma",),
     "master": ("MasterCurve", "master_curve"),
     "series": ("PronyFit", "prony"),
     "pipeline": ("MaterialFit", "material"),
     "cards": ("abaqus_card", "ansys_card", "plain_card"),
-    "friction_file": ("MeasuredFriction", "read_friction"),
+    "reading.friction_file": ("MeasuredFriction", "read_friction"),
     "grosch": ("FrictionMaster", "friction_master"),
     "calibration": ("Calibration", "calibrate"),
 }

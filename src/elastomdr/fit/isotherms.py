@@ -7,11 +7,11 @@ import numpy as np
 from ..errors import InputError
 from .data import Dma
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
-from .temperatures import untold
 
 _HOTTEST = 1500.0  # above which no DMA is run [K]
 _ALIKE = 1.3  # neighbours per independent point below which they count as independent
 _BIN = 4.0  # widest range of temperatures that still counts as one isotherm, where they run without a gap [K]
+_NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
 
 
 class Isotherms(NamedTuple):
@@ -123,3 +123,14 @@ def _correlation(points: Points, residuals: np.ndarray) -> float:
     pairs = [(residuals[at][1:] @ residuals[at][:-1], residuals[at] @ residuals[at]) for at in curves(points)]
     values = [both / max(one, 1e-300) for (both, one), at in zip(pairs, curves(points), strict=True) if at.size >= 5]
     return float(np.mean(values)) if values else 0.0
+
+
+def untold(rates: np.ndarray) -> str:
+    """What to do about points, of these frequencies or times, whose temperature is not known."""
+    if np.unique(np.log(rates).round(3)).size < _NEW * rates.size:
+        return (
+            "frequencies (or times) repeat, as in several isotherms; give each its own temperature, in a column, in a "
+            "line 'T = -20 degC' above its block, or in Python as join(read_dma(file, temperature=253.15), ...) from a "
+            "file each."
+        )
+    return "give it, with read_dma(..., temperature=293.15) or --temperature 20degC."

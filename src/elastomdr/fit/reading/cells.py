@@ -12,8 +12,8 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-from ..errors import InputError
-from ..files import read_bytes
+from ...errors import InputError
+from ...files import read_bytes
 
 _PATIENCE = 60  # seconds for a spreadsheet
 _LATIN = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7")  # what a Latin-1 file of measurements holds beyond ASCII

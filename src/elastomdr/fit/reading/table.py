@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
-from ..files import read_bytes
+from ...errors import InputError
+from ...files import read_bytes
 from .cells import Row, decode, separator_of, with_points
 from .headers import is_remark, titles
 

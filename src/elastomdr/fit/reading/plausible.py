@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from ..data import Dma
 from .columns import MODULI, Column, spelled
-from .data import Dma
 from .misread import moduli_roles
 
 _LARGEST = 3e10  # [Pa], above any polymer

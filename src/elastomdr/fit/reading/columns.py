@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..errors import InputError
+from ...errors import InputError
 from .logarithms import logarithm, other_logarithm
 
 _HZ = 2 * math.pi

@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ...errors import InputError
+from ..data import Dma
 from .cells import Row, number
 from .columns import MODULI, UNITS, Column, convert, is_complete, measure, per_second, spelled, unclear
-from .data import Dma
 from .duplicates import contradictions, preference, taken
 from .logarithms import antilogarithm
 from .misread import misread, moduli, moduli_roles

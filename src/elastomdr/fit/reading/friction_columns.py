@@ -2,7 +2,7 @@
 
 import re
 
-from ..errors import InputError
+from ...errors import InputError
 from .columns import checked_unit, known_unit
 from .logarithms import logarithm
 from .table import METRES, Table

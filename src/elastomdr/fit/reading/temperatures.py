@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ...errors import InputError
+from ..data import Dma, describe_list
+from ..isotherms import untold
 from .columns import convert, known_unit
-from .data import Dma, describe_list
 
 _UNIT = r"deg ?[CFcf]|°\s?[CF]|º\s?[CF]|℃|℉|K|C|kelvin|celsius"
 _PARTS = "step|block|set|sweep|run|curve|interval|segment|abschnitt|messung|experiment|stage"
@@ -24,7 +25,6 @@ _NUMBERED = re.compile(rf"\W*(?:{_PARTS})\s*\d+\s*[CK]\b", re.IGNORECASE)
 _LIKE_ONE = re.compile(r"\bt(?:emp\w*)?\s*[=:]|°|º|℃|deg ?[CF]\b|isotherm|\d\s*[KC]\b", re.IGNORECASE)
 _SAME = 0.5  # [K], within which two temperatures are one, rounded
 _LONGEST = 80  # characters of such a line
-_NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
 
 
 class Above(NamedTuple):
@@ -96,14 +96,3 @@ def advised(dma: Dma) -> Dma:
     rates = np.concatenate([dma.frequency, 1 / dma.time])[~known]
     text = f"{dma.source}: there is no temperature column, which shifting needs: {untold(rates)}"
     return replace(dma, warnings=(*dma.warnings, text))
-
-
-def untold(rates: np.ndarray) -> str:
-    """What to do about points, of these frequencies or times, whose temperature is not known."""
-    if np.unique(np.log(rates).round(3)).size < _NEW * rates.size:
-        return (
-            "frequencies (or times) repeat, as in several isotherms; give each its own temperature, in a column, in a "
-            "line 'T = -20 degC' above its block, or in Python as join(read_dma(file, temperature=253.15), ...) from a "
-            "file each."
-        )
-    return "give it, with read_dma(..., temperature=293.15) or --temperature 20degC."

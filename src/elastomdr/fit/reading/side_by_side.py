@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..errors import InputError
+from ...errors import InputError
+from ..data import Dma, join
 from .columns import Column, is_complete, measure
-from .data import Dma, join
 from .measurements import Block, Options
 
 _SHARED = {"time", "torque", "frequency", "omega"}  # that may stand once, before the columns that repeat

@@ -8,12 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from .._runtime import positive, scalar
-from ..errors import InputError, closest
+from ..._runtime import positive, scalar
+from ...errors import InputError, closest
+from ..data import KINDS, Dma, FitWarning, join
 from .blocks import blocks, with_named
 from .cells import Row, Sheet, number, read_cells
 from .columns import Column, checked_unit, is_complete, understand
-from .data import KINDS, Dma, FitWarning, join
 from .measurements import Block, Options, measurements
 from .plausible import implausible_temperatures
 from .refusal import no_columns

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from .._runtime import plain, positive
-from ..errors import InputError
-from ..mapping.measured import MeasuredSpectrum, from_spectrum
-from ..mapping.spectrum import check_convention
+from ..._runtime import plain, positive
+from ...errors import InputError
+from ...mapping.measured import MeasuredSpectrum, from_spectrum
+from ...mapping.spectrum import check_convention
 from .table import METRES, Table, read_table
 
 ANGULAR, CYCLES, WAVELENGTH = "2 pi/lambda", "1/lambda", "lambda"

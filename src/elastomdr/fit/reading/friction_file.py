@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import plain, positive
-from ..errors import InputError, closest
+from ..._runtime import plain, positive
+from ...errors import InputError, closest
+from ..data import FitWarning
 from .columns import checked_unit, convert, spelled
-from .data import FitWarning
 from .friction_columns import EXAMPLES, NAMES, checked_velocity, is_unit, known, per_second, role_of, with_units
 from .logarithms import LOGS, logarithm
 from .plausible import TEMPERATURES, kelvins_as_celsius

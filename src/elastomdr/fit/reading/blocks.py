@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from ..errors import InputError
+from ...errors import InputError
 from .cells import Row, Sheet, number
 from .columns import Column, is_complete, is_unit_row, named, understand
 from .headers import bare, is_numeric, titles, widths

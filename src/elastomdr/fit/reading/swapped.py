@@ -12,9 +12,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from ..isotherms import group
+from ..passive import closest
 from .columns import Column, spelled
-from .isotherms import group
-from .passive import closest
 
 _MISFIT = 0.1  # rms relative misfit as read above which the columns are suspect, if
 _CLOSER = 3.0  # another reading is so many times closer

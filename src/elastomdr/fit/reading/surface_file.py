@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from .._runtime import plain, positive
-from ..errors import InputError
-from ..files import read_bytes
-from ..mapping.measured import MeasuredSurface, from_map, from_profile
+from ..._runtime import plain, positive
+from ...errors import InputError
+from ...files import read_bytes
+from ...mapping.measured import MeasuredSurface, from_map, from_profile
 from .table import METRES, Table, read_table
 
 _LARGEST = 1e100  # [m]
