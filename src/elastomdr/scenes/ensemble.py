@@ -85,7 +85,7 @@ def _averaged_by_depth(ask: Ask, lines: list[RoughLine], solved: Solver) -> list
         each = every.mu.reshape(slowed.shape)
         mu = each @ rule.weights
         error = (
-            np.asarray(quadrature_error(mu, each @ rule.check, rule.tail))
+            np.asarray(quadrature_error(mu, each @ rule.half, each @ rule.quarter, rule.tail))
             + every.error.reshape(slowed.shape) @ rule.weights
         )
         runs.append(_Run(mu, error + own.cost * mu, own.load, own.depth, own.share, own.converged & np.isfinite(mu)))
@@ -116,7 +116,7 @@ def _average_of(ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]], every: Lin
         average = grid.weights @ curve
         mu[chosen] = np.where(broken, np.nan, average)
         error[chosen] = (
-            quadrature_error(average, grid.check @ curve, tail)
+            quadrature_error(average, grid.half @ curve, grid.quarter @ curve, tail)
             + interpolation_error(average, np.where(broken, np.nan, grid.lower @ curve))
             + np.abs(grid.weights) @ np.nan_to_num(every.error[part])
             + average * np.nanmax(every.cost[part], initial=0.0)

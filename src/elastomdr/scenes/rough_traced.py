@@ -43,8 +43,8 @@ def _one_line(line: RoughLine, law, velocity, value, control, rtol, average) -> 
     loads = jnp.broadcast_to(own.load[:, None], slowed.shape)
     every = solved(slowed.ravel(), loads.ravel(), "load")
     each = every.mu.reshape(slowed.shape)
-    mu, check = (each * rule.weights).sum(axis=1), (each * rule.check).sum(axis=1)
+    mu, half, quarter = ((each * weights).sum(axis=1) for weights in (rule.weights, rule.half, rule.quarter))
     sampled = (every.error.reshape(slowed.shape) * rule.weights).sum(axis=1)
-    error = quadrature_error(mu, check, rule.tail) + sampled
+    error = quadrature_error(mu, half, quarter, rule.tail) + sampled
     good = (own.good > 0) & (every.good.reshape(slowed.shape) > 0).all(axis=1)
     return Mean(mu, error, own.load, own.depth, own.share, good, None)

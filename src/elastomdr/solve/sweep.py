@@ -8,16 +8,20 @@ import numpy as np
 from jaxtyping import Float
 
 from .._runtime import Array, is_traced
-from ..mapping.direction import asymmetry, directions, interpolation_error, quadrature_error, shared_grid
+from ..mapping.direction import asymmetry, directions, interpolation_error, quadrature_error
 from ..mapping.lines import AbstractLines
+from ..mapping.shared_curve import SharedCurve, at_points, average, shared_curve
 from ..material.relaxation import Relaxation
 from .condense import condensed
 from .passage import Control, Passages, solve_passages
-from .plan import TRACED, Plan
+from .plan import TRACED, Plan, traced_level
 from .rule import Rule
 
 _ROUNDING = 1e-13  # relative, for what no estimate sees
 _CORRECTED = 6  # by which the correction for an asymmetric contact may enlarge the error of the average
+_LEVELS = 5  # how often the steps of an average are halved where its error asks for it
+_BENT = 3  # by which errors are enlarged where friction may bend, and its series converge by powers only
+_UNSEEN = 0.3  # of the tolerance: what directions of one velocity were off beyond their estimate, for r^3 to r^8
 _BATCH = 4096  # points solved at once, and
 _NUMBERS = 5_000_000  # of the largest array, 40 MB: both bound the memory
 
@@ -45,25 +49,35 @@ def run(
     law = condensed(law, plan.condensation)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
-        every = own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
+        own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
+        sunk = _sunk(lines, own)
         lossy = 0.0 if plan.elastic else 1.0
         mu, error, good, model_error = lossy * own.mu, lossy * own.error, own.converged, 0.0 * own.mu
     else:
         deep = _solve(plan, law, lines, "depth", value, velocity, rtol) if plan.control == "depth" else None
         load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
-        average = _shared if plan.shared else _direct
-        mu, error, good, every, own = average(plan, law, lines, load, velocity, rtol)
-        for finer in (rtol / 30, rtol / 1000):
-            if bool(np.all(error <= rtol * mu)) or not bool(np.all(good)):
+        averaged = _shared if plan.shared else _direct
+        mu, error, sampling, good, own, sunk = averaged(plan, law, lines, load, velocity, rtol, 0)
+        for level in range(1, _LEVELS + 1):
+            left = good & ~(error <= rtol * mu) & (sampling <= rtol * mu)
+            if not left.any():
                 break
-            mu, error, good, every, own = average(plan, law, lines, load, velocity, max(finer, 1e-15))
+            again = averaged(plan, law, lines, load[left], velocity[left], rtol, level)
+            mu[left], error[left], sampling[left], good[left] = again[:4]
+            _put(own, left, again[4])
+            sunk |= again[5]
         if deep is not None:
             own, good = deep, good & deep.converged
         mu, error, model_error = _against_half_space(plan, mu, error, own)
     error = error + mu * (plan.condensation.cost + _ROUNDING)
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
-    sunk = bool(np.any(~every.converged & (every.leading > 0.999 * np.asarray(lines.shape.largest_contact))))
     return Sweep(mu, error, own._replace(converged=good), model_error, sunk)
+
+
+def _sunk(lines: AbstractLines, passages: Passages) -> bool:
+    """Whether some load would need a wider contact than the shape has."""
+    largest = 0.999 * np.asarray(lines.shape.largest_contact)
+    return bool(np.any(~passages.converged & (passages.leading > largest)))
 
 
 def _against_half_space(plan: Plan, mu: Array, error: Array, own: Passages) -> tuple[Array, Array, Array]:
@@ -77,45 +91,86 @@ def _against_half_space(plan: Plan, mu: Array, error: Array, own: Passages) -> t
     return mu * factor, error, mu * factor * found.corrected
 
 
-def _shared(plan, law, lines, load, velocity, rtol):
-    """Velocities at the same load share one line curve, evenly spaced in log v."""
+def _shared(plan, law, lines, load, velocity, rtol, level):
+    """Velocities at the same load share one line curve, and where they are more than its nodes, its passages too."""
     loads, curve = np.unique(load, return_inverse=True)
-    grids = [shared_grid(velocity[curve == i], rtol) for i in range(loads.size)]
-    ends = np.cumsum([grid.velocity.size for grid in grids])
-    every_load = np.concatenate([np.repeat(loads, [grid.velocity.size for grid in grids]), load])
-    every_velocity = np.concatenate([grid.velocity for grid in grids] + [velocity])
+    chosen = [np.flatnonzero(curve == i) for i in range(loads.size)]
+    grids = [shared_curve(velocity[points], rtol, level) for points in chosen]
+    sizes = [grid.velocity.size for grid in grids]
+    few = [points for points, size in zip(chosen, sizes, strict=True) if points.size <= size]
+    alone = np.concatenate(few) if few else np.zeros(0, int)
+    every_load = np.concatenate([np.repeat(loads, sizes), load[alone]])
+    every_velocity = np.concatenate([grid.velocity for grid in grids] + [velocity[alone]])
     every = _solve(plan, law, lines, "load", every_load, every_velocity, rtol)
-    own = Passages(*(field[ends[-1] :] for field in every))
-    mu, error = np.empty_like(velocity), np.empty_like(velocity)
-    good = np.empty(velocity.shape, bool)
-    tail = directions(rtol).tail
-    for i, grid in enumerate(grids):
-        part = slice(ends[i] - grid.velocity.size, ends[i])
-        line, chosen = every.mu[part], curve == i
-        average = grid.weights @ line
-        sampling = np.abs(grid.weights) @ every.error[part]
-        reached = ~(np.abs(grid.weights) @ ~every.converged[part] > 0)
-        trusted = reached & (sampling <= rtol * average)  # points that failed say nothing of the others' interpolation
-        mu[chosen] = average
-        error[chosen] = (
-            quadrature_error(average, grid.check @ line, tail)
-            + interpolation_error(average, np.where(trusted, grid.lower @ line, np.nan))
-            + sampling
-        )
-        good[chosen] = reached
-    return mu, error, good & own.converged, every, own
+    own = Passages(*(np.zeros(load.shape, field.dtype) for field in every))
+    _put(own, alone, Passages(*(field[sum(sizes) :] for field in every)))
+    mu, error, sampling = (np.empty_like(velocity) for _ in range(3))
+    good, left = np.zeros(load.shape, bool), np.zeros(load.shape, bool)
+    tail, start = directions(rtol, level).tail, 0
+    for points, grid, size in zip(chosen, grids, sizes, strict=True):
+        line = Passages(*(field[start : start + size] for field in every))
+        start += size
+        safety = _BENT if plan.bends else 1
+        mu[points], error[points], sampling[points], good[points] = _averaged(grid, line, rtol, tail, safety)
+        if points.size > size:
+            read, precise = _read_off(grid, line, rtol)
+            _put(own, points, read._replace(converged=good[points]))
+            left[points] = good[points] & ~precise
+    if left.any():
+        _put(own, left, _solve(plan, law, lines, "load", load[left], velocity[left], rtol))
+    return mu, error, sampling, good & own.converged, own, _sunk(lines, every)
 
 
-def _direct(plan, law, lines, load, velocity, rtol):
+def _put(whole: Passages, points: np.ndarray, part: Passages) -> None:
+    for field, values in zip(whole, part, strict=True):
+        field[points] = values
+
+
+def _averaged(
+    grid: SharedCurve, line: Passages, rtol: float, tail: float, safety: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """The direction average of a line curve at the points, its error, how much of it is that of the line's solutions,
+    and whether what it uses has converged."""
+    weight, kernel = np.abs(grid.local), np.abs(grid.kernel)
+    means = average(line.mu, grid.kernel)
+    power = 2 if safety == 1 else 1
+    checked = quadrature_error(means, average(line.mu, grid.half), average(line.mu, grid.quarter), tail, power)
+    mu = at_points(means, grid.near, grid.local)
+    lower = at_points(average(line.mu, grid.lower), grid.near, grid.coarse)
+    sampling = at_points(average(line.error, kernel), grid.near, weight)
+    reached = ~(at_points(average((~line.converged).astype(float), kernel), grid.near, weight) > 0)
+    trusted = reached & (sampling <= rtol * mu)  # points that failed say nothing of the others' interpolation
+    # An error that is small by chance at one velocity is not at all of its neighbours.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        relative = np.nan_to_num(checked / means)[grid.near].max(axis=1)
+    interpolated = interpolation_error(mu, np.where(trusted, lower, np.nan))
+    return mu, safety * (mu * relative + interpolated) + sampling, sampling, reached
+
+
+def _read_off(grid: SharedCurve, line: Passages, rtol: float) -> tuple[Passages, np.ndarray]:
+    """Each point's own passage from a line curve, and where all of it is known to `rtol`."""
+    positive = np.stack(line[:-2], axis=1)[grid.means]
+    logs = np.log(np.where(positive > 0, positive, np.nan))  # an edge at the apex is solved for
+    fine, coarse = (at_points(logs, grid.near, weights) for weights in (grid.local, grid.coarse))
+    error = at_points(np.asarray(line.error)[grid.means], grid.near, np.abs(grid.local))
+    unsure = np.abs(fine - coarse)
+    known = np.isfinite(unsure).all(axis=1)
+    precise = known & (3 * unsure[known].max(initial=0.0) <= rtol)
+    return Passages(*[*np.exp(fine).T, error, known]), precise
+
+
+def _direct(plan, law, lines, load, velocity, rtol, level):
     """Every velocity has its own directions: for few points, or where each has its own load."""
-    rule = directions(rtol)
+    rule = directions(rtol, level)
     slowed = velocity[:, None] * rule.cosines
     every = _solve(plan, law, lines, "load", np.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel(), rtol)
     every = Passages(*(field.reshape(slowed.shape) for field in every))
-    own = Passages(*(field[:, 0] for field in every))  # the first direction is the motion itself
+    own = Passages(*(field[:, 0].copy() for field in every))  # the first direction is the motion itself
     mu = every.mu @ rule.weights
-    error = quadrature_error(mu, every.mu @ rule.check, rule.tail) + every.error @ rule.weights
-    return mu, error, every.converged.all(axis=1), every, own
+    sampling = every.error @ rule.weights
+    unseen = rule.tail + _UNSEEN * rtol
+    error = quadrature_error(mu, every.mu @ rule.half, every.mu @ rule.quarter, unseen) + sampling
+    return mu, error, sampling, every.converged.all(axis=1), own, _sunk(lines, every)
 
 
 def _solve(
@@ -179,15 +234,16 @@ def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, vel
         lossy = 0.0 if plan.elastic else 1.0
         mu, error, good, model_error = lossy * own.mu, lossy * own.error, own.converged, 0.0 * own.mu
     else:
-        average = directions(plan.rtol * TRACED)
+        around = directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends))
         load = value if plan.control == "load" else solve("depth", value, velocity).normal_force
-        slowed = velocity[:, None] * average.cosines
+        slowed = velocity[:, None] * around.cosines
         every = solve("load", jnp.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel())
         every = Passages(*(field.reshape(slowed.shape) for field in every))
         own = Passages(*(field[:, 0] for field in every))  # the first direction is the motion itself
-        mu = every.mu @ average.weights
-        relative = jnp.abs(every.mu @ average.check / mu - 1)
-        error = mu * (0.1 * relative**2 + average.tail) + every.error @ average.weights
+        mu = every.mu @ around.weights
+        unseen = around.tail + _UNSEEN * TRACED * plan.rtol
+        quadrature = quadrature_error(mu, every.mu @ around.half, every.mu @ around.quarter, unseen)
+        error = quadrature + every.error @ around.weights
         good = every.converged.all(axis=1)
         mu, error, model_error = _against_half_space(plan, mu, error, own)
     error = jax.lax.stop_gradient(error + mu * _ROUNDING)

@@ -1,0 +1,72 @@
+"""The direction average of many velocities at one load, from one line curve.
+
+Line solutions stand on a grid even in log v. There the average is a convolution with one kernel, the same at every
+node, since directions are factors of the velocity; and the average, as smooth as the line's curve, is interpolated to
+the velocities asked for. Where a line solution costs much, `direction.shared_grid` does with fewer of them.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from .._runtime import Array
+from .direction import STENCIL, directions, lagrange, spacing
+
+_MARGIN = STENCIL // 2
+
+
+class SharedCurve(NamedTuple):
+    """A line curve and what it takes to average and to interpolate it."""
+
+    velocity: Float[np.ndarray, " nodes"]  # of the line solutions [m/s]
+    kernel: Float[np.ndarray, " width"]  # `average` of the line's friction at the means, a part of the nodes
+    half: Float[np.ndarray, " width"]  # the same with every second direction
+    quarter: Float[np.ndarray, " width"]  # and with every fourth
+    lower: Float[np.ndarray, " width"]  # the same with interpolation of lower order
+    means: slice  # which nodes the averages belong to
+    near: Int[np.ndarray, "points stencil"]  # the means about each velocity
+    local: Float[np.ndarray, "points stencil"]  # and their weights
+    coarse: Float[np.ndarray, "points stencil"]  # the same of lower order
+
+
+def shared_curve(velocity: Float[np.ndarray, " points"], rtol: float, level: int = 0) -> SharedCurve:
+    """The grid for velocities [m/s] at one load, to a relative error of about `rtol`; `level` halves it as often."""
+    rule, step = directions(rtol, level), spacing(rtol) / 2**level
+    place = np.log(velocity) / step
+    shift = np.log(rule.cosines) / step  # of the directions, down the grid
+    first, last = math.floor(place.min()) - _MARGIN + 1, math.floor(place.max()) + _MARGIN
+    below = _MARGIN - 1 - math.floor(shift.min())  # nodes of the kernel below its own
+    width = below + _MARGIN + 1
+
+    def kernel(stencil: int, weights: np.ndarray) -> np.ndarray:
+        index, local = lagrange(shift + below, stencil)
+        return np.bincount(index.ravel(), (local * weights[:, None]).ravel(), width)
+
+    index, local = lagrange(place - first, STENCIL)
+    coarse = np.pad(lagrange(place - first, STENCIL - 2)[1], ((0, 0), (1, 1)))
+    return SharedCurve(
+        np.exp(step * np.arange(first - below, last + _MARGIN + 1)),
+        kernel(STENCIL, rule.weights), kernel(STENCIL, rule.half), kernel(STENCIL, rule.quarter),
+        kernel(STENCIL - 2, rule.weights), slice(below, below + last - first + 1), index, local, coarse,
+    )  # fmt: skip
+
+
+def shared_curve_size(velocity: Float[np.ndarray, " points"], rtol: float) -> int:
+    """Number of line solutions that `shared_curve` asks for, to within two."""
+    span = math.log(velocity.max() / velocity.min()) - math.log(directions(rtol).cosines[-1])
+    return math.ceil(span / spacing(rtol)) + 2 * STENCIL - 1
+
+
+def average(line: Float[Array, " nodes"], kernel: Float[np.ndarray, " width"]) -> Float[np.ndarray, " means"]:
+    """The direction average of a line curve at the means."""
+    return np.correlate(np.asarray(line), kernel, "valid")
+
+
+def at_points(
+    values: Float[np.ndarray, " means *n"], near: Int[np.ndarray, "points stencil"],
+    weights: Float[np.ndarray, "points stencil"],
+) -> Float[np.ndarray, " points *n"]:  # fmt: skip
+    """Values at the means, interpolated to the velocities asked for."""
+    return np.einsum("ps,ps...->p...", weights, values[near])
