@@ -28,6 +28,7 @@ _NEAREST_EXIT = 1e-15  # b/a below which contact is lost at the apex itself (a k
 _ITERATIONS = 60  # after which a point is given up
 _MET = 1e-3  # relative miss of the load from which Newton's last step gets home
 _FAR = 1e-6  # relative distance of two values from which their difference gives a slope
+_ROUNDING = 1e-12  # relative to the slope of an elastic contact, below which a slope is rounding
 _NEAR = 1e-3  # b/a below which the search halves its logarithm
 _TIGHT, _LOOSE = 1e-9, 1e-6  # steps at which the searches stop; Newton's last step squares what error is left
 
@@ -153,14 +154,19 @@ def _mean_modulus(p: Passage, size: Array) -> Array:
     return p.law.equilibrium + jnp.sum(branches, axis=0) + p.law.viscosity / passage
 
 
+def _elastic_slope(p: Passage, size: Array) -> Array:
+    """Derivative of the exit density by b/a, about, in a contact that loses nothing."""
+    entry = p.lines.entry(size)
+    line = jnp.arange(p.lines.count)[:, None]
+    return -_mean_modulus(p, size) * entry * p.lines.slope(0.8 * entry, size, line)
+
+
 def _exits(p: Passage, size: Array, ratio: Array, factor: Array) -> tuple[Array, Array, Array]:
     """Trailing edges b/a at given contact sizes, all lines at once: the secant method inside a shrinking bracket.
 
     It starts with `factor` times the slope of an elastic contact, and returns the factor that it ended with.
     """
-    entry = p.lines.entry(size)
-    line = jnp.arange(p.lines.count)[:, None]
-    elastic = -_mean_modulus(p, size) * entry * p.lines.slope(0.8 * entry, size, line)
+    elastic = _elastic_slope(p, size)
 
     def density(ratio):
         return exit_density(p, size, ratio)
@@ -253,7 +259,8 @@ def _edges(p: Passage, value: Array, found: _Found, control: Control) -> tuple[A
         reached = p.lines.depth(size)
     step = _small((value - reached) / found.reached_size, size)
     # Where both edges agree to rounding, a kink (a cone) has no slope there: the edge stays as it was found.
-    pinned = (ratio <= 2 * _NEAREST_EXIT) | (found.density_ratio >= 0)
+    nothing = _ROUNDING * jax.lax.stop_gradient(_elastic_slope(p, size))
+    pinned = (ratio <= 2 * _NEAREST_EXIT) | (found.density_ratio >= nothing)
     slope = jnp.where(pinned, 1.0, found.density_ratio)
     ratio_step = -(density + found.density_size * step) / slope
     room = 1e-3 * jnp.minimum(ratio, 1 - ratio) + 1e-13

@@ -38,7 +38,7 @@ class Plan:
     branch_times: tuple[float, ...] | None  # relaxation times [s]; None while JAX traces
     directions: int  # directions per velocity
     shared: bool  # velocities share line solutions, one grid per load and temperature-shifted curve
-    solutions: int  # line solutions to be computed, to within one per curve
+    solutions: int  # line solutions to begin with; where the error asks for it a curve gets twice as many, and so on
     temperatures: int  # different temperatures asked for
     passing: tuple[float, float] | None = None  # lowest and highest 2 v a_T/a, roughly [rad/s]; None while JAX traces
     range: Range | None = None  # where the material's numbers hold; None: not known
@@ -97,7 +97,7 @@ def make_plan(
         # Under a depth each point has its own load, which is not known yet.
         curves = [velocity[value == x] for x in np.unique(value)] if control == "load" else velocity[:, None]
         nodes = [shared_curve_size(v, rtol) for v in curves]
-        with_grid = sum(n + min(v.size, n) for n, v in zip(nodes, curves, strict=True))
+        with_grid = sum(n + v.size * (v.size <= n) for n, v in zip(nodes, curves, strict=True))
         if bends or (skip and with_grid < plan.solutions):
             plan = dataclasses.replace(plan, shared=True, solutions=with_grid)
     times = tuple(float(t) for t in np.asarray(law.times))
@@ -195,6 +195,10 @@ def _directions(plan: Plan) -> str:
     if plan.shared:
         alone = plan.points * plan.directions
         if plan.solutions >= alone:
-            return f"{each}, from a line curve for each load, since friction may bend: {plan.solutions} line solutions"
-        return f"{each}; velocities share one line curve per load: {plan.solutions} line solutions instead of {alone}"
+            return (
+                f"{each}, from a line curve for each load, since friction may bend: {plan.solutions} line solutions, "
+                "more where it does"
+            )
+        text = f"{each}; velocities share one line curve per load: {plan.solutions} line solutions instead of {alone}"
+        return f"{text}, more where friction bends" if plan.bends else text
     return f"{each}: {plan.solutions} line solutions"
