@@ -70,3 +70,17 @@ def at_points(
 ) -> Float[np.ndarray, " points *n"]:  # fmt: skip
     """Values at the means, interpolated to the velocities asked for."""
     return np.einsum("ps,ps...->p...", weights, values[near])
+
+
+def between_orders(
+    values: Float[np.ndarray, "means fields"], near: Int[np.ndarray, "points stencil"]
+) -> Float[np.ndarray, " points"]:
+    """How far interpolation is from that of lower order about each point, the largest of all fields.
+
+    Taken in the middle of the interval of each point and of both beside it, since it may vanish by chance at a point.
+    """
+    (fine,), (coarse,) = (lagrange(np.array([_MARGIN - 0.5]), stencil)[1] for stencil in (STENCIL, STENCIL - 2))
+    windows = np.lib.stride_tricks.sliding_window_view(values, STENCIL, axis=0)
+    off = np.abs(windows @ (fine - np.pad(coarse, 1))).max(axis=1)
+    padded = np.pad(off, 1, "edge")
+    return np.max([padded[:-2], off, padded[2:]], axis=0)[near[:, 0]]

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from .._runtime import Array, is_traced
 from ..mapping.direction import asymmetry, directions, interpolation_error, quadrature_error
 from ..mapping.lines import AbstractLines
-from ..mapping.shared_curve import SharedCurve, at_points, average, shared_curve
+from ..mapping.shared_curve import SharedCurve, at_points, average, between_orders, shared_curve
 from ..material.relaxation import Relaxation
 from .condense import condensed
 from .passage import Control, Passages, solve_passages
@@ -151,10 +151,9 @@ def _read_off(grid: SharedCurve, line: Passages, rtol: float) -> tuple[Passages,
     """Each point's own passage from a line curve, and where all of it is known to `rtol`."""
     positive = np.stack(line[:-2], axis=1)[grid.means]
     logs = np.log(np.where(positive > 0, positive, np.nan))  # an edge at the apex is solved for
-    fine, coarse = (at_points(logs, grid.near, weights) for weights in (grid.local, grid.coarse))
+    fine = at_points(logs, grid.near, grid.local)
     error = at_points(np.asarray(line.error)[grid.means], grid.near, np.abs(grid.local))
-    # One field's difference may pass through zero, that of all of them only at a node, where nothing is off.
-    precise = 3 * np.abs(fine - coarse).max(axis=1) <= rtol
+    precise = 3 * between_orders(logs, grid.near) <= rtol
     return Passages(*[*np.exp(fine).T, error, precise]), precise
 
 
