@@ -1,4 +1,4 @@
-"""Has anything become slower or worse? What `results/` records now against what is committed.
+"""Has anything become slower or worse? Compares what `results/` records now with what is committed.
 
     python benchmarks/run_all.py && python benchmarks/check.py [--against REVISION]
 
@@ -13,7 +13,6 @@ import json
 import math
 import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
 from common import RESULTS, table
@@ -31,17 +30,16 @@ def figures(record: dict[str, Any]) -> dict[str, tuple[float, bool, bool]]:
     }
 
 
-def recorded(path: Path, revision: str) -> dict[str, Any]:
+def recorded(name: str, revision: str) -> dict[str, Any]:
     """A result as it was committed, or an empty record."""
-    shown = subprocess.run(
-        ["git", "show", f"{revision}:./{path.name}"], cwd=path.parent, capture_output=True, text=True, check=False
-    )
+    command = ["git", "show", f"{revision}:./{name}"]
+    shown = subprocess.run(command, cwd=RESULTS, capture_output=True, text=True, check=False)
     return json.loads(shown.stdout) if shown.returncode == 0 else {}
 
 
 def committed(revision: str) -> set[str]:
     """Names of the records of a revision."""
-    command = ["git", "ls-tree", "--name-only", revision, "./"]
+    command = ["git", "ls-tree", "-r", "--name-only", revision, "./"]
     shown = subprocess.run(command, cwd=RESULTS, capture_output=True, text=True, check=True)
     return {name for name in shown.stdout.split("\n") if name.endswith(".json")}
 
@@ -51,21 +49,22 @@ def main() -> int:
     options.add_argument("--against", default="HEAD")
     revision = options.parse_args().against
     rows, compared = [], 0
-    present = {path.name for path in RESULTS.glob("*.json")}
-    for path in (RESULTS / name for name in sorted(present | committed(revision))):
-        before = figures(recorded(path, revision))
-        now = figures(json.loads(path.read_text())) if path.name in present else {}
-        if path.name not in present:
-            rows.append((path.stem, "the record", float("nan"), float("nan"), "gone"))
+    present = {path.relative_to(RESULTS).as_posix() for path in RESULTS.rglob("*.json")}
+    for file in sorted(present | committed(revision)):
+        benchmark = file.removesuffix(".json")
+        before = figures(recorded(file, revision))
+        now = figures(json.loads((RESULTS / file).read_text())) if file in present else {}
+        if file not in present:
+            rows.append((benchmark, "the record", float("nan"), float("nan"), "gone"))
         for name, (old, more, _) in before.items():
             compared += 1
             if name not in now:
-                rows.append((path.stem, name, old, float("nan"), "gone"))
+                rows.append((benchmark, name, old, float("nan"), "gone"))
                 continue
             new, _, met = now[name]
             bad = new < old - THIRD * abs(old) if more else new > 1.5 * old and not met
             if bad or (math.isnan(new) and not math.isnan(old)):
-                rows.append((path.stem, name, old, new, "fallen"))
+                rows.append((benchmark, name, old, new, "fallen"))
     fallen = len(rows)
     if rows:
         table(("benchmark", "figure", "recorded", "now", ""), rows)

@@ -1,28 +1,96 @@
-"""How long until the first figure? Import, help and the shipped scene, each from a cold process.
+"""How long until the first number? Every case in a process of its own, with no cache of compiled code.
 
     python benchmarks/cold_start.py
 
-The scene is run with every cache of the user empty (compiled code, and matplotlib's list of fonts), with only the cache
-of compiled code empty, and with both filled. Times are the least of the repeats, memory is the largest.
+Wall-clock times are the median of five processes, from their start to their end. Of each first call the shares are
+given: what is computed (the time of the same call again), what JAX traces and compiles (as JAX reports it), what is
+drawn, and the rest, which is the start of Python and imports.
 """
 
 import os
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from common import heading, plt, save, table, verdict
 
-SCENE = Path(__file__).parents[1] / "examples" / "scenes" / "slider.toml"
-IMPORT = """
+SCENES = Path(__file__).parents[1] / "examples" / "scenes"
+REPEATS = 5
+SHARES = ("import", "tracing", "compiling", "computing", "drawing")
+
+RUBBER = "em.Prony(1e6, np.geomspace(1e8, 1e6, 16), np.logspace(-7, 2, 16), poisson=0.4)"
+VELOCITIES = "np.logspace(-5, 1, 64)"
+ROAD = "em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=1e6)"
+
+
+class Case(NamedTuple):
+    """A call, the most that its first number may take [s], and whether JAX computes it."""
+
+    name: str
+    call: str
+    target: float
+    jax: bool = False
+
+
+CASES = (
+    Case("friction of a ball", f"em.friction({RUBBER}, em.Sphere(5e-3), velocity={VELOCITIES}, load=1.0)", 0.8),
+    Case("friction of a cone", f"em.friction({RUBBER}, em.Cone(0.1), velocity={VELOCITIES}, load=1.0)", 0.8),
+    Case(
+        "rolling of a roller",
+        f"em.rolling(em.layer({RUBBER}, 1e-2), em.Cylinder(0.05, 0.5), velocity={VELOCITIES}, load=100.0)",
+        0.8,
+    ),
+    Case("a road by Multiscale", f"em.friction({RUBBER}, {ROAD}, velocity={VELOCITIES}, pressure=3e5)", 0.8),
+    Case("indent", f"em.indent({RUBBER}, em.Sphere(5e-3), time=[0, 1, 2], depth=[0, 1e-4, 0])", 3.0, True),
+    Case("impact", f"em.impact({RUBBER}, em.Sphere(5e-3), mass=1e-3, velocity=1.0)", 3.0, True),
+    Case(
+        "gradient of the README",
+        "jax.grad(lambda modulus: em.friction(em.StandardSolid(1e6, modulus, 1e-3), em.Paraboloid(5e-3), "
+        "velocity=1.0, load=1.0).mu)(3e6)",
+        4.0,
+        True,
+    ),
+)
+LISTENER = """
+import jax, jax.monitoring
+def listen(name, seconds, **_):
+    for share in ("trace", "compile"):
+        if share in name.rpartition("/")[2]: shares[share] += seconds
+jax.monitoring.register_event_duration_secs_listener(listen)
+jax.config.update("jax_enable_x64", True)
+"""
+CHILD = """
+import time
+shares = {{"trace": 0.0, "compile": 0.0}}
+{listener}
+import numpy as np
+import elastomdr as em
+call = lambda: {call}
+start = time.perf_counter(); call(); first = time.perf_counter() - start
+told = dict(shares)
+start = time.perf_counter(); call(); again = time.perf_counter() - start
+import sys
+print(told["trace"], told["compile"], again, *sorted({{"jax", "scipy", "matplotlib"}} & set(sys.modules)))
+"""
+COMMAND = """
 import sys, time
-start = time.perf_counter()
-import elastomdr
-print(time.perf_counter() - start, *sorted({"jax", "matplotlib"} & set(sys.modules)))
+import elastomdr.cli.main as command
+from elastomdr.results import curve
+drawn, png = [0.0], curve.AbstractCurve.png
+def timed(*arguments, **options):
+    start = time.perf_counter()
+    image = png(*arguments, **options)
+    drawn[0] += time.perf_counter() - start
+    return image
+curve.AbstractCurve.png = timed
+status = command.main(sys.argv[1:])
+print(drawn[0], "jax" in sys.modules)
+sys.exit(status)
 """
 
 
@@ -30,87 +98,102 @@ class Process(NamedTuple):
     """What a process took and printed."""
 
     wall: float  # [s]
-    memory: float  # peak resident memory [MB], at least that of this script; NaN where the system does not tell
-    output: str
+    cpu: float  # [s]; NaN where the system does not tell
+    memory: float  # peak resident memory [MB], at least that of this script; likewise
+    last: list[str]  # the words of the last line
 
 
-def run(command: list[str], repeats: int, **variables: str) -> Process:
-    """The least time and the largest memory of a command over the repeats, with environment variables added."""
-    environment = {k: v for k, v in os.environ.items() if k not in ("JAX_COMPILATION_CACHE_DIR", "MPLCONFIGDIR")}
-    return _best([_once(command, environment | variables) for _ in range(repeats)])
-
-
-def _best(runs: list[Process]) -> Process:
-    return Process(min(r.wall for r in runs), max(r.memory for r in runs), runs[-1].output)
-
-
-def _once(command: list[str], environment: dict[str, str]) -> Process:
+def run(code: str, *arguments: str, **variables: str) -> Process:
+    """One new process of Python."""
+    dropped = ("JAX_COMPILATION_CACHE_DIR", "MPLCONFIGDIR")
+    environment = {k: v for k, v in os.environ.items() if k not in dropped} | variables
     with tempfile.TemporaryFile("w+") as output:
         start = time.perf_counter()
+        command = [sys.executable, "-c", code, *arguments]
         process = subprocess.Popen(command, env=environment, stdout=output, stderr=subprocess.STDOUT)
-        memory = float("nan")
+        cpu = memory = float("nan")
         if hasattr(os, "wait4"):
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
             memory = usage.ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
-        wall = time.perf_counter() - start if process.wait() == 0 else float("nan")
+            cpu = usage.ru_utime + usage.ru_stime
+        process.wait()
+        wall = time.perf_counter() - start
         output.seek(0)
         text = output.read()
     if process.returncode != 0:
-        raise SystemExit(f"{' '.join(command)} failed with exit status {process.returncode}:\n{text}")
-    return Process(wall, memory, text)
+        raise SystemExit(f"{code}\nfailed with exit status {process.returncode}:\n{text}")
+    lines = text.splitlines() or [""]
+    return Process(wall, cpu, memory, lines[-1].split())
 
 
-def scene_from_cold(repeats: int) -> dict[str, Process]:
-    """`elastomdr friction slider.toml` with all caches empty, with the compiled-code cache empty, with both filled."""
-    found: dict[str, list[Process]] = {"all caches empty": [], "compiled-code cache empty": [], "caches filled": []}
-    for _ in range(repeats):
-        with tempfile.TemporaryDirectory() as folder:
-            for name in found:
-                if name == "compiled-code cache empty":
-                    shutil.rmtree(Path(folder) / "elastomdr")
-                command = [elastomdr(), "friction", str(SCENE), "--out", str(Path(folder) / "out")]
-                found[name].append(run(command, 1, XDG_CACHE_HOME=folder, LOCALAPPDATA=folder))
-    return {name: _best(runs) for name, runs in found.items()}
+def median(runs: list[Process]) -> Process:
+    """The process of the median time, with the median processor time and the largest memory."""
+    middle = sorted(runs, key=lambda one: one.wall)[len(runs) // 2]
+    return middle._replace(cpu=statistics.median(r.cpu for r in runs), memory=max(r.memory for r in runs))
 
 
-def elastomdr() -> str:
-    """The installed command that belongs to this Python."""
-    command = shutil.which("elastomdr", path=str(Path(sys.executable).parent)) or shutil.which("elastomdr")
-    if command is None:
-        raise SystemExit("the command elastomdr is not installed")
-    return command
+def first_number(case: Case) -> tuple[dict[str, Any], Process]:
+    """A case in new processes: its row, and the median process."""
+    found = median([run(CHILD.format(listener=LISTENER if case.jax else "", call=case.call)) for _ in range(REPEATS)])
+    trace, compiling, again = map(float, found.last[:3])
+    wall = found.wall - again  # the call is made twice
+    shares = (max(wall - trace - compiling - again, 0.0), trace, compiling, again, 0.0)
+    return _row(case.name, wall, found, shares, found.last[3:]), found._replace(wall=wall)
+
+
+def scene(name: str) -> tuple[dict[str, Any], Process]:
+    """`elastomdr friction` with its table and its figure, matplotlib's list of fonts being known."""
+    with tempfile.TemporaryDirectory() as folder:
+        where = {"XDG_CACHE_HOME": folder, "LOCALAPPDATA": folder}
+        argv = ("friction", str(SCENES / name), "--out", str(Path(folder) / "out"))
+        run(COMMAND, *argv, **where)
+        runs = []
+        for _ in range(REPEATS):
+            shutil.rmtree(Path(folder) / "elastomdr", ignore_errors=True)
+            runs.append(run(COMMAND, *argv, **where))
+    found = median(runs)
+    drawing = float(found.last[0])
+    shares = (found.wall - drawing, 0.0, 0.0, 0.0, drawing)
+    loaded = ["jax"] * (found.last[1] == "True") + ["matplotlib"]
+    return _row(f"elastomdr friction {name}", found.wall, found, shares, loaded), found
+
+
+def _row(name: str, wall: float, found: Process, shares: tuple[float, ...], loaded: list[str]) -> dict[str, Any]:
+    columns = {"case": name, "wall [s]": wall, "processor [s]": found.cpu, "memory [MB]": found.memory}
+    return columns | {f"{k} [s]": v for k, v in zip(SHARES, shares, strict=True)} | {"loads": " ".join(loaded) or "-"}
 
 
 def main() -> None:
-    record = heading("Cold start: from a new process to the answer", f"scene: examples/scenes/{SCENE.name}")
-    bare = run([sys.executable, "-c", "pass"], 5)
-    imports = [run([sys.executable, "-c", IMPORT], 1).output.split() for _ in range(7)]
-    importing, loaded = min(float(words[0]) for words in imports), imports[-1][1:]
-    usage = run([elastomdr(), "--help"], 7)
-    scene = scene_from_cold(3)
-    rows = [("python -c pass", bare.wall, float("nan")), ("elastomdr --help", usage.wall, float("nan"))]
-    rows += [(f"elastomdr friction, {name}", found.wall, found.memory) for name, found in scene.items()]
-    record["processes"] = table(("process", "wall [s]", "peak memory [MB]"), rows)
-    print(f"\n  import elastomdr loads of jax and matplotlib: {' '.join(loaded) or 'neither'}")
-    memory = max(found.memory for found in scene.values())
-    record["loaded by import"] = loaded
-    record["figures"] = [
-        verdict("import elastomdr", importing, 0.3, " s"),
-        verdict("elastomdr --help", usage.wall, 0.3, " s"),
-        verdict("scene, compiled-code cache empty", scene["compiled-code cache empty"].wall, 12, " s"),
-        verdict("scene, caches filled", scene["caches filled"].wall, 4, " s"),
-        verdict("peak memory", memory, 700, " MB"),
-    ]
-    figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
-    names = [row[0] for row in rows] + ["import elastomdr"]
-    times = [row[1] for row in rows] + [importing]
-    bars = ax.barh(names, times)
-    targets = {"elastomdr --help": 0.3, "import elastomdr": 0.3}
-    targets |= {"elastomdr friction, compiled-code cache empty": 12, "elastomdr friction, caches filled": 4}
-    ax.plot(list(targets.values()), list(targets), "k|", ms=14, label="target")
-    ax.bar_label(bars, fmt="%.2f s", label_type="center", color="w", fontsize=8)
-    ax.set(xlabel="wall-clock time [s]", xscale="log", xlim=(None, 40), title="Cold start")
+    record = heading("Cold start: from a new process to the answer", f"median of {REPEATS} processes, no cache")
+    bare = median([run("pass") for _ in range(REPEATS)])
+    imported = median([run("import elastomdr") for _ in range(REPEATS)])
+    usage = median([run("from elastomdr.cli.main import main; main(['--help'])") for _ in range(REPEATS)])
+    rows, figures = (
+        [],
+        [
+            verdict("import elastomdr", imported.wall - bare.wall, 0.1, " s"),
+            verdict("elastomdr --help", usage.wall, 0.1, " s"),
+        ],
+    )
+    for case in CASES:
+        row, found = first_number(case)
+        rows.append(row)
+        of_processor = case.name.startswith("gradient")
+        took, unit = (found.cpu, " s of processor") if of_processor else (found.wall, " s")
+        figures.append(verdict(case.name, took, case.target, unit))
+    row, found = scene("slider.toml")
+    rows.append(row)
+    figures.append(verdict(str(row["case"]), found.wall, 1.5, " s"))
+    record["processes"] = table(tuple(rows[0]), [tuple(row.values()) for row in rows])
+    record["figures"] = figures
+    figure, ax = plt.subplots(figsize=(8, 4), layout="constrained")
+    names, left = [row["case"] for row in rows], [0.0] * len(rows)
+    for share in SHARES:
+        width = [row[f"{share} [s]"] for row in rows]
+        ax.barh(names, width, left=left, label=share)
+        left = [a + b for a, b in zip(left, width, strict=True)]
+    ax.set(xlabel="wall-clock time [s]", title="From a new process to the first number")
     ax.invert_yaxis()
     ax.legend()
     save("cold_start", record, figure)

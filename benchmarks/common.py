@@ -82,9 +82,10 @@ def verdict(name: str, measured: float, target: float, unit: str = "", *, least:
 
 
 def save(name: str, record: dict[str, Any], figure: Any = None) -> None:
-    """Writes `results/NAME.json` and, with a figure, `results/NAME.png`."""
-    RESULTS.mkdir(exist_ok=True)
-    (RESULTS / f"{name}.json").write_text(json.dumps(record, indent=1, default=_plain) + "\n")
+    """Writes `results/NAME.json` and, with a figure, `results/NAME.png`; NAME may begin with a folder."""
+    path = RESULTS / f"{name}.json"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(record, indent=1, default=_plain) + "\n")
     if figure is not None:
         figure.savefig(RESULTS / f"{name}.png", dpi=150)
         plt.close(figure)

@@ -31,7 +31,7 @@ CELL = 8 * np.cbrt(0.75 * RADIUS * LOAD / RELAXED)
 
 
 def exact(time: np.ndarray) -> np.ndarray:
-    return np.cbrt(0.75 * RADIUS * LOAD * RUBBER.creep(time))
+    return np.cbrt(0.75 * RADIUS * LOAD * RUBBER.creep_compliance(time))
 
 
 def surface(n: int) -> np.ndarray:

@@ -1,14 +1,14 @@
-"""How well a fit foretells what it has not seen: rows held out, and whole isotherms left out.
+"""How well a fit predicts points that it was not given: rows held out, and whole isotherms left out.
 
     python benchmarks/fit_held_out.py DATA_DIR
 
 DATA_DIR as for `fit_library.py`. Of every data set a quarter of the points, every fourth along each isotherm, is held
-out in turn: master curve and Prony series come from the others, with vertical shifts or without as `em.fit.material`
-finds the others as measured to be met better, and residuals are those of the held-out points. Then
-each isotherm between the coldest and the warmest is left out, and foretold with the shifts of its neighbours: the WLF
-law plus its residuals, interpolated. Asked are 10 % rms of both moduli with at most one and a half terms per decade.
+out in turn. Master curve and Prony series come from the others, with vertical shifts or without as `em.fit.material`
+chooses, and residuals are those of the held-out points. Then each isotherm between the coldest and the warmest is left
+out, and predicted with the shifts of its neighbours: the WLF law plus its residuals, interpolated. The target is 10 %
+rms of both moduli with at most one and a half terms per decade.
 
-The first two figures are those of the master curve: moduli foretold are divided by the vertical shift of their
+The first two figures are those of the master curve: predicted moduli are divided by the vertical shift of their
 isotherm, which no material file has. "As used" is the material that the fit delivers, with its shift law and nothing
 else, against the same points as measured. The second table has the materials that the default command and
 `--no-vertical` deliver, against all of their data.
@@ -23,18 +23,18 @@ import numpy as np
 from common import heading, one_core, save, table, verdict
 
 import elastomdr as em
-from elastomdr.fit.as_used import deviations
+from elastomdr.fit.misfit import deviations
 
 FOLDS = 4
 
 
 def part(dma: em.fit.Dma, at: np.ndarray) -> em.fit.Dma:
-    return em.fit.dma(dma.frequency[at], dma.storage[at], dma.loss[at], dma.temperature[at], kind=dma.kind)
+    return em.fit.dma(dma.omega[at], dma.storage[at], dma.loss[at], dma.temperature[at], kind=dma.kind)
 
 
 def foretold(dma: em.fit.Dma, test: np.ndarray, reference: float) -> tuple[np.ndarray, float]:
     """Relative errors at the points `test` from a fit of all others, and its terms per decade: of both moduli of the
-    master curve, then of those of the material as used.
+    master curve, then of those of the material that the fit delivers.
     """
     fit = em.fit.material(part(dma, ~test), reference)  # as the command does, which chooses vertical shifts or none
     master, series = fit.master, fit.prony
@@ -44,7 +44,7 @@ def foretold(dma: em.fit.Dma, test: np.ndarray, reference: float) -> tuple[np.nd
         bent = np.interp(kelvin, master.temperature, master.laws["WLF"].residuals)
         inside = (kelvin >= master.temperature[0]) & (kelvin <= master.temperature[-1])
         shift = np.where(inside, np.asarray(master.wlf.log10_a(kelvin)) + bent, shift)
-    moduli = series.moduli_at(dma.frequency[test] * 10**shift)
+    moduli = series.moduli_at(dma.omega[test] * 10**shift)
     errors = [found / 10**lift / seen[test] - 1 for found, seen in zip(moduli, (dma.storage, dma.loss), strict=True)]
     errors += deviations(fit.material, part(dma, test)).values()
     return np.array(errors), series.terms / np.log10(series.window[1] / series.window[0])
@@ -59,7 +59,7 @@ def row(name: str, what: str, trials: list[tuple[np.ndarray, float]]) -> tuple[A
 def delivered(name: str, dma: em.fit.Dma) -> tuple[Any, ...]:
     """How far the materials of the default command and of `--no-vertical` are from all data as measured."""
     fits = [em.fit.material(dma, vertical=vertical) for vertical in (None, False)]
-    sizes = [100 * size for fit in fits for size in fit.as_used.values()]
+    sizes = [100 * size for fit in fits for size in fit.misfit.values()]
     return name, fits[0].master.reference - 273.15, *sizes
 
 
@@ -78,10 +78,10 @@ def main() -> None:
     )
     rows, materials = [], []
     for name, path, reference in sets:
-        dma = em.fit.read_dma(path)
+        dma = em.read_dma(path)
         kelvin = em.fit.master_curve(dma, reference).temperature
         isotherm = np.abs(dma.temperature[:, None] - kelvin).argmin(axis=1)
-        rank = np.argsort(np.lexsort((dma.frequency, isotherm)))
+        rank = np.argsort(np.lexsort((dma.omega, isotherm)))
         held = [foretold(dma, rank % FOLDS == fold, reference) for fold in range(FOLDS)]
         left = [foretold(dma, isotherm == i, reference) for i in range(1, kelvin.size - 1)]
         materials.append(delivered(name, dma))

@@ -24,6 +24,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 import elastomdr as em
+from elastomdr.material.validity import Range, misfit_bands, with_range
 
 KELVIN = np.array([0, 273.15, 0, 0])  # added to a row of data in degC
 
@@ -65,7 +66,7 @@ def polyisoprene(data: Path) -> DataSet:
 
 def epdm(data: Path) -> em.fit.MaterialFit:
     return em.fit.material(
-        em.fit.read_dma(data / "epdm-70" / "tf_015p.csv"),
+        em.read_dma(data / "epdm-70" / "tf_015p.csv"),
         298.15,
         name="epdm-70",
         description="EPDM, 70 Shore A, filled; dynamic moduli in shear at 0.15 % strain",
@@ -76,7 +77,7 @@ def epdm(data: Path) -> em.fit.MaterialFit:
 
 def adhesive(data: Path) -> em.fit.MaterialFit:
     return em.fit.material(
-        em.fit.read_dma(data / "psa-468mp" / "frequency_sweep_tts.txt"),
+        em.read_dma(data / "psa-468mp" / "frequency_sweep_tts.txt"),
         303.15,
         name="psa-468mp",
         description="3M 468MP, acrylic pressure-sensitive adhesive",
@@ -140,7 +141,7 @@ def build(case: DataSet, out: Path) -> str:
     fitted_here = {"citation": f"{case.citation}, fitted by benchmarks/fit_library.py", "grade": "fitted here"}
     info = {
         "description": case.description,
-        "range": {"frequency": rounded([reduced.min(), reduced.max()], 3), "temperature": limits},
+        "range": {"omega": rounded([reduced.min(), reduced.max()], 3), "temperature": limits},
         "source": {
             "moduli": fitted_here
             | {"note": case.note, "storage_residual": residuals[0], "loss_residual": residuals[1]},
@@ -149,7 +150,8 @@ def build(case: DataSet, out: Path) -> str:
             "range": {"citation": f"Span of the data: {case.citation}", "grade": "measured"},
         },
     }
-    em.save_material(material, out / f"{case.name}.toml", info=info)
+    known = Range(None, None, misfit=misfit_bands(reduced, *deviations))  # the range itself is in `info`
+    em.save_material(with_range(material, known), out / f"{case.name}.toml", info=info)
     return f"{case.name}: {material.times.size} branches, rms residuals {residuals[0]:.2g} and {residuals[1]:.2g}"
 
 

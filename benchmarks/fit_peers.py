@@ -77,7 +77,7 @@ def residuals(storage: np.ndarray, loss: np.ndarray, data: tuple[np.ndarray, np.
 def isotherms(dma: em.fit.Dma, master: em.fit.MasterCurve) -> list[np.ndarray]:
     number = np.abs(dma.temperature[:, None] - master.temperature).argmin(axis=1)
     parts = [np.flatnonzero(number == i) for i in range(master.temperature.size)]
-    return [part[np.argsort(dma.frequency[part])] for part in parts]
+    return [part[np.argsort(dma.omega[part])] for part in parts]
 
 
 def pyvisco_table(dma: em.fit.Dma, master: em.fit.MasterCurve) -> bytes:
@@ -86,7 +86,7 @@ def pyvisco_table(dma: em.fit.Dma, master: em.fit.MasterCurve) -> bytes:
     for i, part in enumerate(isotherms(dma, master)):
         for k in part:
             rows.append(
-                f"{dma.frequency[k] / (2 * np.pi):.12g},{dma.storage[k] / 1e6:.12g},{dma.loss[k] / 1e6:.12g},"
+                f"{dma.omega[k] / (2 * np.pi):.12g},{dma.storage[k] / 1e6:.12g},{dma.loss[k] / 1e6:.12g},"
                 f"{round(master.temperature[i] - 273.15)},{i}"
             )
     return ("\n".join(rows) + "\n").encode()
@@ -133,7 +133,7 @@ def gaussian_process_shift(data: Isotherms) -> Iterator[Shifted]:
     def run(modulus: np.ndarray) -> np.ndarray:
         curve = mastercurves.MasterCurve()
         curve.add_data(
-            [np.log(data.dma.frequency[k]) for k in parts],
+            [np.log(data.dma.omega[k]) for k in parts],
             [np.log(modulus[k]) for k in parts],
             [float(t - 273.15) for t in data.master.temperature],
         )
@@ -160,7 +160,7 @@ def compare_shifts(data: Isotherms) -> tuple[list[tuple[Any, ...]], list[dict[st
             found += list(call(data))
         except Exception as error:  # another tool's failure is a result, not ours
             found.append((f"{name}: {type(error).__name__}", "", np.full(data.master.temperature.size, np.nan), np.nan))
-    points = data.dma.frequency.size
+    points = data.dma.omega.size
     rows = [(data.name, points, name, what, data.error(log10_a), time) for name, what, log10_a, time in found]
     peers = [row for row in rows if row[2] == "mastercurves"]
     if not peers:
@@ -223,8 +223,8 @@ def main() -> None:
     if missing:
         print(f"  not installed, and left out: {', '.join(missing)}")
     warnings.simplefilter("ignore", em.fit.FitWarning)
-    melt = em.fit.read_dma(sorted((data / "polyisoprene-34k").glob("*.osc")))
-    epdm = em.fit.read_dma(data / "epdm-70" / "tf_015p.csv")
+    melt = em.read_dma(sorted((data / "polyisoprene-34k").glob("*.osc")))
+    epdm = em.read_dma(data / "epdm-70" / "tf_015p.csv")
     em.fit.material(epdm, 298.15)  # loads and warms everything
 
     sets = (Isotherms("polyisoprene", melt, 263.15, PUBLISHED), synthetic(), Isotherms("EPDM-70", epdm, 298.15, None))
@@ -232,14 +232,14 @@ def main() -> None:
     columns = ("isotherms", "points", "shifted by", "moduli", "rms log10 a_T off the known", "seconds of one core")
     record["shifts"] = table(columns, [row for rows, _ in compared for row in rows])
 
-    sample = em.fit.read_dma(data / "pv-encapsulant" / "freq_user_master.csv").at(268.15)
+    sample = em.read_dma(data / "pv-encapsulant" / "freq_user_master.csv").at(268.15)
     keep = (sample.storage > 0) & (sample.loss > 0)
-    adhesive = em.fit.master_curve(em.fit.read_dma(data / "psa-468mp" / "frequency_sweep_tts.txt"), 303.15)
+    adhesive = em.fit.master_curve(em.read_dma(data / "psa-468mp" / "frequency_sweep_tts.txt"), 303.15)
     rubber = em.fit.master_curve(epdm, 298.15)
     cases = {
-        "pyvisco's sample master curve": (sample.frequency[keep], sample.storage[keep], sample.loss[keep], "tensile"),
-        "EPDM-70": (rubber.frequency, rubber.storage, rubber.loss, "shear"),
-        "468MP adhesive": (adhesive.frequency, adhesive.storage, adhesive.loss, "shear"),
+        "pyvisco's sample master curve": (sample.omega[keep], sample.storage[keep], sample.loss[keep], "tensile"),
+        "EPDM-70": (rubber.omega, rubber.storage, rubber.loss, "shear"),
+        "468MP adhesive": (adhesive.omega, adhesive.storage, adhesive.loss, "shear"),
     }
     if installed("pyvisco"):
         shifted = pyvisco_master(data / "pv-encapsulant" / "freq_user_raw.csv")
@@ -260,7 +260,7 @@ def main() -> None:
     record["series"] = table(columns, series)
 
     whole = timed(lambda: em.fit.material(epdm, 298.15), 3)
-    widest = em.fit.read_dma(data / "pv-encapsulant" / "freq_user_raw.csv")
+    widest = em.read_dma(data / "pv-encapsulant" / "freq_user_raw.csv")
     broad = timed(lambda: em.fit.material(widest, 268.15), 3)
     command = cold(data / "epdm-70" / "tf_015p.csv")
     record["clock"] = table(
@@ -269,7 +269,7 @@ def main() -> None:
     )
     fit = whole.value
     hot = [text for text in fit.warnings if "Horizontal and vertical" in text]
-    used = em.fit.material(epdm, 293.15).as_used
+    used = em.fit.material(epdm, 293.15).misfit
     print()
     verdicts = [
         verdict("polyisoprene, rms log10 a_T", record["shifts"][0]["rms log10 a_T off the known"], 0.03),

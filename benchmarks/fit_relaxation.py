@@ -25,7 +25,7 @@ LAW = em.WLF(5.8, 125.0, 293.15)
 KELVIN = np.arange(-10.0, 61.0, 10.0) + 273.15
 TIME = np.geomspace(0.01, 1e3, 24)  # [s]
 LINES = np.geomspace(1e-9, 1.0, 10)  # relaxation times [s]
-SCENE = {"velocity": np.geomspace(1e-4, 0.5, 12), "load": 1.0, "average": None, "rtol": 1e-4,
+SCENE = {"velocity": np.geomspace(1e-4, 0.5, 12), "load": 1.0, "model": em.Line(), "rtol": 1e-4,
          "temperature": np.array([[273.15], [293.15], [313.15]])}  # fmt: skip
 
 
@@ -60,7 +60,7 @@ def trial(body: em.Prony, mu: np.ndarray, noise: float, seed: int, short: bool) 
         moduli = np.asarray(body.at(kelvin).relaxation(time)) * (1 + noise * rng.normal(size=time.size))
         parts.append(em.fit.relaxation(time, moduli, kelvin, kind="shear"))
     fit = em.fit.material(em.fit.join(*parts), LAW.reference)
-    limits = fit.material.range.frequency
+    limits = fit.material.range.omega
     low, high = fit.prony.window
     held, half, _ = compared(body, fit, np.geomspace(low, 0.1 * high, 40))
     found = {"anywhere": held[half < np.log(STATED)], "empty": not limits, "decades": 0.0, "half": np.zeros(0)}

@@ -29,7 +29,7 @@ def creep() -> list[dict]:
 
         first = timed(call)
         warm = timed(call, 20)
-        exact = np.cbrt(0.75 * 2.0 * 0.02 * RUBBER.creep(time)) ** 2 / 2.0
+        exact = np.cbrt(0.75 * 2.0 * 0.02 * RUBBER.creep_compliance(time)) ** 2 / 2.0
         off = np.abs(warm.value.depth / exact - 1).max() if name == "paraboloid" else np.nan
         rows.append((name, off, 1e3 * warm.wall, 1e3 * warm.cpu, first.wall))
     return table(("creep of a", "largest error of depth", "warm [ms]", "warm, CPU [ms]", "first call [s]"), rows)
@@ -58,7 +58,7 @@ def load_steps() -> list[dict]:
     for t0, t1, rate in ((0.0, 1.0, 3e-3), (1.0, 2.0, -3e-3), (2.0, 3.0, 6e-3)):
         nodes, weights = np.polynomial.legendre.leggauss(40)
         s = t0 + (t1 - t0) * (nodes + 1) / 2
-        area += rate * (t1 - t0) / 2 * weights @ SOLID.creep(3.0 - s)
+        area += rate * (t1 - t0) / 2 * weights @ SOLID.creep_compliance(3.0 - s)
     exact = (0.75 * area) ** (2 / 3)
     rows = []
     for rtol in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7):

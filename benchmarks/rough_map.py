@@ -1,128 +1,168 @@
-"""Friction and force against approach of a rough surface: the line of the MDR beside a periodic half-space in 3D.
+"""A map of rough friction in three dimensions: `python benchmarks/rough_map.py --seed 1 [--minutes 60]`.
 
-    python benchmarks/rough_map.py
+Draws scenes: a self-affine surface, with or without roll-off, a material of contrast 1.3 to 1000 with a narrow or a
+broad spectrum, a speed within its losses, and a pressure for a real contact of 0.2 to 99 % by Persson's theory. Each is
+solved on random maps by `elastomdr.solve.half_space`, on cells wide enough that eight summits or more carry the load
+(four where contact is heavier than 30 %), and 3 to 4 cells per shortest wave. Points are appended to
+`results/rough_map.json` as they come; `rough_fit.py` fits the constants of `em.Multiscale` to them.
 
-A self-affine surface at three loads, light to nearly full contact of the relaxed rubber. In three dimensions: maps of
-random phases, two longest waves wide, eight points on the shortest, by `em.reference.half_space_sliding`. Beside them
-the mean over eight lines, by the pressure rule of the textbook, L = 2 pi/q_low, and by that of full contact. Approach:
-the distance between the mean plane of the surface and the undeformed rubber, of a patch L by L, L = 2 pi/q_low, whose
-own compression is p L/E*; what is left without that is the mean gap.
+In units of E*(0) = 1, wave number of the roll-off (or q_low) = 1, rms slope = 1: friction goes with the rms slope and
+depends on p/(E* rms slope).
 """
 
-import warnings
+import argparse
+import json
+import time
+from pathlib import Path
+from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
-from common import heading, save, table, verdict
+from common import RESULTS
 
 import elastomdr as em
-from elastomdr.mapping.synthesis import synthesise
+from elastomdr.mapping.rough_map import rough_map
+from elastomdr.solve import half_space, maps, multiscale
 
-warnings.simplefilter("ignore", em.ConvergenceWarning)  # NaN shows in the table
-LONGEST, RATIO, PERIODS, POINTS, MAPS, LINES = 1e-2, 16, 2, 256, 2, 8
-SURFACE = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / LONGEST, q_high=2 * np.pi / LONGEST * RATIO)
-SOFT = 1e6  # E*_inf [Pa]
-RUBBER = em.Foundation(SOFT, np.full(10, 1e6), np.geomspace(1e-7, 1e-2, 10))
-VELOCITY = np.array([1e-2, 1e-1, 1.0, 10.0, 100.0, 1000.0])  # [m/s]
-SHARES = np.array([0.01, 0.1, 1.0])  # p/(E*_inf rms slope)
-LIGHT = 0.03  # of these, up to which the book's rule is advised
-RULES = {"book": None, "full contact": "full contact"}
-
-
-def three_dimensions(material: em.Foundation, pressure: float, velocity: np.ndarray) -> list:
-    """One curve for each map."""
-    maps = [em.reference.rough_map(SURFACE, seed, periods=PERIODS, points=POINTS) for seed in range(MAPS)]
-    return [
-        em.reference.half_space_sliding(material, height, cell=side, velocity=velocity, load=pressure * side**2)
-        for height, side in maps
-    ]
+FILE = RESULTS / "rough_map.json"
+# Hurst exponent, q_high over q_rolloff, q_rolloff over q_low.
+SURFACES = [
+    (0.8, 8, 1), (0.8, 16, 1), (0.8, 32, 1), (0.8, 64, 1), (0.8, 128, 1), (0.8, 256, 1), (0.5, 16, 1), (0.5, 64, 1),
+    (0.5, 256, 1), (0.65, 32, 1), (0.65, 128, 1), (0.9, 16, 1), (0.9, 64, 1), (0.9, 256, 1), (0.7, 8, 4), (0.7, 32, 4),
+    (0.8, 16, 4), (0.9, 32, 4), (0.6, 16, 8), (0.8, 64, 4), (0.6, 8, 1), (0.9, 8, 1),
+]  # fmt: skip
+SIZES = np.array([
+    64, 96, 128, 160, 192, 256, 288, 320, 384, 480, 512, 576, 640, 768, 800, 864, 960, 1024, 1152, 1280, 1536,
+])  # fmt: skip
 
 
-def on_lines(pressure: float, **how: object) -> em.FrictionCurve:
-    return em.friction(
-        RUBBER, SURFACE, velocity=VELOCITY, pressure=pressure, seeds=LINES, samples=4096, rtol=1e-3, sampling=1.0, **how
-    )
+def materials() -> dict[str, tuple[np.ndarray, np.ndarray, int]]:
+    """Moduli beside an equilibrium modulus of 1, relaxation times, decades of the times."""
+    found: dict[str, tuple[np.ndarray, np.ndarray, int]] = {}
+    for contrast in (1.3, 3, 11, 30, 100):
+        found[f"one{contrast}"] = np.array([contrast - 1.0]), np.ones(1), 0
+    for decades, contrasts in ((3, (2, 11, 100, 1000)), (6, (3, 11, 30, 300))):
+        count = 2 * decades + 1
+        for contrast in contrasts:
+            times = np.geomspace(10 ** (-decades / 2), 10 ** (decades / 2), count)
+            found[f"flat{decades}_{contrast}"] = np.full(count, (contrast - 1) / count), times, decades
+    for contrast, decades in ((30, 4), (100, 5), (1000, 6), (1000, 8), (300, 8)):
+        times = np.geomspace(10 ** (-decades / 2), 10 ** (decades / 2), 2 * decades + 1)
+        weight = times ** -(np.log10(contrast) / decades)
+        found[f"pow{decades}_{contrast}"] = (contrast - 1) * weight / weight.sum(), times, decades
+    for contrast in (30, 300):
+        root = contrast**0.5
+        found[f"two_{contrast}"] = np.array([contrast - root, root - 1]), np.array([1e-2, 1e2]), 4
+    return found
 
 
-def approach(pressure: np.ndarray, length: float) -> np.ndarray:
-    """Distance [m] between the mean plane of the lines and the undeformed rubber, relaxed."""
-    lines = [synthesise(SURFACE, seed, samples=4096) for seed in range(LINES)]
-    elastic = em.Foundation(SOFT, [], [])
-    found = [em.friction(elastic, line, velocity=1.0, load=pressure * length, average=None).depth for line in lines]
-    return np.mean([float(line.height.max()) - depth for line, depth in zip(lines, found, strict=True)], axis=0)
+MATERIALS = materials()
+
+
+def rubber(name: str) -> em.Foundation:
+    moduli, times, _ = MATERIALS[name]
+    return em.Foundation(1.0, moduli, times)
+
+
+def surface_of(number: int) -> em.SelfAffine:
+    hurst, ratio, rolloff = SURFACES[number]
+    knee = 1.0 if rolloff > 1 else None
+    return em.SelfAffine(hurst, rms_slope=1.0, q_low=1 / rolloff, q_high=float(ratio), q_rolloff=knee)
+
+
+def draw(rng: np.random.Generator, largest: int) -> dict[str, Any] | None:
+    """A scene and its grid; None where it would have more than `largest` cells to a side."""
+    number, name = int(rng.integers(len(SURFACES))), str(rng.choice(list(MATERIALS)))
+    surface, material, decades = surface_of(number), rubber(name), MATERIALS[name][2]
+    half = decades / 2 + 1.2
+    velocity = 10 ** rng.uniform(-half, half) / np.sqrt(surface.q_low * surface.q_high)
+    u = rng.uniform()
+    ranges = [10 ** (-2.7 + 1.4 * u), 10 ** (-1.3 + 0.7 * u), 0.25 + 0.5 * u, 0.75 + 0.24 * u]
+    area = ranges[int(rng.choice(4, p=[0.34, 0.36, 0.2, 0.1]))]
+    low, high = np.log(1e-5), np.log(3e3)
+    for _ in range(18):
+        middle = 0.5 * (low + high)
+        at = np.array([velocity]), np.exp([middle])
+        found = multiscale.solve(material.complex_modulus, surface, *at, em.Persson(), 1e-3)
+        low, high = (middle, high) if found.area[0] < area else (low, middle)
+    pressure = np.exp([middle])
+    _, ratio, rolloff = SURFACES[number]
+    one = maps.Grid(4 * ratio * rolloff, 1, 2 * np.pi * rolloff)
+    carried = maps.summits(material.complex_modulus, surface, np.array([velocity]), pressure, one)[0]
+    summits = 10 if area < 0.3 else 4  # of heavy contact fewer will do
+    periods = int(np.ceil(np.sqrt(summits / carried)))
+    enough = SIZES[3 * periods * ratio * rolloff <= SIZES]
+    if not enough.size or enough[0] > largest:
+        return None
+    fine = SIZES[4 * periods * ratio * rolloff <= SIZES]
+    cells = int(fine[0] if fine.size and fine[0] <= 640 else enough[0])
+    return {
+        "surface": number, "material": name, "velocity": velocity, "pressure": float(pressure[0]), "cells": cells,
+        "periods": periods, "summits": float(carried * periods**2),
+    }  # fmt: skip
+
+
+def solve(scene: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
+    """The scene with friction over that of full contact on the same map, area and whether it settled, of each map."""
+    surface, material = surface_of(scene["surface"]), rubber(scene["material"])
+    v, p, cells = scene["velocity"], scene["pressure"], scene["cells"]
+    side = 2 * np.pi * scene["periods"] / surface.q_low
+    full = maps.full_contact(material.complex_modulus, surface, np.array([v]), np.array([p]))[0]
+    guess = multiscale.solve(material.complex_modulus, surface, np.array([v]), np.array([p]), em.Persson(), 1e-3)
+    seeds = 4 if guess.area[0] < 0.05 else 2
+    mu, area, settled = [], [], True
+    for _ in range(seeds):
+        at = maps.Grid(cells, scene["periods"], side)
+        points = max(cells, 4 * int(np.ceil(scene["periods"] * surface.q_high / surface.q_low)))
+        heights, _ = rough_map(surface, int(rng.integers(2**26)), periods=scene["periods"], points=4 * -(-points // 4))
+        heights = _coarser(heights, cells)
+        found = half_space.solve(
+            material.complex_modulus, heights, (at.side, at.side), velocity=v, pressure=p, double=False
+        )
+        own = maps.full_contact_of_map(material.complex_modulus, heights, (side, side), v, p)
+        mu.append(found.stress / p * full / own)
+        area.append(found.area)
+        settled = settled and found.settled
+    return {**scene, "mu": mu, "area": area, "settled": settled}
+
+
+def _coarser(heights: np.ndarray, cells: int) -> np.ndarray:
+    """The same waves on fewer cells."""
+    n = heights.shape[0]
+    if cells == n:
+        return heights
+    waves, half = np.fft.rfft2(heights), cells // 2
+    kept = np.zeros((cells, half + 1), complex)
+    kept[:half, :half], kept[-half + 1 :, :half] = waves[:half, :half], waves[-half + 1 :, :half]
+    return np.fft.irfft2(kept, s=(cells, cells)) * (cells / n) ** 2
 
 
 def main() -> None:
-    record = heading("Rough surfaces in three dimensions and by the MDR", str(SURFACE), f"{MAPS} maps, {LINES} lines")
-    figure, axes = plt.subplots(2, 2, figsize=(10, 7.6), layout="constrained")
-    rows = []
-    for ax, share in zip(axes.flat, SHARES, strict=False):
-        pressure = share * SOFT * SURFACE.rms_slope
-        truth = three_dimensions(RUBBER, pressure, VELOCITY)
-        mu, area = (np.mean([getattr(c, name) for c in truth], axis=0) for name in ("mu", "area"))
-        grid = np.max([c.error / c.mu for c in truth], axis=0)
-        ax.loglog(VELOCITY, mu, "ko-", label="three dimensions", markersize=4)
-        curves = {name: on_lines(pressure, equivalent_length=rule) for name, rule in RULES.items()}
-        curves["bare line, book"] = on_lines(pressure, average=None)
-        for (name, curve), style in zip(curves.items(), ("C0-", "C1-", "C0:"), strict=True):
-            ax.loglog(VELOCITY, curve.mu, style, label=f"line, {name}" if "bare" not in name else name)
-        for i, v in enumerate(VELOCITY):
-            ratios = [float(curve.mu[i] / mu[i]) for curve in curves.values()]
-            rows.append((float(share), v, float(mu[i]), float(grid[i]), float(area[i]), *ratios))
-        ax.set(xlabel="Velocity [m/s]", ylabel="Friction coefficient [-]")
-        ax.set_title(f"p = {share:g} E*(0) rms slope: {area[0]:.0%} in contact at rest", fontsize=10, loc="left")
-        ax.grid(color="#dddddd", linewidth=0.6)
-    columns = (
-        "p/(E* slope)", "velocity [m/s]", "mu in 3D", "error of the grid", "contact area",
-        *(f"{name} over 3D" for name in curves),
-    )  # fmt: skip
-    record["friction"] = table(columns, rows)
-    light = [row[5] for row in rows if row[0] <= LIGHT]
-    heavy = [row[6] for row in rows if row[0] > LIGHT]
-    record["verdicts"] = [
-        verdict("light contact, book's rule: lowest mu over 3D", min(light), 0.55, least=True),
-        verdict("light contact, book's rule: highest mu over 3D", max(light), 1),
-        verdict("higher loads, rule of full contact: lowest mu over 3D", min(heavy), 0.55, least=True),
-        verdict("higher loads, rule of full contact: highest mu over 3D", max(heavy), 1),
-    ]
-    axes[0, 0].legend(frameon=False, fontsize=8.5)
-    pressure = np.geomspace(0.003, 1, 9) * SOFT * SURFACE.rms_slope
-    elastic = em.Foundation(SOFT, [], [])
-    gaps = np.mean(
-        [[float(three.separation) for three in three_dimensions(elastic, p, np.array(1.0))] for p in pressure], 1
-    )
-    whole = gaps - pressure * LONGEST / SOFT
-    lengths = {"book": LONGEST, "full contact": SURFACE.full_contact_length}
-    # The patch is one longest wave wide by either rule; what a shorter line lacks in compression is added.
-    lines = {
-        name: approach(pressure, length) - pressure * (LONGEST - length) / SOFT for name, length in lengths.items()
-    }
-    high = SURFACE.rms_height
-    record["approach"] = table(
-        (
-            "p/(E* slope)",
-            "gap in 3D/rms height",
-            "approach in 3D/rms height",
-            *(f"{name}/rms height" for name in lines),
-        ),
-        [
-            (
-                float(p / (SOFT * SURFACE.rms_slope)),
-                gaps[i] / high,
-                whole[i] / high,
-                *(z[i] / high for z in lines.values()),
-            )
-            for i, p in enumerate(pressure)
-        ],
-    )
-    ax = axes[1, 1]
-    ax.semilogy(gaps / high, pressure / SOFT, "ko-", markersize=4)
-    for z, style in zip(lines.values(), ("C0-", "C1-"), strict=True):
-        ax.semilogy((z + pressure * LONGEST / SOFT) / high, pressure / SOFT, style)
-    ax.set(xlabel="Mean gap over rms height [-]", ylabel="Pressure over E*(0) [-]")
-    ax.set_title("Pressure against mean gap, relaxed rubber", fontsize=10, loc="left")
-    ax.grid(color="#dddddd", linewidth=0.6)
-    save("rough_map", record, figure)
+    options = argparse.ArgumentParser(description="A map of rough friction in three dimensions.")
+    options.add_argument("--minutes", type=float, default=60.0)
+    options.add_argument("--seed", type=int, required=True, help="of the scenes; a new one adds new scenes")
+    options.add_argument("--ratio", type=int, default=1, help="least cutoff ratio that is drawn")
+    options.add_argument("--largest", type=int, default=1536, help="cells to a side of the largest grid")
+    options.add_argument("--file", type=Path, default=FILE)
+    asked = options.parse_args()
+    rng, end = np.random.default_rng(asked.seed), time.monotonic() + 60 * asked.minutes
+    while time.monotonic() < end:
+        scene = draw(rng, asked.largest)
+        if scene is None or np.prod(SURFACES[scene["surface"]][1:]) < asked.ratio:
+            continue
+        point = solve(scene, rng)
+        points = json.loads(asked.file.read_text())["points"] if asked.file.exists() else []
+        write([*points, point], asked.file)
+        print(
+            f"{len(points) + 1}: {point['material']}, surface {point['surface']}, mu {np.mean(point['mu']):.4g}",
+            flush=True,
+        )
+
+
+def write(points: list[dict[str, Any]], file: Path) -> None:
+    """One line for each point."""
+    head = json.dumps({"surfaces": SURFACES})[:-1]
+    rows = ",\n".join(json.dumps(point) for point in points)
+    file.write_text(f'{head},\n"points": [\n{rows}\n]}}\n')
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
 """Runs every benchmark, each in its own process, and records how long it took: `python benchmarks/run_all.py`.
 
-In part, and then not recorded: the stress tests, of which those for which little is compiled, the coverage of fits and
-the damaged files. Whole they are `stress.py`, `stress_motion.py`, `fit_coverage.py` and `fuzz.py`. The half-space
-solutions of the validity map are kept from its own run (`validity_map.py --fresh`, five minutes). With `--data DIR`, a
-folder of the measured data, fits are set beside other tools too (`fit_peers.py`). Left out, since they take long and
-time nothing: `sliding_matrix.py`, `fit_held_out.py`, `fit_relaxation.py`; `fit_library.py` makes the library.
+The stress tests, the coverage of fits and the damaged files run in part here, and such a run is not recorded; run in
+full they are `robustness/stress.py`, `robustness/stress_motion.py`, `fit_coverage.py` and `robustness/fuzz.py`. The
+half-space solutions of the validity map are kept from its own run (`validity_map.py --fresh`, five minutes). With
+`--data DIR`, a folder of the measured data, fits are compared with other tools too (`fit_peers.py`). Three long scripts
+that measure no time are left out: `robustness/sliding_matrix.py`, `fit_held_out.py`, `fit_relaxation.py`.
+`fit_library.py` makes the library.
 """
 
 import argparse
@@ -17,10 +18,11 @@ from common import heading, save, table, verdict
 
 MINUTES = 20
 SCRIPTS = (
-    "steady_sliding", "skipping", "cold_start", "half_space", "validity_map", "extremes", "indentation",
-    "creep_tamaas", "sliding_tamaas", "energy", "impacts", "transient", "rough_sliding", "rough_map", "rough_scenes",
-    "fit_coverage --sets 50", "stress --scenes 100 --family paraboloid --family cone",
-    "stress_motion --scenes 200 --family traction --family impact", "fuzz --files 500",
+    "steady_sliding", "sharp", "skipping", "cold_start", "half_space", "validity_map", "robustness/extremes",
+    "indentation", "creep_tamaas", "sliding_tamaas", "energy", "impacts", "transient", "rough_sliding", "rough_fit",
+    "robustness/rough_scenes", "topography", "fit_coverage --sets 50",
+    "robustness/stress --scenes 100 --family paraboloid --family cone",
+    "robustness/stress_motion --scenes 200 --family traction --family impact", "robustness/fuzz --files 500",
 )  # fmt: skip
 
 
@@ -34,7 +36,7 @@ def main() -> int:
     for name, *options in scripts:
         print(f"\n== {' '.join([name, *options])} ==", flush=True)
         start = time.perf_counter()
-        command = [sys.executable, str(Path(__file__).with_name(f"{name}.py")), *options]
+        command = [sys.executable, str(Path(__file__).parent / f"{name}.py"), *options]
         status = subprocess.run(command).returncode
         rows.append((name, time.perf_counter() - start, "ran" if status == 0 else "FAILED"))
     record["scripts"] = table(("script", "[s]", ""), rows)

@@ -24,11 +24,11 @@ BROAD = em.Foundation(scene.EQUILIBRIUM, MODULI, TIMES)
 SHAPE = em.Paraboloid(scene.RADIUS)
 SWEEP = np.geomspace(1e-6, 1e4, 64)  # v [m/s]
 SCENES: dict[str, tuple[em.Foundation, np.ndarray, dict[str, Any]]] = {
-    "one velocity, bare line": (BROAD, np.array([1e-2]), {"average": None}),
-    "one velocity, averaged": (BROAD, np.array([1e-2]), {}),
-    "10 decades, bare line": (BROAD, SWEEP, {"average": None}),
-    "10 decades, averaged": (BROAD, SWEEP, {}),
-    "10 decades, averaged, 16 branches": (scene.FOUNDATION, scene.VELOCITY, {}),
+    "one velocity, bare line": (BROAD, np.array([1e-2]), {"model": em.Line()}),
+    "one velocity, averaged": (BROAD, np.array([1e-2]), {"model": em.Averaged(corrected=False)}),
+    "10 decades, bare line": (BROAD, SWEEP, {"model": em.Line()}),
+    "10 decades, averaged": (BROAD, SWEEP, {"model": em.Averaged(corrected=False)}),
+    "10 decades, averaged, 16 branches": (scene.FOUNDATION, scene.VELOCITY, {"model": em.Averaged(corrected=False)}),
 }
 RTOLS = (1e-3, 1e-6)
 COLUMNS = (
@@ -51,7 +51,7 @@ def compare(name: str, rtol: float) -> tuple:
     (lean, _, fast), (full, _, slow) = results[True], results[False]
     how = lean.plan.condensation
     truth = np.full(velocity.size, np.nan)
-    if "average" in options:
+    if options.get("model") == em.Line():
         line = exact.Line(exact.paraboloid(scene.RADIUS), scene.EQUILIBRIUM, tuple(MODULI), tuple(TIMES))
         truth = np.array([exact.slide(line, v, load=scene.LOAD, leading=scene.LEADING).mu for v in velocity])
     return (

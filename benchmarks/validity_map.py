@@ -26,7 +26,7 @@ DECADES = (0, 5, 9)
 CONTRASTS = (2.0, 10.0, 100.0, 1000.0)
 SPEEDS, WHERE = 7, 0.05  # over the range in which the line's friction is above this part of its peak
 CELLS = 64
-MODELS = {"direction": "direction", "corrected": "corrected", "line": None}
+MODELS = {"direction": em.Averaged(corrected=False), "corrected": em.Averaged(), "line": em.Line()}
 AVERAGES, MARKS = ("direction", "corrected"), ("o", "s", "^", "D")
 TITLES = {"direction": "direction average", "corrected": "corrected average"}
 REFERENCE = 0.01  # relative error of the reference that its own estimate does not show
@@ -44,7 +44,7 @@ def law(decades: int, contrast: float) -> em.Foundation:
 
 def speeds(shape: Any, material: em.Foundation) -> np.ndarray:
     sweep = np.geomspace(1e-4, 1e13, 120)
-    line = em.friction(material, shape, velocity=sweep, load=LOAD, average=None, rtol=1e-3).mu
+    line = em.friction(material, shape, velocity=sweep, load=LOAD, model=em.Line(), rtol=1e-3).mu
     there = sweep[line > WHERE * np.nanmax(line)]
     return np.geomspace(there[0], there[-1], SPEEDS)
 
@@ -82,8 +82,8 @@ def compare(name: str, one: dict[str, Any]) -> dict[str, np.ndarray]:
     velocity, exact = one["velocity"][known], one["mu"][known]
     material = law(int(one["decades"]), float(one["contrast"]))
     found = {"velocity": velocity, "own": one["error"][known] / exact}
-    for model, average in MODELS.items():
-        curve = em.friction(material, SHAPES[name], velocity=velocity, load=LOAD, rtol=1e-3, average=average)
+    for model, chosen in MODELS.items():
+        curve = em.friction(material, SHAPES[name], velocity=velocity, load=LOAD, rtol=1e-3, model=chosen)
         found[model] = curve.mu / exact - 1
         found[f"{model} bound"] = curve.model_error / exact
     return found

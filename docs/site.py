@@ -1,7 +1,8 @@
 """What makes the site of the repository: a hook of mkdocs.
 
-The README becomes the first page, every example a page with its code and figure, the records of the benchmarks one
-page, and the public names of the package another, from their docstrings. Links to files that are no pages lose their
+The README becomes the first page, every example a page with its code and figure, and the public names of the package
+another, from their docstrings; the keys of scene files come from their schema. Other pages at the root of the
+repository, and those of materials and benchmarks, are taken as they are. Links to files that are no pages lose their
 link. Equations become MathML, so that the site needs no script from elsewhere.
 """
 
@@ -16,29 +17,43 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).parents[1]
+KEYS = "<!-- keys of scene files -->"
 GROUPS = {
-    "Friction and rolling": ("friction", "rolling", "plan", "line_contact", "friction_bands", "dissipation", "warming",
-                             "conveyor", "Idlers"),
-    "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount", "stability"),
+    "Friction and rolling": ("friction", "rolling", "plan", "Heat"),
+    "Models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
+    "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount"),
     "Materials": (
-        "Prony", "KelvinVoigt", "Maxwell", "StandardSolid", "WLF", "Arrhenius", "VFT", "ShiftTable", "materials",
-        "load_material", "save_material",
+        "Prony", "KelvinVoigt", "Maxwell", "StandardSolid", "TabulatedModulus", "WLF", "Arrhenius", "VFT", "ShiftTable",
+        "materials", "load_material", "save_material",
     ),
-    "From three dimensions to one": ("half_space", "layer", "Foundation", "ContactStep"),
+    "Files of others": ("read_dma", "read_friction", "read_shifts", "read_spectrum", "read_surface"),
+    "From three dimensions to one": ("half_space", "springs", "Foundation", "ContactStep"),
     "Shapes and surfaces": (
         "Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Profile", "Cylinder", "RoughLine", "SelfAffine",
-        "Spectrum", "surface_from_file", "Heat", "squeezed_cord",
+        "Spectrum",
+    ),
+    "Applications": (
+        "conveyor", "Idlers", "warming", "dissipation", "stability", "squeezed_cord", "friction_bands", "line_contact",
+        "load_friction",
     ),
 }  # fmt: skip
+PAGES = {  # of the repository that lie outside docs, by their place on the site
+    "index.md": "README.md",
+    "contributing.md": "CONTRIBUTING.md",
+    "changelog.md": "CHANGELOG.md",
+    "materials.md": "materials/README.md",
+    "benchmarks.md": "benchmarks/README.md",
+    "robustness.md": "benchmarks/robustness/README.md",
+}
+HOMES = {path: uri for uri, path in PAGES.items()} | {"examples": "examples/index.md"}
+HOMES |= {str(Path(path).parent): uri for path, uri in HOMES.items() if path.endswith("/README.md")}
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the pages that are made."""
-    made = {
-        "index.md": (ROOT / "README.md").read_text(encoding="utf-8"),
-        "api.md": api(),
-        "benchmarks.md": benchmarks(),
-    }
+    made = {uri: (ROOT / path).read_text(encoding="utf-8") for uri, path in PAGES.items()}
+    made["benchmarks.md"] += figures()
+    made["api.md"] = api()
     listed = [
         "# Examples",
         "",
@@ -69,25 +84,14 @@ def example(path: Path) -> str:
     return f"# {head}\n\n" + "\n".join(rest).strip() + f"\n\n{shown}```python\n{code}\n```\n"
 
 
-def benchmarks() -> str:
-    """The records under benchmarks/results: what was asked for, what was measured, and the figures."""
-    lines = ["# Benchmarks", "", "As recorded in `benchmarks/results/` by the scripts in `benchmarks/`.", ""]
-    lines += ["`python benchmarks/run_all.py` runs them, `python benchmarks/check.py` says what has fallen since.", ""]
-    for path in sorted((ROOT / "benchmarks" / "results").glob("*.json")):
-        record = json.loads(path.read_text(encoding="utf-8"))
-        if "title" not in record:  # reference values, kept for a benchmark that has a record of its own
-            continue
-        lines += [f"## {record.get('title', path.stem)}", "", f"`python benchmarks/{path.stem}.py`", ""]
+def figures() -> str:
+    """The figures under benchmarks/results, each with what it was computed for."""
+    lines = ["", "## Figures", ""]
+    for path in sorted((ROOT / "benchmarks" / "results").glob("*.png")):
+        record = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+        lines += [f"### {record['title']}", "", f"`python benchmarks/{path.stem}.py`", ""]
         lines += [*(f"- {text}" for text in (*record.get("inputs", []), record.get("machine", ""))), ""]
-        verdicts = [*record.get("verdicts", []), *record.get("figures", [])]
-        if verdicts:
-            lines += ["| what | measured | asked | met |", "|---|---|---|---|"]
-            for row in verdicts:
-                met = "yes" if row["met"] else "**no**"
-                lines.append(f"| {row['name']} | {row['measured']:.3g} | {row['target']} | {met} |")
-            lines.append("")
-        if path.with_suffix(".png").exists():
-            lines += [f"![{record.get('title', path.stem)}](benchmarks/{path.stem}.png)", ""]
+        lines += [f"![{record['title']}](benchmarks/{path.name})", ""]
     return "\n".join(lines)
 
 
@@ -99,12 +103,14 @@ def api() -> str:
         for name in names
     }
     known = [name for names in GROUPS.values() for name in names]
+    if absent := set(known) - set(homes):
+        raise KeyError(f"names in GROUPS that elastomdr does not have: {sorted(absent)}")
     groups = {**GROUPS, "Results and errors": tuple(sorted(set(homes) - set(known)))}
     lines = ["# API", "", "`import elastomdr as em`: the names below are those of `em`.", ""]
     for title, names in groups.items():
-        lines += [f"# {title}", "", *(line for name in names for line in (f"::: elastomdr.{homes[name]}.{name}", ""))]
+        lines += [f"## {title}", "", *(line for name in names for line in (f"::: elastomdr.{homes[name]}.{name}", ""))]
     for package in ("fit", "reference"):
-        lines += [f"# em.{package}", ""]
+        lines += [f"## em.{package}", ""]
         for name, module in _members(package).items():
             lines += [f"::: elastomdr.{module}.{name}", ""]
     return "\n".join(lines)
@@ -127,29 +133,35 @@ def _members(package: str) -> dict[str, str]:
             home = f"{package}.{node.module}" if node.level == 1 else node.module
             found |= {alias.asname or alias.name: home for alias in node.names}
     if not found:
-        found = {n: f"{package}.{m}" for m, names in _table(path, "_HOMES").items() for n in names}
+        homes = _table(path, "_HOMES").items()  # ".io.data" is beside the package
+        found = {n: m[1:] if m.startswith(".") else f"{package}.{m}" for m, names in homes for n in names}
     return found
 
 
 def on_page_markdown(markdown: str, page: Any, config: MkDocsConfig, files: Files) -> str:
     """Links of the repository become links of the site, or plain words where the file is no page."""
     folder = Path(page.file.src_uri).parent
-    inside = ROOT if page.file.src_uri == "index.md" else ROOT / "docs" / folder
+    home = PAGES.get(page.file.src_uri)
+    inside = (ROOT / home).parent if home else ROOT / "docs" / folder
 
     def follow(match: re.Match[str]) -> str:
         words, target = match[1], match[2]
-        if re.match(r"[a-z]+:|#", target) or page.file.src_uri.startswith(("examples/", "benchmarks", "api")):
+        if re.match(r"[a-z]+:|#", target) or page.file.src_uri.startswith(("examples/", "api")):
             return match[0]
         place, _, anchor = target.partition("#")
         full = (inside / place).resolve()
         uri = full.relative_to(ROOT).as_posix().removeprefix("docs/")
         uri = uri.removesuffix(".py") + ".md" if uri.startswith("examples/") and uri.endswith(".py") else uri
-        uri = {"examples": "examples/index.md", "benchmarks": "benchmarks.md", "README.md": "index.md"}.get(uri, uri)
+        uri = HOMES.get(uri, uri)
         if files.get_file_from_path(uri) is None:
             return words
         up = "../" * (len(folder.parts))
         return f"[{words}]({up}{uri}{'#' + anchor if anchor else ''})"
 
+    if KEYS in markdown:
+        from elastomdr.cli.keys import as_markdown
+
+        markdown = markdown.replace(KEYS, as_markdown())
     images = re.sub(r"(!\[[^\]]*\]\()docs/", r"\1", markdown)
     return re.sub(r"(?<!!)\[((?:[^\[\]]|\[[^\[\]]*\])+)\]\(([^)\s]+)\)", follow, images)
 

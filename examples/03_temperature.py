@@ -5,8 +5,7 @@ at six temperatures are one curve of v a_T, as Grosch (1963) found by experiment
 
 Inputs: `tread-passenger-synthetic` of the library, a made-up spectrum with the published shift law of a cured SBR
 (Wu, Fujii, Kawahara & Isono 2007, e-J. Soft Mater. 3:41: c1 = 13.2, c2 = 39.7 K about -42 degC); load and radius
-chosen here. The ripples belong to a spectrum of one branch a decade. Shaded: slower than the material file vouches
-for.
+chosen here. Shaded: slower than the material file vouches for.
 
 Check: the shift factors are computed here from the constants as published, not from the library's, rewritten for 20
 degC.

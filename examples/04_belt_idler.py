@@ -1,6 +1,6 @@
 """04: the indentation rolling resistance of a conveyor belt on an idler.
 
-Teaches: a cover is a layer (`em.layer`), an idler an `em.Cylinder`, and `em.rolling` gives the resistance. No
+Teaches: a cover is a layer (`em.springs`), an idler an `em.Cylinder`, and `em.rolling` gives the resistance. No
 direction average here: a layer of independent elements is solved exactly. (That a cover is such a layer is itself an
 assumption of this literature; it asks for a contact that is wide against the thickness, and this one is 12 mm on 8
 mm.)
@@ -29,7 +29,7 @@ THICKNESS, DIAMETER, WIDTH = 8e-3, 0.159, 1.0  # m
 def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
 
-    cover = em.layer(em.load_material("conveyor-cover"), THICKNESS)
+    cover = em.springs(em.load_material("conveyor-cover"), THICKNESS)
     idler = em.Cylinder(DIAMETER / 2, WIDTH)
     velocity = np.geomspace(0.1, 100.0, 61)  # m/s
     load = np.array([[1e3], [2e3], [4e3]])  # N, on an axis of its own

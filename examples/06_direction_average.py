@@ -1,8 +1,8 @@
 """06: what the direction average corrects.
 
-Teaches: the textbook line (`average=None`) overstates the sliding friction of a half-space: by 2 at low velocity,
+Teaches: the textbook line (`model=em.Line()`) overstates the sliding friction of a half-space: by 2 at low velocity,
 where the loss modulus rises in proportion to frequency, by 1 at high velocity, where it falls as its inverse. The
-average over directions, the default, takes that out.
+average over directions takes that out.
 
 Inputs: a standard solid with E* = 4 MPa relaxed, 16 MPa glassy, tau = 1 ms; a paraboloid of R = 10 mm under 10 N. The
 three points are a three-dimensional boundary element solution of the same half-space, made for docs/accuracy.md, good
@@ -33,14 +33,16 @@ def main(out: Path) -> None:
 
     rubber = em.Foundation(RELAXED, [BRANCH], [TIME])
     velocity = np.geomspace(1e-4, 1e4, 65)  # m/s, eight a decade: those of the points are among them
-    line = em.friction(rubber, em.Paraboloid(RADIUS), velocity=velocity, load=LOAD, average=None)
-    average = em.friction(rubber, em.Paraboloid(RADIUS), velocity=velocity, load=LOAD)
+    line = em.friction(rubber, em.Paraboloid(RADIUS), velocity=velocity, load=LOAD, model=em.Line())
+    average = em.friction(
+        rubber, em.Paraboloid(RADIUS), velocity=velocity, load=LOAD, model=em.Averaged(corrected=False)
+    )
 
     figure, (top, bottom) = plt.subplots(
         2, 1, figsize=(7.2, 6.0), sharex=True, height_ratios=(3, 2), layout="constrained"
     )
-    top.loglog(velocity, line.mu, "--", color="#a03030", label="MDR line (average=None)")
-    top.loglog(velocity, average.mu, color="#1f5a94", label="averaged over directions (default)")
+    top.loglog(velocity, line.mu, "--", color="#a03030", label="MDR line (model=em.Line())")
+    top.loglog(velocity, average.mu, color="#1f5a94", label="averaged over directions")
     top.loglog(*POINTS.T, "ko", markersize=5, label="three-dimensional half-space")
     top.set(ylabel="Friction coefficient [-]")
     top.set_title("Paraboloid of 10 mm radius, 10 N, standard solid: 4 MPa relaxed, 16 MPa glassy, 1 ms", fontsize=10)

@@ -4,7 +4,7 @@ Teaches: `em.fit.material`, its warnings and intervals, and that a fitted materi
 other.
 
 Inputs: isotherms made here from `sbr-gum-like` of the library, with 1 % noise, as a rheometer would give them from
--20 to 60 degC; ball of 5 mm radius, 1 N. With a file of your own: dma = em.fit.read_dma("DMA.csv").
+-20 to 60 degC; ball of 5 mm radius, 1 N. With a file of your own: dma = em.read_dma("DMA.csv").
 
 Check: shift factors against the law that made the data, within three standard deviations; friction within 3 %.
 

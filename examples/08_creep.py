@@ -47,7 +47,7 @@ def main(out: Path) -> None:
         ax.spines[["top", "right"]].set_visible(False)
     figure.savefig(out / "08_creep.png", dpi=150)
 
-    radius = np.cbrt(0.75 * RADIUS * load * em.half_space(rubber).creep(time))
+    radius = np.cbrt(0.75 * RADIUS * load * em.half_space(rubber).creep_compliance(time))
     off = np.abs(creep.depth / (radius**2 / RADIUS) - 1).max()
     print(f"check     depth against Lee and Radok: {off:.1e}")
     assert off < 1e-10, "creep must meet the closed form"

@@ -8,7 +8,7 @@ Inputs: a standard solid with E* = 4 MPa relaxed, 16 MPa glassy, tau = 10 ms; a 
 rest for 0.1 ms, 5 ms and 100 ms, then drawn at 0.5 m/s.
 
 Check: steady sliding on the line in closed form, q R = E_inf (a^2 - x^2) + 2 E_1 s [(x + s) - (a + s) e^(-(a - x)/s)]
-with s = v tau, up to q = 0, forces by quadrature: em.friction(..., average=None) and the end of each curve are held
+with s = v tau, up to q = 0, forces by quadrature: em.friction(..., model=em.Line()) and the end of each curve are held
 against it. The work done on the rubber over the last stretch is the friction force times its length, part of it still
 stored in the track that recovers.
 
@@ -33,7 +33,7 @@ RESTS = (1e-4, 5e-3, 0.1)  # s
 
 def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    steady = em.friction(RUBBER, BALL, velocity=VELOCITY, load=LOAD, average=None)
+    steady = em.friction(RUBBER, BALL, velocity=VELOCITY, load=LOAD, model=em.Line())
     way = np.linspace(0, WAY, 97)
 
     figure, ax = plt.subplots(figsize=(7.2, 4.2), layout="constrained")

@@ -8,7 +8,7 @@ Inputs: a standard solid with E* = 4 MPa relaxed, 8 MPa glassy, tau = 1 ms; a ba
 once with 50 g and once without mass, at 1 m/s; a track of ten waves, 2 mm to 20 mm long, each of 10 um amplitude.
 
 Check: without mass the normal force is the load at every instant; work = kinetic + stored + dissipated; and the mean
-resistance is that of the smooth track, em.friction(..., average=None), to a few per cent, since the waves are low.
+resistance is that of the smooth track, em.friction(..., model=em.Line()), to a few per cent, since the waves are low.
 
     python examples/16_wheel_on_rough_track.py [--out DIR]
 """
@@ -72,7 +72,7 @@ def check(heavy: em.Drive, light: em.Drive) -> None:
     missing = np.abs(heavy.imbalance).max() / heavy.given.max()
     print(f"missing in the energy balance: {missing:.1e} of the work")
     assert missing < 1e-3, "the energy balance must close"
-    smooth = float(em.friction(RUBBER, BALL, velocity=VELOCITY, load=LOAD, average=None).friction_force)
+    smooth = float(em.friction(RUBBER, BALL, velocity=VELOCITY, load=LOAD, model=em.Line()).friction_force)
     rough = light.friction_force[-65:-1].mean()
     print(f"mean resistance {rough:.4f} N, on a smooth track {smooth:.4f} N")
     assert abs(rough / smooth - 1) < 0.05, "low waves change the mean resistance little"

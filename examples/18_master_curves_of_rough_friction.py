@@ -32,7 +32,7 @@ VELOCITY = np.geomspace(1e-2, 2.0, 13)  # times a_T [m/s]
 PEAK = 0.4  # where mu is largest [m/s]
 LOADS = np.array([8.0, 16.0, 32.0])  # N/m
 KELVIN = np.array([278.15, 293.15, 313.15])
-ASKED = {"average": None, "seeds": 2, "samples": 4096, "sampling": 0.2}
+ASKED = {"model": em.Line(seeds=2)}
 
 
 def main(out: Path) -> None:
@@ -92,8 +92,8 @@ def check(mu: np.ndarray, warm: np.ndarray, along: float, up: float) -> None:
     line = em.RoughLine(np.arange(512) * 1e-5, rough_heights())
     wide = em.RoughLine(3 * np.arange(512) * 1e-5, 3**HURST * rough_heights())
     for load in (1.0, 4.0):
-        one = em.friction(RUBBER, line, velocity=1.0, load=load, average=None, sampling=1.0).mu
-        other = em.friction(RUBBER, wide, velocity=3.0, load=load * 3**HURST, average=None, sampling=1.0).mu
+        one = em.friction(RUBBER, line, velocity=1.0, load=load, model=em.Line()).mu
+        other = em.friction(RUBBER, wide, velocity=3.0, load=load * 3**HURST, model=em.Line()).mu
         assert np.isclose(other * 3 ** (1 - HURST), one, rtol=1e-6), "a dilated line is the same one"
     assert after < 0.5 * before, "up to the peak the curves of three loads must nearly be one"
 

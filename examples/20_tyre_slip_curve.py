@@ -1,7 +1,7 @@
 """20: from a DMA file and a road to the slip curve of a tyre.
 
-Teaches: the whole way in public calls. `em.fit.read_dma` and `em.fit.material` make a material of a laboratory's file,
-`em.spectrum_from_file` a road of a table; `em.friction` gives mu(v, T, p), with and without flash temperature;
+Teaches: the whole way in public calls. `em.read_dma` and `em.fit.material` make a material of a laboratory's file,
+`em.read_spectrum` a road of a table; `em.friction` gives mu(v, T, p), with and without flash temperature;
 `curve.law()` is that table as an `em.FrictionLaw`, which `to_csv` writes for any tyre model and `em.load_friction`
 reads; `em.traction` with the law as its `friction` and the `slip` of a wheel that brakes is a viscoelastic brush.
 
@@ -31,7 +31,7 @@ REFERENCE = 293.15  # K
 DATA = Path(__file__).parent / "data"
 WAVES = {"longest": 5e-3, "shortest": 1e-4}  # m
 HEAT = em.Heat(conductivity=0.25, heat_capacity=2e6)
-VELOCITY = np.geomspace(1e-2, 30.0, 10)  # sliding [m/s]
+VELOCITY = np.geomspace(1e-2, 30.0, 15)  # sliding [m/s]
 KELVIN = np.array([258.15, 278.15, 298.15])
 PRESSURE = np.array([1.2e5, 2.1e5, 3.6e5])  # Pa
 
@@ -44,18 +44,23 @@ WHEEL = {"velocity": SPEED, "slip": SLIP, "load": LOAD[:, None], "rtol": 1e-4}
 
 def main(out: Path, table: Path, dma: Path, spectrum: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    fit = em.fit.material(em.fit.read_dma(dma), REFERENCE, name="tread", poisson=0.5, citation=dma.name)
-    tread, road = fit.material, em.spectrum_from_file(spectrum, convention="2d", **WAVES)
+    fit = em.fit.material(em.read_dma(dma), REFERENCE, name="tread", poisson=0.5, citation=dma.name)
+    tread, road = fit.material, em.read_spectrum(spectrum, convention="2d", **WAVES)
 
     curve = em.friction(
-        tread, road, velocity=VELOCITY, temperature=KELVIN[:, None, None], pressure=PRESSURE[:, None], heat=HEAT,
-        rtol=1e-3, skip=False,  # skipping costs more programs to compile here than it saves
-    )  # fmt: skip
+        tread,
+        road,
+        velocity=VELOCITY,
+        temperature=KELVIN[:, None, None],
+        pressure=PRESSURE[:, None],
+        heat=HEAT,
+        rtol=1e-3,
+    )
     print(curve.summary())
     curve.law().to_csv(table)
     laws = {"with flash temperature": em.load_friction(table), "without": curve.law(cold=True)}
 
-    sheared = em.layer(tread, THICKNESS, tangential=True)
+    sheared = em.springs(tread, THICKNESS, tangential=True)
     warm, cold = (
         em.traction(STRUCTURE, TYRE, friction=law, temperature=KELVIN[:, None, None], tangential=sheared, **WHEEL)
         for law in laws.values()
@@ -76,9 +81,9 @@ def draw(curve: em.FrictionCurve, warm: em.Traction, cold: em.Traction) -> plt.F
     first, runs = axes[0, 0], ((warm, "-"), (cold, "--"))
     for i, colour in enumerate(("#1f5a94", "#3a8a4d", "#a03030")):
         first.semilogx(VELOCITY, curve.mu[i, 1], color=colour, label=f"{KELVIN[i] - 273.15:.0f} °C")
-        first.semilogx(VELOCITY, curve.rough.cold[i, 1], "--", color=colour)
+        first.semilogx(VELOCITY, curve.cold[i, 1], "--", color=colour)
     first.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]", ylim=(0, None))
-    first.set_title("Tread on the road, 0.21 MPa (estimate for the half-space)", fontsize=10, loc="left")
+    first.set_title("Tread on the road, 0.21 MPa", fontsize=10, loc="left")
     for i, ax in enumerate(axes.flat[1:]):
         for j, colour in enumerate(("#8bb4d9", "#1f5a94", "#0b2540")):
             for found, style in runs:
@@ -87,7 +92,7 @@ def draw(curve: em.FrictionCurve, warm: em.Traction, cold: em.Traction) -> plt.F
                 ax.plot(100 * SLIP, force, style, color=colour, label=label)
                 ax.plot(100 * SLIP[-1], force[-1], "s", color=colour, markersize=6)
                 ax.plot(100 * SLIP[at], force[at], "o", color="#a03030", markersize=4, zorder=3)
-        ax.set(xlabel="Slip [%]", ylabel="Braking force [kN]", ylim=(0, None))
+        ax.set(xlabel="Slip [%]", ylabel="Braking force [kN]", ylim=(0, None), xscale="log")
         ax.set_title(
             f"{KELVIN[i] - 273.15:.0f} °C, {SPEED:g} m/s; dot: largest, square: sliding", fontsize=10, loc="left"
         )
@@ -112,7 +117,7 @@ def check(table: Path, law: em.FrictionLaw, modulus: float) -> None:
 
     elastic = em.traction(
         STRUCTURE, TYRE, friction=law, temperature=KELVIN[:, None, None],
-        tangential=em.layer(em.Prony(modulus, [], [], shift=em.WLF(8.86, 101.6, 293.15)), THICKNESS, tangential=True),
+        tangential=em.springs(em.Prony(modulus, [], [], shift=em.WLF(8.86, 101.6, 293.15)), THICKNESS, tangential=True),
         **WHEEL,
     )  # fmt: skip
     zeta = SLIP / (1 - SLIP) * TYRE.radius * modulus / (THICKNESS * 8e7 * half[:, None] * found)

@@ -29,7 +29,9 @@ from scipy.optimize import brentq
 import elastomdr as em
 
 RUBBER = em.load_material("epdm-70")
-BELOW, ABOVE = (em.layer(RUBBER, h, bonded=False) for h in (6e-3, 8e-3))  # the covers that meet carry and return rolls
+BELOW, ABOVE = (
+    em.springs(RUBBER, h, bonded=False) for h in (6e-3, 8e-3)
+)  # the covers that meet carry and return rolls
 DIAMETER, WIDTH = 0.159, 1.2  # m
 TROUGH, SINGLE = em.Cylinder(DIAMETER / 2, WIDTH / 3), em.Cylinder(DIAMETER / 2, WIDTH)
 CARRY = em.Idlers(BELOW, TROUGH, spacing=1.2, shares=[0.2, 0.6, 0.2])
@@ -124,17 +126,17 @@ def first_order(cover: em.Foundation, velocity: float, load_per_width: float) ->
 
 
 def check(roll: em.RollingCurve, cost: em.Conveyor) -> None:
-    three, force, line = em.layer(em.load_material("conveyor-cover"), 6e-3), MIDDLE, MIDDLE / TROUGH.length
+    three, force, line = em.springs(em.load_material("conveyor-cover"), 6e-3), MIDDLE, MIDDLE / TROUGH.length
     for name, cover, computed in (
         ("three parameters", three, em.rolling(three, TROUGH, velocity=5.2, load=force).coefficient),
-        ("whole spectrum", em.layer(RUBBER.at(KELVIN[2]), 6e-3, bonded=False), roll.coefficient[2, AT]),
+        ("whole spectrum", em.springs(RUBBER.at(KELVIN[2]), 6e-3, bonded=False), roll.coefficient[2, AT]),
     ):
         velocity = 5.2 if cover is three else VELOCITY[AT]
         expected = winkler(cover, velocity, line)
         print(f"check     {name}: f = {computed:.9f}, closed form {expected:.9f}")
         assert np.isclose(computed, expected, rtol=2e-6), "the closed form of a Winkler cover"
 
-    full, upper = (em.layer(RUBBER.at(KELVIN[2]), h, bonded=False) for h in (6e-3, 8e-3))
+    full, upper = (em.springs(RUBBER.at(KELVIN[2]), h, bonded=False) for h in (6e-3, 8e-3))
     side, idle = MIDDLE / 3, BELT * 9.81 * 3.0  # loads of a side roll and of a return roll [N]
     carried = [n * f * winkler(full, VELOCITY[AT], f / TROUGH.length) for n, f in ((2, side), (1, MIDDLE))]
     expected = VELOCITY[AT] * (sum(carried) / 1.2 + idle * winkler(upper, VELOCITY[AT], idle / WIDTH) / 3.0)

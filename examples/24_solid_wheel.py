@@ -26,7 +26,7 @@ from scipy.special import lambertw
 
 import elastomdr as em
 
-TYRE = em.layer(em.load_material("tread-passenger-synthetic"), 15e-3, bonded=False)
+TYRE = em.springs(em.load_material("tread-passenger-synthetic"), 15e-3, bonded=False)
 WHEEL = em.Cylinder(0.1, 0.05)  # radius, width [m]
 LOAD, AMBIENT, CONDUCTANCE, CAPACITY = 800.0, 263.15, 1.2, 1e3  # N, K, W/K, J/K
 SPEEDS = np.array([1.0, 2.0, 4.0])  # m/s

@@ -16,6 +16,7 @@ soft one does, the trend found by Rabinowicz (Proc. Phys. Soc. 71 (1958) 668) an
 """
 
 import argparse
+from functools import partial
 from pathlib import Path
 
 import jax
@@ -45,7 +46,7 @@ def main(out: Path) -> None:
         rubber = em.load_material(name).at(KELVIN)
         cord = em.squeezed_cord(rubber, CORD, SQUEEZE, time=AGE)
         normal, load = float(cord.line_load) * np.pi * ROD, float(cord.pressure) * SHAFT.full_contact_length
-        curve = em.friction(rubber, LINE, velocity=VELOCITY, load=load, average=None, rtol=1e-3, skip=False)
+        curve = em.friction(rubber, LINE, velocity=VELOCITY, load=load, model=em.Line(), rtol=1e-3, skip=False)
         known = em.stability(
             em.Mount(MASS, STIFFNESS, DAMPING), velocity=VELOCITY, force=curve.mu * normal, wavelength=LONGEST
         )
@@ -92,24 +93,30 @@ def main(out: Path) -> None:
 
 
 def driven(rubbers: list[em.Prony], loads: np.ndarray, normals: np.ndarray, curves: list) -> dict[str, np.ndarray]:
-    """All motions at once, forces as of the whole seal, for which the line stands (`Mount.for_line`)."""
+    """The motions of each rubber at once, forces as of the whole seal, for which the line stands (`Mount.for_line`)."""
     which = np.array([case[0] for case in CASES])
     speed, stiffness = (np.array([case[i] for case in CASES]) for i in (1, 2))
     hold = np.array([float(curves[i].law()(v)) * normals[i] for i, v, _ in CASES]) / stiffness
-    laws = [np.stack([np.asarray(getattr(r, k)) for r in rubbers])[which] for k in ("equilibrium", "moduli", "times")]
 
-    def pulled(law: list, v: jax.Array, k: jax.Array, hold: jax.Array, load: jax.Array, normal: jax.Array) -> dict:
+    def pulled(
+        rubber: em.Prony, v: jax.Array, k: jax.Array, hold: jax.Array, load: jax.Array, normal: jax.Array
+    ) -> dict:
         place = hold * np.minimum(TIME / DRAWN, 1) + v * TIME
         mount = em.Mount(MASS, k, DAMPING).for_line(load, normal)
-        found = em.drive(em.Prony(*law), LINE, time=TIME, position=place, load=load, tangential=mount, rtol=0.1)
+        found = em.drive(rubber, LINE, time=TIME, position=place, load=load, tangential=mount, rtol=0.1)
         spring = k * (place - found.position)  # of the whole drive [N]
         return {
             "velocity": found.velocity, "swing": found.swing(PERIOD), "pull": spring, "friction": found.mu * normal,
         }  # fmt: skip
 
-    with jax.enable_x64(True):
-        found = jax.vmap(pulled)(laws, speed, stiffness, hold, loads[which], normals[which])
-    return {name: np.asarray(value) for name, value in found.items()}
+    found = []
+    for i, rubber in enumerate(rubbers):
+        own = which == i
+        with jax.enable_x64(True):
+            each = (speed[own], stiffness[own], hold[own], loads[which[own]], normals[which[own]])
+            found.append(jax.vmap(partial(pulled, rubber))(*each))
+    back = np.argsort(np.argsort(which, kind="stable"))  # into the order of CASES
+    return {name: np.concatenate([np.asarray(each[name]) for each in found])[back] for name in found[0]}
 
 
 def check(moved: dict[str, np.ndarray], swings: np.ndarray, curves: list, normals: np.ndarray) -> None:

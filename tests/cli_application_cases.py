@@ -34,9 +34,39 @@ BAD_ROUGH_SLIDES = {
     "too few samples": (("samples = 64", "samples = 2"), "samples must"),
     "a load in newton": (('pressure = "0.5 MPa"', 'load = "2 N"'), "a force per length"),
     "a pressure without a unit": (('"0.5 MPa"', "0.5"), "with its unit"),
-    "an indenter beside it": (("[surface]", '[indenter]\nshape = "sphere"\nradius = "1 mm"\n[surface]'), "exclude"),
-    "a layer": (("[surface]", '[layer]\nthickness = "1 mm"\n[surface]'), "[layer] and [surface] exclude"),
-    "then a depth": (('way = "0.1 mm"', 'way = "0.1 mm"\ndepth = "1 um"'), "or pressures"),
+    "an indenter beside it": (
+        ("[surface]", '[indenter]\nshape = "sphere"\nradius = "1 mm"\n[surface]'),
+        "[indenter] does not belong to a scene of this kind",
+    ),
+    "a layer": (("[surface]", '[layer]\nthickness = "1 mm"\n[surface]'), "layer must be left out"),
+    "then a depth": (
+        ('way = "0.1 mm"', 'way = "0.1 mm"\ndepth = "1 um"'),
+        "[stage 2] must have pressure, as the stages before, got depth",
+    ),
+}
+
+IMPACT = """
+title = "Bounces"
+material = "rubber.toml"
+temperature = ["0 degC", "20 degC"]
+
+[indenter]
+shape = "sphere"
+radius = "5 mm"
+
+[impact]
+mass = ["4 g", "8 g"]
+velocity = { from = "0.1 m/s", to = "1 m/s", points = 3 }
+
+[numerics]
+rtol = 1e-4
+"""
+
+BAD_IMPACTS = {
+    "unknown key": (("mass =", "mas ="), "Did you mean 'mass'"),
+    "no velocity": (('velocity = { from = "0.1 m/s", to = "1 m/s", points = 3 }', ""), "[impact] velocity is missing"),
+    "a weight": (('"4 g"', '"4 N"'), "[impact] mass[0] must be a mass"),
+    "a contact": (("[impact]", '[contact]\nload = "1 N"\n[impact]'), "[contact] belongs to elastomdr friction"),
 }
 
 WARMING = """
@@ -75,8 +105,11 @@ BAD_WARMINGS = {
     "a temperature": (('title = "Warms up"', 'temperature = "20 degC"'), "temperature must be left out"),
     "a depth": (('load = "800 N"', 'depth = "1 mm"'), "'depth'"),
     "too hot": (('"0 degC"', '"200 degC"'), "below hottest"),
-    "a conveyor beside it": (("[warming]", '[conveyor]\nspacing = "1 m"\n[warming]'), "exclude each other"),
-    "measured points": (('title = "Warms up"', 'measured = "a.csv"'), "[warming] and measured"),
+    "a conveyor beside it": (
+        ("[warming]", '[conveyor]\nspacing = "1 m"\n[warming]'),
+        "[conveyor] does not belong to a scene of this kind",
+    ),
+    "measured points": (('title = "Warms up"', 'measured = "a.csv"'), "measured belongs to elastomdr friction"),
     "no shift law": (('"rubber.toml"', '"no-shift.toml"'), "shift law"),
 }
 
@@ -119,7 +152,7 @@ BAD_BELTS = {
         ('shape = "cylinder"\nradius = "80 mm"\nlength = "400 mm"', 'shape = "sphere"\nradius = "1 mm"'),
         "cylinder",
     ),
-    "the bare line": (("[conveyor]", '[numerics]\naverage = "line"\n[conveyor]'), "average has no meaning"),
+    "the bare line": (("[contact]", '[contact]\nmodel = "line"'), "'model'"),
 }
 
 WHEEL = """
@@ -155,10 +188,10 @@ BAD_WHEELS = {
     "a table that is not there": (('"mu.csv"', '"nu.csv"'), "nu.csv"),
     "a table that is none": (('"mu.csv"', '"rubber.toml"'), "must have one column"),
     "a locked wheel": (("to = 0.9", "to = 1.0"), "below 1"),
-    "slip and creep": (("slip =", "creep = 0.1\nslip ="), "got both"),
-    "neither": (("slip = { from = 0.01, to = 0.9, points = 5 }", ""), "got neither"),
+    "slip and creepage": (("slip =", "creepage = 0.1\nslip ="), "got slip and creepage"),
+    "neither": (("slip = { from = 0.01, to = 0.9, points = 5 }", ""), "must have one of slip, creepage, got none"),
     "no slip at all": (("{ from = 0.01, to = 0.9, points = 5 }", "[]"), "empty list"),
-    "slip as a text": (("{ from = 0.01, to = 0.9, points = 5 }", '"10 %"'), "plain number"),
+    "slip as a text": (("{ from = 0.01, to = 0.9, points = 5 }", '"10 %"'), "slip must be a number"),
     "unknown key in slip": (("points", "point"), "Did you mean 'points'"),
     "slip the wrong way round": (("from = 0.01", "from = 0.95"), "smaller to a larger"),
     "no structure": (('[structure]\nstiffness = "80 MPa/m"', ""), "[structure] is missing"),
@@ -166,7 +199,7 @@ BAD_WHEELS = {
     "no load": (('load = ["2 kN", "4 kN"]', ""), "load is missing"),
     "a ball on a structure": (
         ('shape = "cylinder"\nradius = "300 mm"\nlength = "160 mm"', 'shape = "sphere"\nradius = "5 mm"'),
-        "goes with a cylinder",
+        "[structure] does not belong to a scene of this kind: Traction of a ball",
     ),
     "outside of the table": (('velocity = "25 m/s"', 'velocity = "250 m/s"'), "within the friction law"),
 }
@@ -181,7 +214,7 @@ BAD_DRIVES = {
     "no mass": (('mass = "1 kg"\n', ""), "[drive] mass is missing"),
     "a damping below zero": (("stiffness =", 'damping = "-1 N*s/m"\nstiffness ='), "zero or positive and finite"),
     "a mass that is a force": (('"1 kg"', '"1 N"'), "a mass"),
-    "no force on the whole body": (('normal_force = "10 N"\n', ""), "normal_force must be given"),
+    "no force on the whole body": (('normal_force = "10 N"\n', ""), "[drive] normal_force is missing"),
     "a depth": (('pressure = "0.5 MPa"', 'depth = "1 um"'), "stages with a load"),
     "no load": (('pressure = "0.5 MPa"', 'pressure = "0 MPa"'), "a load above zero"),
     "a jump of the load": (("[numerics]", '[[stage]]\nduration = "1 ms"\npressure = "1 MPa"\n[numerics]'), "no jumps"),

@@ -1,5 +1,16 @@
 """A good scene and a good material, and what to change in them to make each kind of bad input."""
 
+from pathlib import Path
+from typing import Any
+
+from elastomdr.cli.kinds import read_scene
+
+
+def arguments(verb: str, name: str) -> dict[str, Any]:
+    """What the scene of a command is computed with."""
+    return read_scene(verb, Path(name)).arguments(Path(name).parent)
+
+
 SCENE = """
 title = "Slider"
 material = "rubber.toml"
@@ -10,12 +21,12 @@ shape = "paraboloid"
 radius = "5 mm"
 
 [contact]
+model = "line"
 load = "10 N"
 velocity = { from = "1e-3 m/s", to = "1e3 mm/s", points = 4 }
 
 [numerics]
 rtol = 1e-4
-average = "line"
 """
 MATERIAL = """
 kind = "shear"
@@ -38,8 +49,12 @@ BAD_SCENES = {
     "unknown key in velocity": (("points", "point"), "Did you mean 'points'"),
     "key of another shape": (('radius = "5 mm"', 'radius = "5 mm"\nlength = "1 m"'), "'length'"),
     "unknown shape": (('"paraboloid"', '"parabolid"'), "Did you mean 'paraboloid'"),
-    "unknown average": (('"line"', '"lines"'), "Did you mean 'line'"),
-    "unknown unit": (('"5 mm"', '"5 milimetre"'), "Did you mean 'millimetre'"),
+    "unknown model": (('"line"', '"lines"'), "Did you mean 'line'"),
+    "option of another model": (('"line"', '"line"\ngamma = 0.5'), 'gamma belongs to model = "persson"'),
+    "option without a model": (('model = "line"', "corrected = false"), 'corrected belongs to model = "averaged"'),
+    "average of a smooth body": (('"line"', '"line"\naverage = true'), "em.Averaged(corrected=False)"),
+    "a model of surfaces": (('"line"', '"multiscale"'), "for a surface under a pressure"),
+    "unknown unit": (('"5 mm"', '"5 milimetre"'), "milimetre"),
     "no unit": (('"5 mm"', '"5"'), "5 mm"),
     "bare number": (('"5 mm"', "0.005"), "5 mm"),
     "wrong dimension": (('"10 N"', '"10 kg"'), "a force"),
@@ -52,7 +67,7 @@ BAD_SCENES = {
     "an expression": (('"10 N"', '"10 N*((("'), "load"),
     "negative radius": (('"5 mm"', '"-5 mm"'), "radius must be positive"),
     "negative load": (('"10 N"', '"-10 N"'), "load must be positive"),
-    "zero velocity": (('"1e-3 m/s"', '"0 m/s"'), "velocity] from must be positive"),
+    "zero velocity": (('"1e-3 m/s"', '"0 m/s"'), "[contact] velocity: from must be positive"),
     "negative velocity": (('"1e-3 m/s"', '"-1 m/s"'), "must be positive"),
     "velocities the wrong way round": (('"1e3 mm/s"', '"1e-4 m/s"'), "smaller to a larger"),
     "one point": (("points = 4", "points = 1"), "points"),
@@ -63,15 +78,18 @@ BAD_SCENES = {
     "no temperatures": (('"20 degC"', "[]"), "empty"),
     "one bad temperature of two": (('"20 degC"', '["20 degC", "20"]'), "temperature[1]"),
     "no shift law": (('"rubber.toml"', '"no-shift.toml"'), "shift law"),
-    "load and depth": (('load = "10 N"', 'load = "10 N"\ndepth = "1 mm"'), "both"),
-    "neither load nor depth": (('load = "10 N"', ""), "neither"),
+    "load and depth": (('load = "10 N"', 'load = "10 N"\ndepth = "1 mm"'), "got load and depth"),
+    "neither load nor depth": (('load = "10 N"', ""), "must have one of load, depth, got none"),
     "no material": (('material = "rubber.toml"', ""), "material is missing"),
     "no indenter": (('[indenter]\nshape = "paraboloid"\nradius = "5 mm"', ""), "[indenter] is missing"),
     "no shape": (('shape = "paraboloid"', ""), "shape is missing"),
     "no radius": (('radius = "5 mm"', ""), "radius is missing"),
     "no velocity": (('velocity = { from = "1e-3 m/s", to = "1e3 mm/s", points = 4 }', ""), "velocity is missing"),
     "a table that is none": (("[numerics]\nrtol = 1e-4", "[numerics]\nrtol = { a = 1 }"), "rtol"),
-    "a text for a table": ((SCENE, 'material = "rubber.toml"\nindenter = "sphere"\ncontact = 3'), "[contact]"),
+    "a text for a table": (
+        (SCENE, 'material = "rubber.toml"\nindenter = "sphere"\ncontact = 3'),
+        '[indenter] must be a table with the key shape, got "sphere"',
+    ),
     "unknown material": (('"rubber.toml"', '"rubber"'), "not in the library"),
     "material file not there": (('"rubber.toml"', '"ruber.toml"'), "Did you mean 'rubber.toml'"),
     "material is a number": (('"rubber.toml"', "5"), "material must be a text"),
@@ -90,7 +108,7 @@ BAD_SCENES = {
     "a cone without slope": (('shape = "paraboloid"\nradius = "5 mm"', 'shape = "cone"'), "slope is missing"),
     "a falling cone": (
         ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "cone"\nslope = -1'),
-        "slope must be positive",
+        "slope must be a positive number, got -1",
     ),
     "a coefficient of another dimension": (
         ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "power_law"\nexponent = 3\ncoefficient = "5 mm"'),
@@ -111,6 +129,8 @@ BAD_SCENES = {
     "not TOML": (("[contact]", "[contact"), "not valid TOML"),
     "a key twice": (('title = "Slider"', 'title = "a"\ntitle = "b"'), "not valid TOML"),
     "nested too deeply": (('"Slider"', "[" * 5000), "not valid TOML"),
+    "a title of nothing": (('"Slider"', '" "'), "title must be a text"),
+    "a zero character": (('"Slider"', '"a\\u0000b"'), "title must be a text"),
     "empty": ((SCENE, ""), "missing"),
 }
 
@@ -154,8 +174,8 @@ BAD_INDENTS = {
     "unknown program": (('"triangle"', '"triangel"'), "Did you mean 'triangle'"),
     "key of another program": (("points = 9", 'frequency = "1 Hz"'), "'frequency'"),
     "no history": ((f"[history]\n{_TRIANGLE}", ""), "[history] is missing"),
-    "depth and load": (("points = 9", 'load = "1 N"'), "either a load or a depth, got both"),
-    "neither": (('depth = "0.1 mm"', ""), "got neither"),
+    "depth and load": (("points = 9", 'load = "1 N"'), "must have one of load, depth, got load and depth"),
+    "neither": (('depth = "0.1 mm"', ""), "must have one of load, depth, got none"),
     "time without a unit": (('"2 ms"', '"2"'), "with its unit"),
     "a depth that is a force": (('"0.1 mm"', '"1 N"'), "must be a length"),
     "lists of different length": (
@@ -208,8 +228,11 @@ BAD_SLIDES = {
     "unknown key": (('way = "4 mm"', 'wey = "4 mm"'), "Did you mean 'way'"),
     "way without velocity": (('velocity = "500 mm/s"\n', ""), "needs a velocity"),
     "way and duration": (('way = "4 mm"', 'way = "4 mm"\nduration = "1 s"'), "no duration beside it"),
-    "no load at first": (('load = "2 N"', ""), "got neither"),
-    "a load, then a depth": (('load = "1 N"', 'depth = "1 mm"'), "must have loads, or depths"),
+    "no load at first": (('load = "2 N"', ""), "[stage 1] must have one of load, depth, got none"),
+    "a load, then a depth": (
+        ('load = "1 N"', 'depth = "1 mm"'),
+        "[stage 3] must have load, as the stages before, got depth",
+    ),
     "no duration": (('duration = "2 ms"\nload = "2 N"', 'load = "2 N"'), "duration is missing"),
     "a load that pulls": (('load = "1 N"', 'load = "-1 N"'), "load must be zero or positive"),
     "velocity without a unit": (('"500 mm/s"', '"500"'), "with its unit"),

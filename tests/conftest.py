@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+collect_ignore = ["typing"]  # read by pyright, not run
 MANY = 25_000  # pieces of memory that a process has mapped; Linux ends one with more than 65,530
 PLAIN = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 

@@ -1,4 +1,4 @@
-"""Synthetic measurements of a known material, and writers for every file format that `em.fit.read_dma` reads."""
+"""Synthetic measurements of a known material, and writers for every layout of files that `em.read_dma` reads."""
 
 import io
 import zipfile
@@ -170,9 +170,92 @@ def eplexor_xlsx(folder: Path, rows) -> list[Path]:
     return [path]
 
 
+def q800(folder: Path, rows) -> list[Path]:
+    """TA Q800: titles in lines Sig1 ..., numbers below StartOfData, Latin-1; it says no kind."""
+    titles = ("Time (min)", "Temperature (°C)", "Frequency (Hz)", "Storage Modulus (MPa)", "Loss Modulus (MPa)")
+    lines = ["Version\t2.0", "Instrument\tDMA Q800 V21.1 Build 51", "Nsig\t5"]
+    lines += [f"Sig{i}\t{title}" for i, title in enumerate(titles, start=1)]
+    lines += ["Size\t10 x 5 x 2 mm", "StartOfData"]
+    lines += [f"{i / 2}\t{t!r}\t{f!r}\t{s / 1e6!r}\t{l / 1e6!r}" for i, (f, t, s, l) in enumerate(rows.tolist())]
+    return [_text(folder / "q800.txt", lines, "latin-1")]
+
+
+def netzsch(folder: Path, rows) -> list[Path]:
+    """Netzsch 242: one group of columns for each frequency, semicolons, Latin-1."""
+    hertz = np.unique(rows[:, 0])
+    heads = [f"{name}({f!r} Hz){unit}" for f in hertz.tolist() for name, unit in (("G'", "/MPa"), ("G''", "/MPa"))]
+    lines = [
+        "#EXPORTTYPE:\tDATA ALL",
+        "#DECIMAL:\tPOINT",
+        "#RANGE:\t-60/2.0(K/min)/80",
+        "##Temp./°C;Time/min;" + ";".join(heads),
+    ]
+    for part in isotherms(rows):
+        cells = [f"{x / 1e6!r}" for row in part[np.argsort(part[:, 0])].tolist() for x in row[2:]]
+        lines.append(";".join([repr(float(part[0, 1])), "1.0", *cells]))
+    return [_text(folder / "netzsch.csv", lines, "latin-1")]
+
+
+def matrix(folder: Path, rows) -> list[Path]:
+    """One pair of columns for each temperature, decimal commas."""
+    parts = isotherms(rows)
+    heads = [f"{name} ({part[0, 1]:g} °C) [MPa]" for part in parts for name in ("G'", "G''")]
+    lines = [";".join(["f [Hz]", *heads])]
+    for same in zip(*(part.tolist() for part in parts), strict=True):
+        cells = [same[0][0], *(x / 1e6 for row in same for x in row[2:])]
+        lines.append(";".join(f"{x:.12g}" for x in cells).replace(".", ","))
+    return [_text(folder / "matrix.csv", lines)]
+
+
+def rheocompass(folder: Path, rows) -> list[Path]:
+    """Anton Paar RheoCompass: UTF-16, an interval for each temperature, a row of units in brackets."""
+    lines = ["Project:\tmelt", "Test:\tsweep"]
+    for i, part in enumerate(isotherms(rows), start=1):
+        lines += ["", f"Interval and data points:\t{i}\t{len(part)}"]
+        lines += ["Interval data:\tPoint No.\tTemperature\tAngular Frequency\tStorage Modulus\tLoss Modulus\tTorque"]
+        lines += ["", "\t\t[°C]\t[rad/s]\t[Pa]\t[Pa]\t[mN·m]"]
+        lines += [f"\t{j}\t{t!r}\t{2 * np.pi * f!r}\t{s!r}\t{l!r}\t0.1" for j, (f, t, s, l) in enumerate(part.tolist())]
+    return [_text(folder / "rheocompass.csv", lines, "utf-16")]
+
+
+def beside(folder: Path, rows) -> list[Path]:
+    """The same columns again for each isotherm, side by side, with the temperature above."""
+    parts = isotherms(rows)
+    lines = [
+        ",".join(f"T = {part[0, 1]:g} degC,," for part in parts),
+        ",".join(["f [Hz],G' [Pa],G'' [Pa]"] * len(parts)),
+    ]
+    for same in zip(*(part.tolist() for part in parts), strict=True):
+        lines.append(",".join(f"{f!r},{s!r},{l!r}" for f, _, s, l in same))
+    return [_text(folder / "beside.csv", lines)]
+
+
+def below(folder: Path, rows) -> list[Path]:
+    """One header, and a line with the temperature above each isotherm."""
+    lines = ["a rubber of 5 phr, measured at night", "f [Hz],G' [Pa],G'' [Pa]"]
+    for i, part in enumerate(isotherms(rows), start=1):
+        lines += [f"Step {i}: {part[0, 1]:g} °C", *(f"{f!r},{s!r},{l!r}" for f, _, s, l in part.tolist()), ""]
+    return [_text(folder / "below.csv", lines)]
+
+
+def sheets(folder: Path, rows) -> list[Path]:
+    """A spreadsheet with a sheet for each temperature, which is its name."""
+    import xlwt
+
+    book = xlwt.Workbook()
+    for part in isotherms(rows):
+        sheet = book.add_sheet(f"{part[0, 1]:g} °C")
+        for i, cells in enumerate([("f [Hz]", "G' [Pa]", "G'' [Pa]"), *np.delete(part, 1, 1).tolist()]):
+            for j, cell in enumerate(cells):
+                sheet.write(i, j, cell)
+    book.save(str(folder / "sheets.xls"))
+    return [folder / "sheets.xls"]
+
+
 WRITERS = (
     plain_csv, two_rows, tabs_in_rad, decimal_comma, korean, trios, reptate, eplexor_xls, eplexor_xlsx,
 )  # fmt: skip
+LAYOUTS = (*WRITERS, q800, netzsch, matrix, rheocompass, sheets, beside, below)
 
 
 def _text(path: Path, lines, encoding: str = "utf-8") -> Path:

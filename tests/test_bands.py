@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.results.spectrum import FrictionBands
 
 RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
 WAVES = np.array([1000.0, 5000.0, 30000.0])  # k [rad/m]
@@ -23,43 +24,55 @@ def waves_of(found):
 
 def test_full_contact_is_a_sum_over_the_waves():
     """mu = sum (1/2) A^2 k E''(k v)/F, each wave in its own band."""
-    found = em.friction_bands(RUBBER, LINE, velocity=VELOCITY, load=1000.0, average=None, rtol=1e-6)
+    found = em.friction_bands(RUBBER, LINE, velocity=VELOCITY, load=1000.0, model=em.Line(), rtol=1e-6)
     expected = 0.5 * HEIGHTS**2 * WAVES * RUBBER.loss(np.multiply.outer(VELOCITY, WAVES)) / 1000.0
     bands, rest = waves_of(found)
     np.testing.assert_allclose(bands, expected, rtol=2e-4)
     assert np.abs(rest).max() < 1e-6 * expected.min()
-    np.testing.assert_allclose(found.frequency, VELOCITY[:, None] * found.wave_number, rtol=1e-12)
+    np.testing.assert_allclose(found.omega, VELOCITY[:, None] * found.wave_number, rtol=1e-12)
     low, high = found.central(0.5)
     assert np.all((low < high) & (low > WAVES[0] * VELOCITY / 2) & (high < 2 * WAVES[-1] * VELOCITY))
 
 
 def test_averaged_over_directions():
     """sum (1/2) A^2 k <cos(phi) E''(k v cos(phi))>/F: those of each wave lie at and below its own frequency."""
-    found = em.friction_bands(RUBBER, LINE, velocity=VELOCITY, load=1000.0)
+    found = em.friction_bands(RUBBER, LINE, velocity=VELOCITY, load=1000.0, model=em.Line(average=True))
     phi = (np.arange(4000) + 0.5) / 4000 * np.pi / 2
     loss = RUBBER.loss(np.multiply.outer(np.multiply.outer(VELOCITY, WAVES), np.cos(phi))) @ np.cos(phi) / phi.size
     np.testing.assert_allclose(found.total, (0.5 * HEIGHTS**2 * WAVES * loss).sum(axis=1) / 1000.0, rtol=1e-3)
     assert np.all(found.mu[:, found.wave_number[0] > 1.8 * WAVES[-1]] < 1e-9)
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
 def test_partial_contact_sums_to_friction():
-    scene = {"pressure": 5e4, "temperature": np.array([283.15, 303.15])[:, None], "average": None, "rtol": 1e-4}
+    scene = {"pressure": 5e4, "temperature": np.array([283.15, 303.15])[:, None], "model": em.Line(), "rtol": 1e-4}
     velocity = np.array([0.1, 1.0, 10.0])
     found = em.friction_bands(SOLID, ROAD, velocity=velocity, **scene)
     friction = em.friction(SOLID, ROAD, velocity=velocity, **scene)
-    assert friction.rough.share.min() < 0.2
+    assert friction.lines.share.min() < 0.2
     np.testing.assert_allclose(found.total, friction.mu, rtol=1e-3)
     assert found.mu.min() >= 0
     finer = em.friction_bands(SOLID, ROAD, velocity=velocity, per_decade=8, **scene)
     np.testing.assert_allclose(finer.mu.reshape(*found.total.shape, -1, 2).sum(axis=-1), found.mu, rtol=1e-9)
     assert found.plot().get_ylabel() == "Friction coefficient per decade [-]"
     assert "eight tenths" in found.summary()
-    assert "frequency [rad/s]" in found.csv()
+    assert "angular frequency [rad/s]" in found.csv()
 
 
-def test_failed_points_are_nan():
+def test_the_middle_of_the_friction():
+    """Even over the logarithm within a band: of decades with 1/4 and 3/4, half lies from 10 to 10^(5/3) rad/s."""
+    omega = 10 ** np.array([[0.5, 1.5]])
+    found = FrictionBands(
+        velocity=np.ones((1, 2)), omega=omega, wave_number=omega, mu=np.array([[0.1, 0.3]]), error=np.zeros((1, 2)),
+        converged=np.ones((1, 2), bool), width=10.0, model="", plan=None, inputs=(),
+    )  # fmt: skip
+    np.testing.assert_allclose(np.ravel(found.central(0.5)), [10.0, 10 ** (5 / 3)], rtol=1e-12)
+
+
+def test_failed_points_are_nan(monkeypatch):
+    monkeypatch.setattr("elastomdr.scenes.ensemble.SAMPLING", 1e-9)
     with pytest.warns(em.ConvergenceWarning, match="1 of 1 points did not converge"):
-        found = em.friction_bands(SOLID, ROAD, velocity=1.0, pressure=5e4, average=None, sampling=1e-9)
+        found = em.friction_bands(SOLID, ROAD, velocity=1.0, pressure=5e4, model=em.Line())
     assert np.isnan(found.mu).all()
     assert np.isnan(found.central()[0])
 
@@ -73,7 +86,7 @@ def test_failed_points_are_nan():
         ({"temperature": 290.0}, "has no shift law"),
         ({"velocity": -1.0}, "velocity must be positive"),
         ({"velocity": [1.0, 2.0], "pressure": [1.0, 2.0, 3.0]}, "must broadcast"),
-        ({"average": "mean"}, "average must be"),
+        ({"model": em.Averaged()}, "model must be em.Line"),
     ],
 )
 def test_bad_input(changes, message):

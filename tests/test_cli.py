@@ -10,15 +10,11 @@ import pandas as pd
 import pytest
 
 import elastomdr as em
-from elastomdr.cli.history import read_history
+from elastomdr.cli.kinds import read_scene
 from elastomdr.cli.main import main
-from elastomdr.cli.scene import read_scene
-from elastomdr.cli.stages import read_stages
-from elastomdr.cli.wheel import read_wheel
 from elastomdr.errors import ConvergenceWarning
-from elastomdr.mapping.shapes import AbstractShape
 
-from .cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE
+from .cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE, arguments
 
 
 @pytest.fixture(autouse=True)
@@ -27,8 +23,6 @@ def place(tmp_path, monkeypatch):
     (tmp_path / "rubber.toml").write_text(MATERIAL)
     (tmp_path / "no-shift.toml").write_text(MATERIAL[: MATERIAL.index("[shift]")])
     monkeypatch.chdir(tmp_path)
-    for verb in ("curve", "plan"):
-        monkeypatch.setattr(f"elastomdr.cli.{verb}.enable_cache", lambda: None)
     return tmp_path
 
 
@@ -81,7 +75,7 @@ def test_scene_to_table_and_figure(place, capsys, verb, call, coefficient):
         velocity=np.geomspace(1e-3, 1.0, 4),
         load=10.0,
         temperature=293.15,
-        average=None,
+        model=em.Line(),
         rtol=1e-4,
     )
     assert len(table) == 4
@@ -192,10 +186,10 @@ def test_a_file_that_cannot_be_replaced_leaves_nothing_behind(place, capsys):
 
 
 def test_interrupt_is_one_line(place, capsys, monkeypatch):
-    def stopped(_):
+    def stopped(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("elastomdr.cli.friction.read_scene", stopped)
+    monkeypatch.setattr("elastomdr.cli.compute.read_scene", stopped)
     assert main(["friction", write(place)]) == 130
     assert capsys.readouterr().err == "elastomdr: interrupted\n"
 
@@ -207,13 +201,13 @@ def test_lists_get_axes_of_their_own(place):
         ('load = "10 N"', 'depth = ["1 mm", "20 µm"]'),
         ('"1e-3 m/s"', '"3.6e-3 km/h"'),
     )
-    arguments = read_scene(name).arguments
-    assert arguments["temperature"].shape == (3, 1, 1)
-    np.testing.assert_allclose(arguments["temperature"].ravel(), [293.15, 238.15, 298.15])
-    np.testing.assert_allclose(arguments["depth"], [[1e-3], [2e-5]])
-    np.testing.assert_allclose(arguments["velocity"], np.geomspace(1e-3, 1.0, 4))
-    assert arguments["average"] is None
-    one = read_scene(write(place, ('"20 degC"', '["20 degC"]'), ('"10 N"', '"2 lbf"'))).arguments
+    found = arguments("friction", name)
+    assert found["temperature"].shape == (3, 1, 1)
+    np.testing.assert_allclose(found["temperature"].ravel(), [293.15, 238.15, 298.15])
+    np.testing.assert_allclose(found["depth"], [[1e-3], [2e-5]])
+    np.testing.assert_allclose(found["velocity"], np.geomspace(1e-3, 1.0, 4))
+    assert found["model"] == em.Line()
+    one = arguments("friction", write(place, ('"20 degC"', '["20 degC"]'), ('"10 N"', '"2 lbf"')))
     assert one["temperature"] == 293.15
     assert one["load"] == pytest.approx(8.896443)
 
@@ -235,7 +229,7 @@ SHAPES = {
 @pytest.mark.parametrize("text", SHAPES)
 def test_shapes(place, text):
     (place / "tip.csv").write_text("# a tip\nr, z\n0, 0\n1, 0.1\n2; 0.4\n3\t0.9\n4 1.6\n")
-    shape = read_scene(write(place, ('shape = "paraboloid"\nradius = "5 mm"', text))).shape
+    shape = arguments("friction", write(place, ('shape = "paraboloid"\nradius = "5 mm"', text)))["shape"]
     assert type(shape) is type(SHAPES[text])
     for found, expected in zip(*(jax.tree.leaves(s) for s in (shape, SHAPES[text])), strict=True):
         np.testing.assert_allclose(found, expected, rtol=1e-14)
@@ -248,53 +242,50 @@ def test_bad_line_in_a_profile(place, capsys):
 
 
 def test_layer_and_two_bodies(place):
-    layer = read_scene(write(place, ("[contact]", '[layer]\nthickness = "8 mm"\nbonded = false\n[contact]'))).material
+    name = write(place, ("[contact]", '[layer]\nthickness = "8 mm"\nbonded = false\n[contact]'))
+    layer = arguments("friction", name)["material"]
     rubber = em.load_material("rubber.toml")
-    np.testing.assert_allclose(layer.moduli, em.layer(rubber, 8e-3, bonded=False).moduli)
-    both = read_scene(write(place, ("temperature", 'other = "rubber.toml"\ntemperature'))).material
+    np.testing.assert_allclose(layer.moduli, em.springs(rubber, 8e-3, bonded=False).moduli)
+    both = arguments("friction", write(place, ("temperature", 'other = "rubber.toml"\ntemperature')))["material"]
     np.testing.assert_allclose(both.moduli, em.half_space(rubber, rubber).moduli)
 
 
 def test_two_bodies_that_shift_differently_meet_at_one_temperature(place, capsys):
     other = Path("rubber.toml").read_text().replace("8.86", "17.4").replace("1e6", "3e6")
     (place / "other.toml").write_text(other)
-    scene = read_scene(write(place, ("temperature", 'other = "other.toml"\ntemperature')))
+    found = arguments("friction", write(place, ("temperature", 'other = "other.toml"\ntemperature')))
     first, second = (em.load_material(name).at(293.15) for name in ("rubber.toml", "other.toml"))
-    np.testing.assert_allclose(scene.material.times, em.half_space(first, second).times)
-    assert "at 293.15 K" in scene.material.name
-    assert "temperature" not in scene.arguments
+    np.testing.assert_allclose(found["material"].times, em.half_space(first, second).times)
+    assert "at 293.15 K" in found["material"].name
+    assert "temperature" not in found
     name = write(place, ('temperature = "20 degC"', 'other = "other.toml"\ntemperature = ["20 degC", "30 degC"]'))
-    assert "must be a single value, got 2" in refused(capsys, "friction", name)
+    assert "must be a single value, got several" in refused(capsys, "friction", name)
     name = write(place, ('temperature = "20 degC"', 'other = "other.toml"'))
-    assert "temperature is missing" in refused(capsys, "friction", name)
+    assert "temperature must be a single value, got none" in refused(capsys, "friction", name)
 
 
 def test_files_are_looked_for_beside_the_scene(place, monkeypatch):
     name = write(place)
     (place / "elsewhere").mkdir()
     monkeypatch.chdir(place / "elsewhere")
-    assert read_scene(f"../{name}").material.moduli.size == 2
+    assert arguments("friction", f"../{name}")["material"].moduli.size == 2
 
 
 @pytest.mark.parametrize(
     "scene", sorted((Path(__file__).parents[1] / "examples" / "scenes").glob("*.toml")), ids=lambda p: p.stem
 )
 def test_shipped_scenes_can_be_read(scene):
-    for key, read, argument in (
-        ("[history]", read_history, "time"),
-        ("[[stage]]", read_stages, "time"),
-        ("slip =", read_wheel, "slip"),
-    ):
-        if key in scene.read_text():
-            assert read(str(scene)).arguments[argument].size >= 3
-            return
-    shipped = read_scene(str(scene))
-    assert shipped.title
-    if not isinstance(shipped.shape, AbstractShape):
-        assert np.all(shipped.arguments["pressure"] > 0)  # a surface
-        return
-    if shipped.further is not None:
-        assert shipped.further.name in ("warming", "conveyor")
-        return
-    verb = "rolling" if shipped.shape.rolling_radius is not None else "friction"
-    assert em.plan(shipped.material, shipped.shape, **shipped.arguments, quantity=verb).points >= 3
+    verb = scene.read_text().split("elastomdr ")[1].split()[0]
+    read = read_scene(verb, scene)
+    assert read.title
+    found = read.arguments(scene.parent)
+    assert max(np.size(found[key]) for key in ("velocity", "slip", "time") if key in found) >= 3
+    if read.called() in ("friction", "rolling") and read.mark == "indenter":
+        assert em.plan(**found, quantity=verb).points >= 3
+
+
+def test_a_plan_is_written_where_a_folder_is_given(tmp_path, capsys):
+    scene = Path(__file__).parents[1] / "examples" / "scenes" / "slider.toml"
+    assert main(["plan", str(scene), "--out", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert (tmp_path / "slider-plan.txt").read_text(encoding="utf-8") in printed

@@ -10,21 +10,22 @@ import pytest
 
 import elastomdr as em
 from elastomdr.cli.main import main
-from elastomdr.cli.stages import read_stages
 
 from .cli_application_cases import (
     BAD_BELTS,
     BAD_DRIVES,
+    BAD_IMPACTS,
     BAD_ROUGH_SLIDES,
     BAD_WARMINGS,
     BAD_WHEELS,
     BELT,
     DRIVE,
+    IMPACT,
     ROUGH_SLIDE,
     WARMING,
     WHEEL,
 )
-from .cli_cases import MATERIAL, SCENE
+from .cli_cases import MATERIAL, SCENE, arguments
 
 LAW = em.FrictionLaw([0.01, 1.0, 30.0], np.array([[[0.5, 0.8, 0.6]], [[0.6, 0.9, 0.7]]]), [270.0, 300.0], [2e5])
 
@@ -36,8 +37,6 @@ def place(tmp_path, monkeypatch):
     law = em.FrictionLaw(LAW.velocity, LAW.mu[:, 0], LAW.temperature)
     law.to_csv(tmp_path / "mu.csv")
     monkeypatch.chdir(tmp_path)
-    for verb in ("curve", "plan"):
-        monkeypatch.setattr(f"elastomdr.cli.{verb}.enable_cache", lambda: None)
     return tmp_path
 
 
@@ -62,7 +61,15 @@ def written(capsys, verb: str, scene: str, stem: str, title: str) -> pd.DataFram
 
 
 def tyre():
-    return em.layer(em.load_material("rubber.toml"), 15e-3, bonded=False)
+    return em.springs(em.load_material("rubber.toml"), 15e-3, bonded=False)
+
+
+def test_impact(capsys):
+    table = written(capsys, "impact", write(IMPACT), "scene-impact", "Bounces")
+    found = em.impact(em.load_material("rubber.toml"), em.Sphere(5e-3), velocity=np.geomspace(0.1, 1.0, 3), rtol=1e-4,
+                      mass=np.array([[4e-3], [8e-3]]), temperature=np.array([[[273.15]], [[293.15]]]))  # fmt: skip
+    np.testing.assert_allclose(table["coefficient of restitution [-]"], found.restitution.ravel(), rtol=1e-12)
+    np.testing.assert_allclose(table["mass [kg]"], np.tile(np.repeat([4e-3, 8e-3], 3), 2), rtol=1e-12)
 
 
 def test_warming(capsys):
@@ -83,7 +90,7 @@ def test_warming_over_time(capsys):
 
 def test_conveyor(capsys):
     table = written(capsys, "rolling", write(BELT), "scene-conveyor", "Belt")
-    below, above = (em.layer(em.load_material("rubber.toml"), h, bonded=False) for h in (6e-3, 8e-3))
+    below, above = (em.springs(em.load_material("rubber.toml"), h, bonded=False) for h in (6e-3, 8e-3))
     carry = em.Idlers(below, em.Cylinder(0.08, 0.4), spacing=1.2, shares=[0.2, 0.6, 0.2])
     back = em.Idlers(above, em.Cylinder(0.08, 1.2), spacing=3.0)  # as long as three rolls
     found = em.conveyor(carry, back, velocity=[1.0, 5.0], belt=28.0, goods=np.array([[0.0], [120.0]]),
@@ -99,7 +106,7 @@ def test_traction(capsys, friction):
     found = em.traction(
         em.Foundation(8e7, [], []), em.Cylinder(0.3, 0.16), velocity=25.0, slip=slip, temperature=kelvin,
         load=np.array([[2e3], [4e3]]), friction=em.load_friction("mu.csv") if "csv" in friction else 0.8,
-        tangential=em.layer(em.load_material("rubber.toml"), 8e-3, tangential=True), rtol=1e-4,
+        tangential=em.springs(em.load_material("rubber.toml"), 8e-3, tangential=True), rtol=1e-4,
     )  # fmt: skip
     np.testing.assert_allclose(table["traction coefficient [-]"], found.coefficient.ravel(), rtol=1e-12)
     np.testing.assert_allclose(table["slip [-]"], np.tile(slip, 4), rtol=1e-12)
@@ -109,10 +116,10 @@ def test_traction_of_a_ball(capsys):
     wheel = WHEEL[WHEEL.index("[indenter]") : WHEEL.index("[contact]")]
     ball = '[indenter]\nshape = "paraboloid"\nradius = "5 mm"\n\n'
     slip = "slip = { from = 0.01, to = 0.9, points = 5 }"
-    scene = write(WHEEL, (wheel, ball), ('"mu.csv"', "0.5"), (slip, "creep = [0.01, 0.1]"),
+    scene = write(WHEEL, (wheel, ball), ('"mu.csv"', "0.5"), (slip, "creepage = [0.01, 0.1]"),
                   ('load = ["2 kN", "4 kN"]', 'load = "5 N"'))  # fmt: skip
     table = written(capsys, "traction", scene, "scene-traction", "Brakes")
-    found = em.traction(em.load_material("rubber.toml"), em.Paraboloid(5e-3), velocity=25.0, creep=[0.01, 0.1], load=5,
+    found = em.traction(em.load_material("rubber.toml"), em.Paraboloid(5e-3), velocity=25, creepage=[0.01, 0.1], load=5,
                         friction=0.5, temperature=np.array([[273.15], [293.15]]), rtol=1e-4)  # fmt: skip
     np.testing.assert_allclose(table["tractive force [N]"], found.force.ravel(), rtol=1e-12)
 
@@ -122,20 +129,20 @@ def test_rough_slide(capsys):
     surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-4, q_high=2 * np.pi / 25e-6)
     load = 5e5 * surface.full_contact_length
     np.testing.assert_allclose(table["normal force [N/m]"], load, rtol=1e-9)
-    history = read_stages("scene.toml").arguments
+    history = arguments("slide", "scene.toml")
     again = em.slide(em.load_material("rubber.toml"), surface.line(seed=2, samples=64), temperature=293.15,
                      rtol=5e-2, **{k: history[k] for k in ("time", "position", "load")})  # fmt: skip
     # Its wavelengths come out of their units with another last digit, by which an element meets the line a step later.
     np.testing.assert_allclose(table["friction coefficient [-]"], again.mu, atol=1e-3 * again.mu.max())
-    rule = read_stages(write(ROUGH_SLIDE, ('equivalent_length = "full contact"\n', ""))).arguments["load"]
+    rule = arguments("slide", write(ROUGH_SLIDE, ('equivalent_length = "full contact"\n', "")))["load"]
     np.testing.assert_allclose(rule, 5e5 * 1e-4, rtol=1e-12)  # p times the longest wave
-    per_length = read_stages(write(ROUGH_SLIDE, ('pressure = "0.5 MPa"', 'load = "3 N/m"'))).arguments["load"]
+    per_length = arguments("slide", write(ROUGH_SLIDE, ('pressure = "0.5 MPa"', 'load = "3 N/m"')))["load"]
     np.testing.assert_array_equal(per_length, 3.0)
 
 
 def test_drive(capsys):
     table = written(capsys, "slide", write(DRIVE), "scene-drive", "Started on a rough line")
-    history = read_stages("scene.toml").arguments
+    history = arguments("slide", "scene.toml")
     part = float(history["load"][0]) / 10.0
     surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-4, q_high=2 * np.pi / 25e-6)
     given = {k: history[k] for k in ("time", "position", "load", "temperature", "rtol")}
@@ -147,23 +154,30 @@ def test_drive(capsys):
 
 def test_zero_where_nothing_is_something():
     """A drive without a damper, or without a spring, is a drive."""
-    mount = read_stages(write(DRIVE, ("stiffness =", 'damping = "0 N*s/m"\nstiffness ='))).arguments["tangential"]
+    scene = write(DRIVE, ("stiffness =", 'damping = "0 N*s/m"\nstiffness ='))
+    mount = arguments("slide", scene)["tangential"]
     assert mount.damping == 0.0
     damper = ('stiffness = "1 kN/m"', 'damping = "2 kN*s/m"\nstiffness = "0 N/m"')
-    mount = read_stages(write(DRIVE, damper)).arguments["tangential"]
+    mount = arguments("slide", write(DRIVE, damper))["tangential"]
     assert mount.stiffness == 0.0
 
 
 CASES = {
+    **{f"impact: {name}": ("impact", IMPACT, *case) for name, case in BAD_IMPACTS.items()},
     **{f"warming: {name}": ("rolling", WARMING, *case) for name, case in BAD_WARMINGS.items()},
     **{f"belt: {name}": ("rolling", BELT, *case) for name, case in BAD_BELTS.items()},
     **{f"traction: {name}": ("traction", WHEEL, *case) for name, case in BAD_WHEELS.items()},
     **{f"drive: {name}": ("slide", DRIVE, *case) for name, case in BAD_DRIVES.items()},
     **{f"slide: {name}": ("slide", ROUGH_SLIDE, *case) for name, case in BAD_ROUGH_SLIDES.items()},
     "friction of a warming": ("friction", WARMING, ("Warms", "Warms"), "belongs to elastomdr rolling"),
-    "plan of a belt": ("plan", BELT, ("Belt", "Belt"), "belongs to elastomdr rolling"),
+    "plan of a belt": ("plan", BELT, ("Belt", "Belt"), "[conveyor] belongs to elastomdr rolling"),
     "traction of a slider": ("traction", SCENE, ("Slider", "Slider"), "slip"),
-    "rolling of a wheel that brakes": ("rolling", WHEEL, ("Brakes", "Brakes"), "not known"),
+    "rolling of a wheel that brakes": (
+        "rolling",
+        WHEEL,
+        ("Brakes", "Brakes"),
+        "friction belongs to elastomdr traction",
+    ),
 }
 
 

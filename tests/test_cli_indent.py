@@ -8,17 +8,15 @@ import pandas as pd
 import pytest
 
 import elastomdr as em
-from elastomdr.cli.history import read_history
 from elastomdr.cli.main import main
 
-from .cli_cases import _TRIANGLE, BAD_INDENTS, INDENT, MATERIAL
+from .cli_cases import _TRIANGLE, BAD_INDENTS, INDENT, MATERIAL, arguments
 
 
 @pytest.fixture(autouse=True)
 def place(tmp_path, monkeypatch):
     (tmp_path / "rubber.toml").write_text(MATERIAL)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
     return tmp_path
 
 
@@ -32,7 +30,7 @@ def write(*changes: tuple[str, str]) -> str:
 
 
 def history(program: str) -> dict:
-    return read_history(write((_TRIANGLE, program))).arguments
+    return arguments("indent", write((_TRIANGLE, program)))
 
 
 def test_scene_to_table_and_figure(capsys):
@@ -87,8 +85,8 @@ def test_histories():
 
 
 def test_adhesion_has_its_own_key():
-    arguments = read_history(write(('temperature = "20 degC"', 'adhesion = "50 mJ/m^2"'))).arguments
-    np.testing.assert_allclose(arguments["adhesion"], 0.05)
+    found = arguments("indent", write(('temperature = "20 degC"', 'adhesion = "50 mJ/m^2"')))
+    np.testing.assert_allclose(found["adhesion"], 0.05)
 
 
 @pytest.mark.parametrize("name", BAD_INDENTS)

@@ -155,6 +155,20 @@ def test_maxwell_element_recovers_its_spring_only():
     assert state.u[0] == pytest.approx(1 - np.exp(-1.0), rel=1e-11)
 
 
+@pytest.mark.parametrize(("h", "away"), [(1.0, 0.5), (3.0, 0.2), (10.0, -1.0)])
+def test_an_element_that_recovers_freely_feels_no_force(h, away):
+    """int q dt and int q du stand still, and all of the step is time out of contact."""
+    law, one = Foundation(1.0, [1.0], [1.0]), jnp.ones(1)
+    pressed = contact_step(law, rest(law, 1), 0 * one, one, 1.0)
+    start = contact_step(law, pressed, one, -one, 1e-6)
+    assert start.q[0] == 0
+    end = contact_step(law, start, away * start.u, away * start.u, h)
+    assert end.u[0] > away * start.u[0]
+    assert end.impulse[0] == start.impulse[0]
+    assert end.work[0] == pytest.approx(float(start.work[0]), rel=1e-14)
+    assert end.away[0] - start.away[0] == pytest.approx(h, rel=1e-14)
+
+
 def test_one_law_per_element():
     """Times (k, n) and numbers (n,): n laws at once, as one after the other."""
     tau = jnp.asarray([[0.1, 1.0, 10.0], [2.0, 20.0, 200.0]])

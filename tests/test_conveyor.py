@@ -20,7 +20,7 @@ def sides(cover=FLAT, shares=SHARES):
 
 def test_sum_over_the_idlers():
     """Every roll by itself, at its own load, counted per length of belt."""
-    below, above = (em.layer(RUBBER, h, bonded=False) for h in (6e-3, 8e-3))
+    below, above = (em.springs(RUBBER, h, bonded=False) for h in (6e-3, 8e-3))
     carry, back = em.Idlers(below, ROLL, spacing=1.2, shares=SHARES), em.Idlers(above, WIDE, spacing=3.0)
     goods, kelvin, velocity = np.array([0.0, 120.0]), np.array([[283.15], [303.15]]), 4.0
     found = em.conveyor(carry, back, velocity=velocity, belt=28.0, goods=goods, temperature=kelvin)
@@ -64,10 +64,10 @@ def test_reference():
     found = em.reference.small_damping(FLAT, ROLL, velocity=5.0, load=load)
     np.testing.assert_allclose(found, closed(load, ROLL) / load, rtol=5e-3)
     np.testing.assert_allclose(found, em.rolling(FLAT, ROLL, velocity=5.0, load=load).coefficient, rtol=5e-3)
-    cover = em.layer(RUBBER, 6e-3, bonded=False)
+    cover = em.springs(RUBBER, 6e-3, bonded=False)
     shifted = em.reference.small_damping(cover, ROLL, velocity=2.0, load=300.0, temperature=303.15)
     factor = float(RUBBER.shift.a(303.15))
-    same = em.reference.small_damping(em.layer(RUBBER.at(293.15), 6e-3, bonded=False), ROLL, velocity=2.0 * factor,
+    same = em.reference.small_damping(em.springs(RUBBER.at(293.15), 6e-3, bonded=False), ROLL, velocity=2.0 * factor,
                                       load=300.0)  # fmt: skip
     np.testing.assert_allclose(shifted, same, rtol=1e-12)
     with jax.enable_x64(True):
@@ -95,7 +95,7 @@ def test_table_summary_and_figure(tmp_path):
     for said in ("power [W/m]", "mass of the goods [kg/m]", "3 rolls every 1.2 m", "thin layer"):
         assert said in text
     assert "kW per km of belt" in found.summary()
-    assert found.plot().get_ylabel() == "Power per kilometre of belt [kW]"
+    assert found.plot().get_ylabel() == "Power per length of belt [kW/km]"
     assert found.png().startswith(b"\x89PNG")
 
 
@@ -113,7 +113,7 @@ def test_axes_in_any_order():
         np.testing.assert_array_equal(line.get_xdata(), v)
         np.testing.assert_array_equal(line.get_ydata(), power)
     one = em.conveyor(*sides(), velocity=2.0, belt=28.0, goods=goods).plot()
-    assert one.get_xlabel() == "Goods [kg/m]"
+    assert one.get_xlabel() == "Mass of the goods [kg/m]"
     np.testing.assert_array_equal(one.get_lines()[0].get_xdata(), goods)
 
 

@@ -45,7 +45,7 @@ def test_such_a_branch_under_a_load_that_is_put_on_and_falls():
     assert found.converged.all()
     np.testing.assert_allclose(found.depth[1:], without.depth[1:], rtol=1e-4)
     creep = 4 / 3 * np.sqrt(0.01) * found.depth[:3] ** 1.5  # J F_N, with F_N = 1 N
-    np.testing.assert_allclose(creep, with_branch(5e6).creep(TIME[:3]), rtol=1e-6)
+    np.testing.assert_allclose(creep, with_branch(5e6).creep_compliance(TIME[:3]), rtol=1e-6)
     missing = np.abs(found.work - found.stored - found.dissipated)
     assert missing.max() < 1e-4 * found.work.max()
     # Until the depth is that of the relaxed branch, the load does work that only the branch turns into heat.
@@ -57,7 +57,7 @@ def test_no_load():
     assert found.converged.all()
     assert not np.any([found.force, found.depth, found.contact_radius, found.work])
     with pytest.raises(em.InputError, match="load"):  # no contact, no traction coefficient
-        em.traction(ELASTIC, BALL, velocity=1.0, creep=0.1, friction=0.5, load=0.0, tangential=SHEAR)
+        em.traction(ELASTIC, BALL, velocity=1.0, creepage=0.1, friction=0.5, load=0.0, tangential=SHEAR)
 
 
 @pytest.mark.parametrize("call", [em.slide, pytest.param(em.drive, marks=pytest.mark.slow)])

@@ -11,7 +11,7 @@ import elastomdr as em
 MODULI, TIMES = np.array([3e6, 2e6, 5e6]), np.array([1e-4, 1e-3, 3e-2])
 BALL = em.Paraboloid(0.01)
 VELOCITY = np.array([0.01, 0.3, 10.0])
-LINE = {"velocity": VELOCITY, "load": 1.0, "average": None}
+LINE = {"velocity": VELOCITY, "load": 1.0, "model": em.Line()}
 
 
 def by_hand(relaxed, viscosity, v, a, b):
@@ -59,9 +59,9 @@ def test_against_the_history_of_each_branch(relaxed, viscosity):
 def test_limits():
     """Slow: E_k tau_k. One branch: everything. Split into two of one time: halves. Liquids lose all the same."""
     law = em.Foundation(1e6, MODULI, TIMES)
-    slow = em.dissipation(law, BALL, velocity=np.array([1e-7, 1.0, 1.0]), load=1.0, average=None)
+    slow = em.dissipation(law, BALL, velocity=np.array([1e-7, 1.0, 1.0]), load=1.0, model=em.Line())
     np.testing.assert_allclose(slow.share[0], MODULI * TIMES / (MODULI @ TIMES), rtol=1e-4)
-    fast = em.dissipation(law, BALL, velocity=np.array([1e7, 1.0, 1.0]), load=1.0, average=None)
+    fast = em.dissipation(law, BALL, velocity=np.array([1e7, 1.0, 1.0]), load=1.0, model=em.Line())
     np.testing.assert_allclose(fast.share[0], MODULI / TIMES / (MODULI / TIMES).sum(), rtol=1e-4)
     one = em.dissipation(em.Foundation(1e6, [3e6, 0.0, 0.0], TIMES), BALL, **LINE)
     np.testing.assert_allclose(one.share, [[1.0, 0.0, 0.0]] * 3, atol=1e-12)
@@ -75,7 +75,7 @@ def test_weak_loss_follows_the_direction_average():
     """To first order in the loss each branch's part is its own friction, with the average taken of each."""
     part = 1e-4
     law = em.Foundation(1e6, part * MODULI, TIMES)
-    scene = {"velocity": VELOCITY, "load": 1.0, "rtol": 1e-3}
+    scene = {"velocity": VELOCITY, "load": 1.0, "model": em.Averaged(corrected=False), "rtol": 1e-3}
     found = em.dissipation(law, BALL, **scene)
     for k in range(3):
         alone = em.friction(em.Foundation(1e6, [part * MODULI[k]], [TIMES[k]]), BALL, **scene)
@@ -84,7 +84,7 @@ def test_weak_loss_follows_the_direction_average():
 
 def test_temperature_and_layers():
     rubber = em.Prony(1e6, MODULI, TIMES, poisson=0.4, shift=em.WLF(c1=8.86, c2=101.6, reference=293.15))
-    layer, roller = em.layer(rubber, 1e-3), em.Cylinder(0.01, 0.02)
+    layer, roller = em.springs(rubber, 1e-3), em.Cylinder(0.01, 0.02)
     kelvin = np.array([283.15, 293.15, 303.15])
     warm = em.dissipation(layer, roller, velocity=0.1, load=1.0, temperature=kelvin)
     factor = rubber.shift.a(kelvin)
@@ -102,7 +102,7 @@ def test_temperature_and_layers():
 def test_gradient():
     def share(modulus):
         law = em.Foundation(1e6, [modulus, 2e6, 5e6], TIMES)
-        return em.dissipation(law, BALL, velocity=0.3, load=1.0, average=None).share[0]
+        return em.dissipation(law, BALL, velocity=0.3, load=1.0, model=em.Line()).share[0]
 
     with jax.enable_x64(True):
         slope = (share(3.01e6) - share(2.99e6)) / 2e4

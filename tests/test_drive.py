@@ -75,7 +75,7 @@ def test_meets_the_exact_motion_over_a_wave_and_its_error_covers_it(speed, mount
 def test_small_tolerances_are_met_on_a_ball():
     """Pulled through a spring and a damper until it slides steadily; the steady friction is found by another solver."""
     ball, speed, mount, time = em.Paraboloid(0.01), 0.5, em.Mount(0.01, 2e4, 20.0), np.linspace(0, 0.04, 21)
-    steady = em.friction(RUBBER, ball, velocity=speed, load=5.0, average=None)
+    steady = em.friction(RUBBER, ball, velocity=speed, load=5.0, model=em.Line())
     marched = []
     for rtol in (1e-2, 1e-3):
         found = em.drive(RUBBER, ball, time=time, position=speed * time, load=5.0, tangential=mount, rtol=rtol)

@@ -126,7 +126,7 @@ def test_traction_power_of_an_elastic_brush():
     """F_x xi v is the power of slip: int mu q (xi - s') dx over the elements that slip, s = mu q/G."""
     modulus, shear, radius, mu, a, xi = 4e6, 8e6 / 3, 0.01, 0.5, 2e-3, 0.05
     found = em.traction(
-        em.Foundation(modulus, [], []), em.Paraboloid(radius), velocity=2.0, creep=xi, friction=mu,
+        em.Foundation(modulus, [], []), em.Paraboloid(radius), velocity=2.0, creepage=xi, friction=mu,
         depth=a**2 / radius, tangential=em.Foundation(shear, [], []),
     )  # fmt: skip
     slip_from = a * (1 - 2 * xi * radius * shear / (2 * a * mu * modulus))  # behind it tau = mu q, x from +a to -a
@@ -198,7 +198,7 @@ def test_steady_sliding_turns_all_its_power_into_heat():
     rubber, ball, speed = em.Foundation(4e6, [12e6], [1e-3]), em.Paraboloid(0.01), 1.0
     time = np.linspace(0, 0.024, 49)
     found = em.slide(rubber, ball, time=time, position=speed * time, load=10.0, rtol=1e-3)
-    steady = em.friction(rubber, ball, velocity=speed, load=10.0, average=None)
+    steady = em.friction(rubber, ball, velocity=speed, load=10.0, model=em.Line())
     power = (found.dissipated[-1] - found.dissipated[-9]) / (time[-1] - time[-9])
     np.testing.assert_allclose(power, steady.friction_force * speed, rtol=1e-3)
 

@@ -34,13 +34,15 @@ def test_rtol_is_honoured_and_covered(shape, rtol):
         foundations = {name: foundations[name] for name in ("broad", "strong")}
     velocity = np.logspace(-2, 3, 4)
     for name, foundation in foundations.items():
-        got = em.friction(foundation, SHAPES[shape], velocity=velocity, load=0.1, rtol=rtol)
+        got = em.friction(
+            foundation, SHAPES[shape], velocity=velocity, load=0.1, rtol=rtol, model=em.Averaged(corrected=False)
+        )
         # Independent quadrature: cos(phi) = sin(theta), theta = (pi/2) exp(-s), Gauss on panels in s.
         node, weight = np.polynomial.legendre.leggauss(8)
         s = (0.5 * np.arange(50)[:, None] + 0.25 * (node + 1)).ravel()
         theta = np.pi / 2 * np.exp(-s)
         line = em.friction(
-            foundation, SHAPES[shape], velocity=velocity[:, None] * np.sin(theta), load=0.1, rtol=1e-10, average=None
+            foundation, SHAPES[shape], velocity=velocity[:, None] * np.sin(theta), load=0.1, rtol=1e-10, model=em.Line()
         ).mu
         truth = (line * np.sin(theta) * theta * np.tile(0.25 * weight, 50)).sum(axis=1) * 2 / np.pi
         miss = np.abs(got.mu - truth)
@@ -100,7 +102,9 @@ def test_a_power_law_counts_what_its_tip_costs():
 
     exit = brentq(lambda b: density(-b), 0.1 * edge, edge * (1 - 1e-9), xtol=1e-15 * edge, rtol=1e-14)
     truth = integral(lambda x: density(x) * slope(x), -exit, edge) / integral(density, -exit, edge)
-    got = em.friction(em.Foundation(1e6, [4e6], [1e-3]), body, velocity=velocity, depth=1e-4, average=None, rtol=1e-3)
+    got = em.friction(
+        em.Foundation(1e6, [4e6], [1e-3]), body, velocity=velocity, depth=1e-4, model=em.Line(), rtol=1e-3
+    )
     assert abs(got.mu - truth) <= got.error + 1e-11 * truth
     assert got.error <= 1e-3 * got.mu
 
@@ -108,5 +112,5 @@ def test_a_power_law_counts_what_its_tip_costs():
 def test_a_loss_lost_in_rounding_is_not_returned():
     solid = em.StandardSolid(1e6, 1e6, 1e-3)
     with pytest.warns(em.ConvergenceWarning, match="1 of 2 points"):
-        curve = em.friction(solid, em.Paraboloid(5e-3), velocity=[1e10, 1e40], load=1.0, average=None)
+        curve = em.friction(solid, em.Paraboloid(5e-3), velocity=[1e10, 1e40], load=1.0, model=em.Line())
     assert curve.converged.tolist() == [True, False]

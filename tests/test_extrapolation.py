@@ -11,10 +11,10 @@ from elastomdr.errors import InputError
 from elastomdr.material.validity import Range, shared
 
 LAW = em.WLF(6.0, 110.0, 293.15)
-LIMITS = {"frequency": (1.0, 1e3), "temperature": (273.15, 313.15)}
+LIMITS = {"omega": (1.0, 1e3), "temperature": (273.15, 313.15)}
 RUBBER = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, name="rubber", range=LIMITS)
 BALL = em.Paraboloid(5e-3)
-SCENE = {"load": 1.0, "average": None, "rtol": 1e-3}
+SCENE = {"load": 1.0, "model": em.Line(), "rtol": 1e-3}
 VELOCITY = np.geomspace(1e-5, 10.0, 16)
 
 
@@ -64,7 +64,7 @@ def test_the_slow_end_of_what_was_measured(name):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         fitted = em.fit.material(data, reference).material
-        velocity, scene = np.geomspace(1e-6, 0.3, 18), {"load": 1.0, "temperature": reference, "average": None}
+        velocity, scene = np.geomspace(1e-6, 0.3, 18), {"load": 1.0, "temperature": reference, "model": em.Line()}
         found, truth = (em.friction(m, em.Sphere(5e-3), velocity=velocity, **scene) for m in (fitted, rubber))
     off = np.abs(found.mu / truth.mu - 1)
     assert off[found.extrapolated].max() > 0.1
@@ -87,7 +87,7 @@ def test_temperatures_shift_the_frequency_and_have_a_range_of_their_own():
 def test_a_material_brought_to_a_temperature_keeps_its_range():
     cold = RUBBER.at(283.15)
     a = float(LAW.a(283.15))
-    np.testing.assert_allclose(cold.range.frequency, (1 / a, 1e3 / a))
+    np.testing.assert_allclose(cold.range.omega, (1 / a, 1e3 / a))
     assert cold.range.temperature is None
     assert cold.range.beyond == ""
     with pytest.warns(em.ExtrapolationWarning, match="2 of 2 points .* temperature 350 K, range 273.15 to 313.15 K"):
@@ -106,9 +106,9 @@ def test_an_assumed_range_is_noted_without_a_warning():
 def test_two_bodies_and_layers():
     other = em.Prony(1e6, [1e6], [1.0], range={"time": (1e-2, 10.0)})
     plain = em.Prony(1e6, [1e6], [1.0])
-    assert em.half_space(RUBBER.at(293.15), other).range.frequency == pytest.approx((1.0, 100.0))
-    assert em.half_space(plain, other).range.frequency == pytest.approx((0.1, 100.0))
-    assert em.layer(RUBBER, 1e-3, bonded=False).range == RUBBER.range
+    assert em.half_space(RUBBER.at(293.15), other).range.omega == pytest.approx((1.0, 100.0))
+    assert em.half_space(plain, other).range.omega == pytest.approx((0.1, 100.0))
+    assert em.springs(RUBBER, 1e-3, bonded=False).range == RUBBER.range
     apart = shared(Range((1.0, 2.0), None), Range((3.0, 4.0), None))
     assert apart.outside(np.array([1.5]), None).all()
 
@@ -127,7 +127,7 @@ def test_the_plan_and_the_command_line_say_it(tmp_path, monkeypatch, capsys):
     em.save_material(RUBBER, tmp_path / "rubber.toml")
     scene = 'material = "rubber.toml"\n[indenter]\nshape = "paraboloid"\nradius = "5 mm"\n[contact]\nload = "1 N"\n'
     (tmp_path / "fast.toml").write_text(
-        scene + 'velocity = ["1 m/s", "9 m/s"]\n[numerics]\naverage = "line"\nrtol = 1e-3\n'
+        scene + 'velocity = ["1 m/s", "9 m/s"]\nmodel = "line"\n[numerics]\nrtol = 1e-3\n'
     )
     monkeypatch.chdir(tmp_path)
     assert main(["plan", "fast.toml"]) == 0
@@ -140,9 +140,7 @@ def test_the_plan_and_the_command_line_say_it(tmp_path, monkeypatch, capsys):
     assert "within the range" in str(em.plan(RUBBER, BALL, velocity=[1e-2, 0.02], **SCENE))
 
 
-@pytest.mark.parametrize(
-    "bad", [{"frequncy": (1, 2)}, {"frequency": (2, 1)}, {"time": (0.0, 1.0)}, {"time": 3}, (1, 2)]
-)
+@pytest.mark.parametrize("bad", [{"omgea": (1, 2)}, {"omega": (2, 1)}, {"time": (0.0, 1.0)}, {"time": 3}, (1, 2)])
 def test_refusals(bad):
     with pytest.raises(InputError, match="range must"):
         em.Prony(1e6, [1e6], [1.0], range=bad)
@@ -162,25 +160,40 @@ def test_gradients_go_through_a_material_with_a_range():
 def test_a_rough_surface_at_temperatures_that_were_not_measured():
     surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e3)
     rubber = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, range={"temperature": LIMITS["temperature"]})
-    asked = {"velocity": 1.0, "pressure": 1e5, "average": None, "samples": 64, "rtol": 1e-2, "sampling": 1.0}
+    asked = {"velocity": 1.0, "pressure": 1e5, "rtol": 1e-2}
     kelvin = np.array([293.15, 350.0])
     for body in (surface, surface.line(samples=64)):
-        load = {**asked, "equivalent_length": 1e-3} if body is not surface else asked
+        length = None if body is surface else 1e-3
+        model = em.Line(equivalent_length=length)
         with pytest.warns(
             em.ExtrapolationWarning, match="1 of 2 points .* from 293.15 to 350 K, range 273.15 to 313.15"
         ):
-            found = em.friction(rubber, body, temperature=kelvin, **load)
+            found = em.friction(rubber, body, temperature=kelvin, model=model, **asked)
         assert found.extrapolated.tolist() == [False, True]
     with pytest.warns(em.ExtrapolationWarning, match="1 of 1 points .* temperature 350 K, range 273.15") as caught:
-        found = em.friction(rubber.at(350.0), surface, **asked)
+        found = em.friction(rubber.at(350.0), surface, model=em.Line(), **asked)
     assert found.extrapolated.all()
     assert len(caught) == 1
+
+
+def test_share_of_the_slope_beyond_the_data():
+    """C = q^-3 has as much square slope at each wave number; of a line a wave of amplitude h has (q h)^2/2."""
+    from elastomdr.scenes.beyond import excited_outside
+
+    surface = em.Spectrum([1e3, 1.1e4], [1e-9, 1e-9 / 1331], convention="2d")
+    known, velocity = Range((2e2, 1e3), None), np.array([0.1, 1.0, 0.01])  # wave numbers 2e3 to 1e4, 200 to 1e3, 2e4 up
+    np.testing.assert_allclose(excited_outside(known, surface, velocity), [0.2, 1.0, 1.0], rtol=1e-12)
+    x = np.arange(64) * 1e-5
+    q = 2 * np.pi / (64 * 1e-5) * np.array([2, 5])
+    line = em.RoughLine(x, 3e-6 * np.cos(q[0] * x) + 2e-6 * np.cos(q[1] * x))
+    share = excited_outside(Range((0.9 * q[1], 1.1 * q[1]), None), line, np.array([1.0]))
+    np.testing.assert_allclose(share, (3 * q[0]) ** 2 / ((3 * q[0]) ** 2 + (2 * q[1]) ** 2), rtol=1e-12)
 
 
 class TestHistories:
     """Data from 1 to 1000 rad/s speak of ages from 1 ms to 1 s."""
 
-    rubber = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, name="rubber", range={"frequency": (1.0, 1e3)})
+    rubber = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, name="rubber", range={"omega": (1.0, 1e3)})
 
     @pytest.mark.parametrize("what", [{"depth": 1e-5}, {"load": 1e-3}])
     def test_a_step_is_known_by_its_age(self, what):
@@ -240,13 +253,13 @@ class TestHistories:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             moving = em.slide(self.rubber, body, time=time, position=velocity * time, load=load, rtol=0.1)
-            steady = em.friction(self.rubber, body, velocity=velocity, load=load, average=None, rtol=1e-2)
+            steady = em.friction(self.rubber, body, velocity=velocity, load=load, model=em.Line(), rtol=1e-2)
         assert moving.extrapolated[-1] == steady.extrapolated
         assert not moving.extrapolated[0]  # where it is put down
 
     def test_a_flat_line_excites_nothing(self):
         flat = em.RoughLine(1e-5 * np.arange(64), np.zeros(64))
-        assert not em.friction(self.rubber, flat, velocity=1e-9, load=100.0, average=None).extrapolated
+        assert not em.friction(self.rubber, flat, velocity=1e-9, load=100.0, model=em.Line()).extrapolated
         assert not em.slide(self.rubber, flat, time=[0, 0.1], position=[0, 1e-3], load=100.0).extrapolated.any()
 
     def test_a_rest_grows_older(self):
@@ -285,9 +298,9 @@ class TestHistories:
         with pytest.warns(em.ExtrapolationWarning, match="after more than 1 s"):
             found = em.shear(self.rubber, BALL, time=4 * time, **moved)
         np.testing.assert_array_equal(found.extrapolated, 4 * time > 1.001)
-        scene = {"velocity": VELOCITY, "load": 1.0, "average": None, "rtol": 1e-3}
+        scene = {"velocity": VELOCITY, "load": 1.0, "model": em.Line(), "rtol": 1e-3}
         with pytest.warns(em.ExtrapolationWarning) as caught:
-            pulled = em.traction(self.rubber, BALL, creep=0.01, friction=0.5, **scene)
+            pulled = em.traction(self.rubber, BALL, creepage=0.01, friction=0.5, **scene)
         assert len(caught) == 1
         with pytest.warns(em.ExtrapolationWarning):
             rolled = em.rolling(self.rubber, BALL, **scene)
@@ -298,7 +311,7 @@ class TestHistories:
         tread = em.half_space(self.rubber, tangential=True)
         with pytest.warns(em.ExtrapolationWarning):
             found = em.traction(
-                em.Foundation(1e7, [], []), BALL, tangential=tread, velocity=[1e-5, 1e-2], creep=0.01, friction=0.5,
-                load=1.0, average=None,
+                em.Foundation(1e7, [], []), BALL, tangential=tread, velocity=[1e-5, 1e-2], creepage=0.01, friction=0.5,
+                load=1.0, model=em.Line(),
             )  # fmt: skip
         assert found.extrapolated.tolist() == [True, False]

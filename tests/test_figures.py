@@ -1,15 +1,15 @@
 """Figures of friction and rolling: what they show, and that nothing overlaps."""
 
-from pathlib import Path
+import dataclasses
 
 import matplotlib.figure
 import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.results.figure import save
+from elastomdr.results.curve import FrictionCurve
 
-from .test_results import KELVIN, MODEL, VELOCITY, friction_curve, rolling_curve
+from .test_results import INPUTS, KELVIN, MODEL, VELOCITY, friction_curve, rolling_curve
 
 
 def drawn(curve, **options):
@@ -42,8 +42,47 @@ def test_figure_of_several_curves():
     labels = [t.get_text() for t in ax.get_legend().get_texts()]
     assert [label.split(":")[0] for label in labels] == ["0 °C", "20 °C", "40 °C"]
     assert len(ax.collections) == 3
-    note = "6 of 99 points did not converge and are left out; shaded: estimated numerical error"
-    assert note in [t.get_text() for t in ax.texts]
+    assert {"6 of 99 points did not converge and are left out", "shaded: numerical error"} <= {
+        t.get_text() for t in ax.texts
+    }
+
+
+def test_band_is_the_whole_uncertainty():
+    plain = friction_curve(error=0.01)
+    bound = np.where(VELOCITY > 1e-2, np.nan, 0.04)
+    for model_error, half, words in (
+        (None, np.full(VELOCITY.size, 0.01), "numerical error"),
+        (np.full(VELOCITY.size, 0.04), np.full(VELOCITY.size, 0.05), "numerical and model error"),
+        (bound, np.where(VELOCITY > 1e-2, 0.01, 0.05), "numerical and model error, in part numerical only"),
+        (np.full(VELOCITY.size, np.nan), np.full(VELOCITY.size, 0.01), "numerical error (the model's is not known)"),
+    ):
+        curve = dataclasses.replace(plain, model_error=model_error)
+        ax = drawn(curve)
+        (band,) = ax.collections
+        edges = band.get_paths()[0].vertices
+        for x, mu, width in zip(VELOCITY, curve.mu, half, strict=True):
+            at = edges[np.isclose(edges[:, 0], x, rtol=1e-12), 1]
+            assert at.max() == pytest.approx(mu + width, rel=1e-12)
+            assert at.min() == pytest.approx(max(mu - width, 0.0), rel=1e-12, abs=1e-12)
+        assert f"shaded: {words}" in [t.get_text() for t in ax.texts]
+
+
+def test_band_of_a_point_and_of_an_unknown_error():
+    assert len(drawn(friction_curve(velocity=0.01, error=0.05)).collections) == 1
+    assert not drawn(friction_curve(error=np.nan)).collections
+
+
+def test_band_of_computed_curves():
+    road = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1e4)
+    for shape, how in ((road, {"pressure": 1e5}), (em.Paraboloid(5e-3), {"load": 10.0})):
+        curve = em.friction(
+            em.StandardSolid(1e6, 9e6, 1e-4), shape, velocity=np.geomspace(1e-2, 10, 12), rtol=1e-4, **how
+        )
+        whole = curve.error + np.nan_to_num(curve.model_error)
+        bands = drawn(curve).collections
+        assert len(bands) == int((whole > 0.004 * curve.mu.max()).any())
+        for band in bands:
+            assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx((curve.mu + whole).max(), rel=1e-9)
 
 
 def test_figure_on_given_axes_and_along_other_axes():
@@ -51,7 +90,7 @@ def test_figure_on_given_axes_and_along_other_axes():
     given = figure.add_subplot()
     assert friction_curve().plot(given) is given
     warm = drawn(friction_curve(velocity=0.01, temperature=KELVIN))
-    assert warm.get_xlabel() == "Temperature [K]"
+    assert warm.get_xlabel() == "Temperature [°C]"
     assert warm.get_xscale() == "linear"
     assert "peak 0.5 at 20 °C" in [t.get_text() for t in warm.texts]
     point = drawn(friction_curve(velocity=0.01))
@@ -79,26 +118,74 @@ def test_nothing_overlaps_or_leaves_the_figure(title, kelvin):
         assert not any(box.overlaps(other) for other in boxes[:i])
 
 
-def test_saved_figure_is_a_png_of_200_dpi(tmp_path):
-    save(friction_curve(), tmp_path / "figure.png", "A title")
-    content = Path(tmp_path / "figure.png").read_bytes()
-    assert content.startswith(b"\x89PNG")
-    assert int.from_bytes(content[16:20], "big") == 1320  # 6.6 inches
-    with pytest.raises(em.InputError, match="can be written"):
-        save(friction_curve(), tmp_path / "missing" / "figure.png")
+def width(png):
+    assert png.startswith(b"\x89PNG")
+    return int.from_bytes(png[16:20], "big")
 
 
-def test_a_second_curve_on_the_same_axes_goes_into_the_legend():
-    ax = friction_curve().plot()
-    title, texts = ax.get_title(loc="left"), len(ax.texts)
-    friction_curve(load=20.0).plot(ax=ax)
-    friction_curve(load=30.0).plot(ax=ax, label="the other one")
-    assert (ax.get_title(loc="left"), len(ax.texts)) == (title, texts)
-    first, second = (text.get_text() for text in ax.get_legend().get_texts())
-    assert first.startswith("nbr: peak")
-    assert second.startswith("the other one: peak")
+def test_png_is_as_wide_as_its_style_says():
+    assert width(friction_curve().png("A title")) == 1320  # 6.6 inches at 200 dots per inch
+    for curve in (friction_curve(), friction_curve(temperature=KELVIN[:, None])):
+        assert width(curve.png(style="paper")) == pytest.approx(85 / 25.4 * 300, abs=1)
+    with pytest.raises(em.InputError, match="style must be None or \"paper\", got 'slide'"):
+        friction_curve().plot(style="slide")
+    with pytest.raises(em.InputError, match="ax must be matplotlib Axes"):
+        friction_curve().plot("paper")
+
+
+@pytest.mark.parametrize("kelvin", [None, KELVIN[:, None], np.linspace(270, 320, 9)[:, None]])
+def test_a_figure_for_a_paper_has_no_title_and_nothing_is_cut_off(kelvin):
+    ax = drawn(friction_curve(temperature=kelvin, error=0.02, failed=[0]), style="paper")
+    assert ax.get_title(loc="left") == ""
+    assert not ax.texts
+    box, frame = ax.get_tightbbox(), ax.figure.bbox  # with ticks, labels and legend
+    assert box.x0 >= frame.x0 - 1
+    assert box.x1 <= frame.x1 + 1
+    assert box.y0 >= frame.y0 - 1
+    assert box.y1 <= frame.y1 + 1
+    assert drawn(friction_curve(), style="paper", title="Mine").get_title(loc="left") == "Mine"
+
+
+def legend(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_several_results_on_the_same_axes_are_named_by_what_they_differ_in():
+    def curve(**inputs):
+        return dataclasses.replace(friction_curve(error=0.05), inputs=tuple({**dict(INPUTS), **inputs}.items()))
+
+    ax = curve().plot(style="paper")
+    assert ax.get_legend() is None
+    curve(load="20 N").plot(ax=ax)
+    assert legend(ax) == ["10 N", "20 N"]
+    curve(load="20 N", material="sbr").plot(ax)
+    assert legend(ax) == ["nbr, 10 N", "nbr, 20 N", "sbr, 20 N"]
+    curve().plot(ax, label="mine")
+    assert legend(ax) == ["nbr, 10 N", "nbr, 20 N", "sbr, 20 N", "mine"]
     lines = [line for line in ax.get_lines() if len(line.get_xdata()) > 1]
-    assert len({line.get_color() for line in lines}) == 3
+    assert len({line.get_color() for line in lines}) == 4
+    ax.clear()
+    curve(material="sbr").plot(ax)
+    assert ax.get_legend() is None
+
+    ax = curve().plot()
+    assert ax.get_title(loc="left") == "Friction, nbr"
+    curve(material="sbr").plot(ax)
+    assert ax.get_title(loc="left") == "Friction"  # of more than one material
+    assert legend(ax) == ["nbr: peak 0.5 at 0.01 m/s", "sbr: peak 0.5 at 0.01 m/s"]
+    assert [t.get_text() for t in ax.texts] == ["shaded: numerical error", MODEL]  # no peak of one of them
+    dataclasses.replace(curve(), model="another model (a test)").plot(ax)
+    assert [label.split(":")[0] for label in legend(ax)] == [
+        "nbr, bare MDR line",
+        "sbr, bare MDR line",
+        "nbr, another model",
+    ]
+
+
+def test_materials_are_told_apart_by_name():
+    many = FrictionCurve.stack([friction_curve(temperature=KELVIN[:2, None])] * 2, ["nbr", "sbr"])
+    assert legend(many.plot(style="paper")) == ["nbr, 0 °C", "nbr, 20 °C", "sbr, 0 °C", "sbr, 20 °C"]
+    assert legend(many.plot(style="paper", label="new"))[3] == "new, sbr, 20 °C"
 
 
 def test_measured_points_take_the_colour_of_their_temperature():

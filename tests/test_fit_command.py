@@ -2,10 +2,11 @@
 
 import pytest
 
+from elastomdr.cli.fit import _kelvin
 from elastomdr.cli.main import main
-from elastomdr.cli.scene import read_scene
 from elastomdr.material.check import check_material
 
+from .cli_cases import arguments
 from .dma_files import KNOWN, measure, two_rows
 
 ROWS = measure(KNOWN)
@@ -24,15 +25,14 @@ def test_command_line(tmp_path, monkeypatch, capsys):
         'material = "new/folder/fitted.toml"\ntemperature = "20 degC"\n[indenter]\nshape = "sphere"\nradius = "5 mm"\n'
     )
     (tmp_path / "s.toml").write_text(scene + '[contact]\nload = "1 N"\nvelocity = ["1 mm/s", "1 cm/s"]\n')
-    assert read_scene("s.toml").material.name == "fitted"
+    assert arguments("friction", "s.toml")["material"].name == "fitted"
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["two.csv", "--reference", "20"], "20 degC"),
         (["two.csv", "--reference", "20 parsec"], "a temperature"),
-        (["tow.csv"], "tow.csv: cannot be read"),
+        (["tow.csv"], "got 'tow.csv': No such file"),
         (["two.csv", "--kind", "shearing"], "invalid choice"),
         (["two.csv", "--terms", "0"], "terms must be a whole number"),
         (["two.csv", "--law", "wolf"], "law must be one of"),
@@ -41,13 +41,13 @@ def test_command_line(tmp_path, monkeypatch, capsys):
         (["two.csv", "--column", "storage"], "--column must be"),
         (["two.csv", "--poisson", "0.9"], "poisson must be"),
         (["two.csv", "--out", "two.csv"], "--out must be a folder"),
-        (["nounit.csv"], "--frequency-unit Hz"),
+        (["nounit.csv"], "(--frequency-unit)"),
         (["notemperature.csv"], "--temperature 20degC"),
         (["short.csv"], "five points"),
         (["two.csv", "tensile.csv"], "one kind"),
         (["one.csv"], "range of frequencies"),
-        (["hot.csv"], "at most 1500 K"),
-        (["noloss.csv"], "there is no loss modulus"),
+        (["hot.csv"], "not between 100 and 800"),
+        (["noloss.csv"], "there is no column of loss modulus"),
     ],
 )
 def test_bad_input_is_one_line_and_no_file(arguments, said, tmp_path, monkeypatch, capsys):
@@ -70,3 +70,8 @@ def test_bad_input_is_one_line_and_no_file(arguments, said, tmp_path, monkeypatc
     assert err.count("\n") == 1
     assert said in err
     assert sorted(path.name for path in tmp_path.rglob("*")) == before
+
+
+def test_temperatures_without_a_unit_are_in_celsius():
+    assert _kelvin("--temperature", "-20,0,20") == [253.15, 273.15, 293.15]
+    assert _kelvin("--reference", "293.15 K") == _kelvin("--reference", "20") == 293.15

@@ -94,7 +94,7 @@ def test_refusals_of_friction(arguments, said):
 
 
 RUBBER = em.Prony(1e6, np.geomspace(2e7, 4e5, 4), np.geomspace(1e-6, 1e-2, 4), shift=LAW)
-SCENE = {"load": 1.0, "temperature": KELVIN[::2, None], "average": None, "rtol": 1e-3}
+SCENE = {"load": 1.0, "temperature": KELVIN[::2, None], "model": em.Line(), "rtol": 1e-3}
 SPEED = np.geomspace(1e-3, 1.0, 5)
 
 
@@ -187,7 +187,7 @@ def test_programs_are_kept_for_the_constants_they_have():
         ({"material": "rubber"}, "material must be a Prony"),
         ({"error": -1.0}, "error must be positive"),
         ({"parameters": ("q_high",)}, "need a surface with a spectrum"),
-        ({"parameters": ("length",), "equivalent_length": "full contact"}, "needs a number"),
+        ({"parameters": ("length",), "model": em.Line(equivalent_length="full contact")}, "needs a number"),
     ],
 )
 def test_refusals_of_calibration(changes, said):
@@ -205,11 +205,12 @@ def test_refusals_of_calibration(changes, said):
 
 ROAD = em.SelfAffine(0.8, rms_height=2e-5, q_low=1e3, q_high=8e3)
 HEAVY = {
-    "velocity": SPEED[:3], "temperature": KELVIN[::3, None], "pressure": 1e6, "equivalent_length": 1e-2,
-    "average": None, "periods": 1, "samples": 256, "rtol": 1e-6,
+    "velocity": SPEED[:3], "temperature": KELVIN[::3, None], "pressure": 1e6,
+    "model": em.Line(equivalent_length=1e-2, periods=1, samples=256), "rtol": 1e-6,
 }  # fmt: skip
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
 def test_calibration_of_a_roughness_cutoff():
     """In full contact mu = gain sum (1/2) A^2 k E''(k v)/(p L): all but the cutoff are one factor."""
     truth = em.friction(RUBBER, ROAD.ended(1.2e4), **HEAVY)

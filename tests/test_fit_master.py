@@ -114,8 +114,8 @@ def test_the_band_holds_the_true_moduli(master):
 
 def test_the_order_of_the_points_does_not_matter(master):
     dma = data()
-    order = np.random.default_rng(1).permutation(dma.frequency.size)
-    shuffled = em.fit.dma(*(a[order] for a in (dma.frequency, dma.storage, dma.loss, dma.temperature)), kind="shear")
+    order = np.random.default_rng(1).permutation(dma.omega.size)
+    shuffled = em.fit.dma(*(a[order] for a in (dma.omega, dma.storage, dma.loss, dma.temperature)), kind="shear")
     again = em.fit.master_curve(shuffled, 293.15)
     np.testing.assert_allclose(again.log10_a, master.log10_a, atol=1e-4)
     np.testing.assert_allclose(again.log10_a_std, master.log10_a_std, rtol=0.02, atol=1e-6)
@@ -223,7 +223,7 @@ def test_tables_and_figures(master, tmp_path):
     master.to_csv(tmp_path / "master.csv")
     lines = (tmp_path / "master.csv").read_text().splitlines()
     rows = [line for line in lines if not line.startswith("#")]
-    assert len(rows) == 1 + master.frequency.size
+    assert len(rows) == 1 + master.omega.size
     assert any("log10 a_T" in line for line in lines)
     ax = master.plot()
     assert "rad/s" in ax.get_xlabel()

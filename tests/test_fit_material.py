@@ -11,8 +11,8 @@ import pytest
 import elastomdr as em
 from elastomdr.errors import InputError
 from elastomdr.fit import abaqus_card, ansys_card, plain_card
+from elastomdr.fit.figures import draw_shifts
 from elastomdr.material.check import check_material
-from elastomdr.results.fit_figure import draw_shifts
 
 from .dma_files import CELSIUS, HERTZ, KNOWN, WRITERS, measure, plain_csv, two_rows
 
@@ -20,7 +20,7 @@ ROWS = measure(KNOWN)
 BALL = em.Paraboloid(5e-3)
 VELOCITY = np.geomspace(5e-4, 0.5, 8)  # v a_T/(2a) to 2 v a_T/a, 0.03 to 3e4 rad/s at 0 to 40 degC: within the window
 # The bare line compiles faster than the average of directions, and depends on the material in the same way.
-SCENE = {"load": 1.0, "temperature": np.array([[273.15], [293.15], [313.15]]), "average": None, "rtol": 1e-4}
+SCENE = {"load": 1.0, "temperature": np.array([[273.15], [293.15], [313.15]]), "model": em.Line(), "rtol": 1e-4}
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,7 @@ def truth():
 @pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.__name__)
 def test_round_trip_to_friction(writer, tmp_path, truth):
     """Material, measurements with 0.3 % noise, file, fit, material file, friction: within 2 % of where it began."""
-    fit = em.fit.material(em.fit.read_dma(writer(tmp_path, ROWS)), 293.15, name="again")
+    fit = em.fit.material(em.read_dma(writer(tmp_path, ROWS)), 293.15, name="again")
     em.save_material(fit.material, tmp_path / "again.toml", info=fit.info())
     material = em.load_material(tmp_path / "again.toml")
     again = em.friction(material, BALL, velocity=VELOCITY, **SCENE)
@@ -51,7 +51,7 @@ def test_round_trip_of_a_master_curve(tmp_path, truth):
     moduli = np.asarray(KNOWN.at(293.15).complex_modulus(omega))
     rows = np.column_stack([omega, moduli.real, moduli.imag]) * (1 + 0.003 * rng.normal(size=(90, 3)) * [0, 1, 1])
     np.savetxt(tmp_path / "known.tts", rows, header="T=20;chem=rubber;", comments="")
-    fit = em.fit.material(em.fit.read_dma(tmp_path / "known.tts"))
+    fit = em.fit.material(em.read_dma(tmp_path / "known.tts"))
     again = friction_at_reference(fit, tmp_path, VELOCITY)
     np.testing.assert_allclose(again, truth.mu[1], rtol=0.02)
 
@@ -73,8 +73,8 @@ def test_round_trip_of_relaxation(rubber, least, tmp_path):
         moduli = np.asarray(rubber.at(celsius + 273.15).relaxation(t)) * (1 + 0.003 * rng.normal(size=t.size))
         lines += [f"{a!r},{b / 1e6!r},{celsius}" for a, b in zip(t.tolist(), moduli.tolist(), strict=True)]
     (tmp_path / "relaxation.csv").write_text("\n".join(lines), encoding="cp949")
-    fit = em.fit.material(em.fit.read_dma(tmp_path / "relaxation.csv"), 293.15)
-    assert 0.002 < fit.as_used["relaxation modulus"] < 0.006
+    fit = em.fit.material(em.read_dma(tmp_path / "relaxation.csv"), 293.15)
+    assert 0.002 < fit.misfit["relaxation modulus"] < 0.006
     assert "against the data as measured: relaxation modulus 0." in fit.summary()
     assert "the series has it to" in fit.info()["source"]["moduli"]["note"]
     em.save_material(fit.material, tmp_path / "again.toml", info=fit.info())
@@ -94,7 +94,7 @@ def test_the_range_of_relaxation_is_where_it_determines_the_loss_modulus():
             moduli = np.asarray(KNOWN.at(T).relaxation(t)) * (1 + noise * rng.normal(size=t.size))
             parts.append(em.fit.relaxation(t, moduli, T, kind="shear"))
         fit = em.fit.prony(em.fit.master_curve(em.fit.join(*parts), 293.15))
-        ends.append(fit.material.range.frequency)
+        ends.append(fit.material.range.omega)
         omega = np.geomspace(*ends[-1], 20)
         truth = np.asarray(KNOWN.at(293.15).complex_modulus(omega)).imag
         assert np.sqrt(np.mean((fit.moduli_at(omega)[1] / truth - 1) ** 2)) < 0.03
@@ -111,7 +111,7 @@ def test_what_relaxed_before_the_first_instant_is_a_part_of_the_loss(rubber, noi
         moduli = np.asarray(rubber.at(T).relaxation(t)) * (1 + noise * rng.normal(size=t.size))
         parts.append(em.fit.relaxation(t, moduli, T, kind="shear"))
     fit = em.fit.prony(em.fit.master_curve(em.fit.join(*parts), 293.15))
-    low, high = fit.material.range.frequency
+    low, high = fit.material.range.omega
     omega = np.geomspace(10 * low, high, 20)
     band, truth = fit.band(omega), np.asarray(rubber.at(293.15).complex_modulus(omega)).imag
     assert ((band.loss_low <= truth) & (truth <= band.loss_high)).mean() >= 0.95
@@ -121,7 +121,7 @@ def test_what_relaxed_before_the_first_instant_is_a_part_of_the_loss(rubber, noi
 
 
 def test_material_file_is_complete(tmp_path):
-    fit = em.fit.material(em.fit.read_dma(two_rows(tmp_path, ROWS)), 293.15, name="my-rubber", citation="Here, today")
+    fit = em.fit.material(em.read_dma(two_rows(tmp_path, ROWS)), 293.15, name="my-rubber", citation="Here, today")
     files = fit.files()
     assert sorted(files) == sorted(
         [f"my-rubber{end}" for end in (".toml", "-master.csv", "-shifts.csv", "-prony.csv", "-plain.csv", "-abaqus.inp",
@@ -137,13 +137,13 @@ def test_material_file_is_complete(tmp_path):
     assert sorted(path.name for path in paths) == sorted(files)
     table = pd.read_csv(tmp_path / "my-rubber-shifts.csv", comment="#")
     np.testing.assert_allclose(table["log10 a_T [-]"], fit.master.log10_a, rtol=1e-15)
-    assert fit.as_used["loss modulus"] < 0.02
+    assert fit.misfit["loss modulus"] < 0.02
     assert "WLF in the material" in repr(fit)
 
 
 @pytest.mark.parametrize("law", ["WLF", "VFT", "Arrhenius", "table", "none"])
 def test_every_shift_law_can_be_chosen(law, tmp_path):
-    fit = em.fit.material(em.fit.read_dma(plain_csv(tmp_path, ROWS)), 293.15, law=law, name="m")
+    fit = em.fit.material(em.read_dma(plain_csv(tmp_path, ROWS)), 293.15, law=law, name="m")
     em.save_material(fit.material, tmp_path / "m.toml", info=fit.info())
     loaded = em.load_material(tmp_path / "m.toml")
     assert type(loaded.shift).__name__ == {"table": "ShiftTable", "none": "NoneType"}.get(law, law)
@@ -173,10 +173,10 @@ def test_vertical_shifts_that_a_material_cannot_have_are_said():
     dma = em.fit.dma(2 * np.pi * rows[:, 0], up * rows[:, 2], up * rows[:, 3], rows[:, 1] + 273.15, kind="shear")
     fit = em.fit.material(dma, 293.15, vertical=True)
     assert any("a material file has none" in text for text in fit.warnings)
-    assert fit.as_used["storage modulus"] > 3 * fit.prony.storage_residual
+    assert fit.misfit["storage modulus"] > 3 * fit.prony.storage_residual
     said = fit.info()["source"]["moduli"]  # a file's residuals are those of the material that is in it
-    assert said["storage_residual"] == pytest.approx(fit.as_used["storage modulus"], rel=0.05)
-    assert said["loss_residual"] == pytest.approx(fit.as_used["loss modulus"], rel=0.05)
+    assert said["storage_residual"] == pytest.approx(fit.misfit["storage modulus"], rel=0.05)
+    assert said["loss_residual"] == pytest.approx(fit.misfit["loss modulus"], rel=0.05)
     assert f"storage {100 * fit.prony.storage_residual:.2g} %" in said["note"]
 
 
@@ -190,7 +190,7 @@ def test_the_material_closer_to_the_data_as_measured_is_chosen_where_the_data_le
     dma = ragged(0.15)
     chosen, lifted, plain = (em.fit.material(dma, 293.15, vertical=vertical) for vertical in (None, True, False))
     assert np.abs(lifted.master.log10_b).max() > 0.02
-    squares = [sum(size**2 for size in fit.as_used.values()) for fit in (chosen, lifted, plain)]
+    squares = [sum(size**2 for size in fit.misfit.values()) for fit in (chosen, lifted, plain)]
     assert squares[0] <= 1.1 * min(squares[1:]) < 0.8 * squares[1]
     assert any(text.startswith("Fitted without vertical shifts") for text in chosen.warnings)
 
@@ -211,12 +211,12 @@ def test_what_to_do_where_a_material_misses_its_data_for_want_of_vertical_shifts
     """Both figures are said, those of the material that is written and those of the other one; law or no law."""
     dma = ragged(0.0, 0.25)
     chosen, plain = (em.fit.material(dma, 293.15, vertical=vertical) for vertical in (None, False))
-    assert max(chosen.as_used.values()) > 0.1
+    assert max(chosen.misfit.values()) > 0.1
     text = next(text for text in chosen.warnings if "leave no doubt" in text)
     said = re.search(r"are met to (\S+), (\S+) % rms only .*--reference.*--no-vertical\): (\S+), (\S+) %", text)
-    sizes = [100 * size for fit in (chosen, plain) for size in fit.as_used.values()]
+    sizes = [100 * size for fit in (chosen, plain) for size in fit.misfit.values()]
     np.testing.assert_allclose([float(number) for number in said.groups()], sizes, rtol=0.06)
-    assert em.fit.material(dma, 293.15, law="none").as_used == {}
+    assert em.fit.material(dma, 293.15, law="none").misfit == {}
 
 
 def test_cards_hold_the_same_material():

@@ -22,7 +22,7 @@ def fitted(rubber: em.Prony, noise: float, seed: int):
 
 
 def decades(fit) -> float:
-    limits = fit.material.range.frequency
+    limits = fit.material.range.omega
     return float(np.log10(limits[1] / limits[0])) if limits else 0.0
 
 
@@ -36,10 +36,13 @@ def test_noisier_data_never_determine_more(name, noises):
 
 @pytest.mark.parametrize("noise", [0.001, 0.01])
 def test_intervals_hold_where_little_relaxes_above_a_plateau(noise):
-    """Lines a decade apart show in the loss modulus, and little of them in relaxation; so does what relaxed before."""
+    """Lines a decade apart show in the loss modulus, and little of them in relaxation; so does what relaxed before.
+
+    Errors of one sample are correlated over frequency: of 24 samples with 1 % of noise three miss, by 16 to 40 %.
+    """
     rubber, omega, held = em.load_material("sbr-gum-like"), np.geomspace(1.0, 100.0, 25), []
     truth = np.asarray(rubber.at(293.15).complex_modulus(omega)).imag
-    for seed in range(4):
+    for seed in range(12):
         band = fitted(rubber, noise, seed).prony.band(omega)
         held.append((band.loss_low <= truth) & (truth <= band.loss_high))
     assert np.mean(held) >= 0.9
@@ -47,20 +50,20 @@ def test_intervals_hold_where_little_relaxes_above_a_plateau(noise):
 
 def test_a_range_that_is_empty_is_said_and_kept(tmp_path):
     fit = fitted(em.load_material("sbr-gum-like"), 0.01, 0)
-    assert fit.material.range.frequency == ()
+    assert fit.material.range.omega == ()
     assert any("the range of the material is empty" in text for text in fit.warnings)
     assert "known to 6 % over no half decade: at best to +- " in fit.summary()
     em.save_material(fit.material, tmp_path / "r.toml", info=fit.info() | {"name": "r"})
     material = em.load_material(tmp_path / "r.toml")
     assert material.range == fit.material.range
     assert not any("range" in text for text in check_material(tmp_path / "r.toml"))
-    scene = {"velocity": [1e-2, 1e-1], "load": 1.0, "average": None, "rtol": 1e-4, "temperature": 293.15}
+    scene = {"velocity": [1e-2, 1e-1], "load": 1.0, "model": em.Line(), "rtol": 1e-4, "temperature": 293.15}
     with pytest.warns(em.ExtrapolationWarning, match="2 of 2 points .* range empty"):
         curve = em.friction(material, em.Paraboloid(5e-3), **scene)
     assert curve.converged.all()
     assert curve.extrapolated.all()
     assert "range of the material is empty" in str(curve.plan)
-    rough = {"velocity": 1e-2, "pressure": 1e5, "temperature": 293.15, "average": None, "equivalent_length": 1e-3}
+    rough = {"velocity": 1e-2, "pressure": 1e5, "temperature": 293.15, "model": em.Line(equivalent_length=1e-3)}
     with pytest.warns(em.ExtrapolationWarning, match="up to 100%"):
         curve = em.friction(material, em.SelfAffine(0.8, rms_slope=0.1, q_low=1e4, q_high=1e5), **rough)
     assert np.all(curve.extrapolated)
@@ -77,13 +80,13 @@ def test_nowhere_within_a_range_is_the_loss_modulus_known_to_worse_than_six_perc
 
 
 def test_an_empty_range_has_no_frequency_inside():
-    nowhere = as_range({"frequency": [], "temperature": (263.15, 333.15)})
+    nowhere = as_range({"omega": [], "temperature": (263.15, 333.15)})
     assert nowhere == Range((), (263.15, 333.15))
-    assert nowhere.at(293.15, 0.1).frequency == ()
+    assert nowhere.at(293.15, 0.1).omega == ()
     assert nowhere.outside(np.array([1e-9, 1.0, 1e9]), None).all()
-    assert nowhere.table() == {"frequency": [], "temperature": [263.15, 333.15]}
+    assert nowhere.table() == {"omega": [], "temperature": [263.15, 333.15]}
     for other in (Range((1.0, 2.0), None), Range(None, None)):
-        assert shared(nowhere, other).frequency == ()
+        assert shared(nowhere, other).omega == ()
     with pytest.raises(InputError, match="temperature, the lower first"):
         as_range({"temperature": []})
 
@@ -100,5 +103,5 @@ def test_nothing_is_known_between_relaxation_and_dynamic_data_far_apart():
     storage, loss = (x * (1 + 1e-3 * rng.normal(size=omega.size)) for x in (moduli.real, moduli.imag))
     dynamic = em.fit.dma(omega, storage, loss, 293.15, kind="shear")
     slow = em.fit.relaxation(t, relaxed * (1 + 1e-3 * rng.normal(size=t.size)), 293.15, kind="shear")
-    low, high = em.fit.material(em.fit.join(dynamic, slow), 293.15).material.range.frequency
+    low, high = em.fit.material(em.fit.join(dynamic, slow), 293.15).material.range.omega
     assert low > 1 or high < 1e-3

@@ -66,20 +66,21 @@ def test_tables(tmp_path):
         em.load_friction(tmp_path / "wrong.csv")
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")
 def test_from_a_curve(tmp_path):
     rubber = em.StandardSolid(1e6, 9e6, 1e-4, shift=em.WLF(8.86, 101.6, 293.15))
     road = em.SelfAffine(0.8, rms_slope=0.3, q_low=1.2e3, q_high=2e4)
     points = {"velocity": np.array([1.0, 0.1]), "temperature": np.array([[[283.15]], [[303.15]]])}
     curve = em.friction(
-        rubber, road, pressure=np.array([[1e5], [2e5]]), average=None, rtol=1e-3, heat=em.Heat(0.25, 2e6), **points
+        rubber, road, pressure=np.array([[1e5], [2e5]]), model=em.Line(), rtol=1e-3, heat=em.Heat(0.25, 2e6), **points
     )
     law = curve.law()
     np.testing.assert_array_equal(law.mu, curve.mu[..., ::-1])
-    np.testing.assert_array_equal(curve.law(cold=True).mu, curve.rough.cold[..., ::-1])
+    np.testing.assert_array_equal(curve.law(cold=True).mu, curve.cold[..., ::-1])
     curve.to_csv(tmp_path / "curve.csv")
     np.testing.assert_array_equal(em.load_friction(tmp_path / "curve.csv").mu, law.mu)
     assert "friction law" not in curve.summary()
-    smooth = em.friction(rubber, em.Paraboloid(1e-2), velocity=[0.1, 1.0], load=1.0, average=None)
+    smooth = em.friction(rubber, em.Paraboloid(1e-2), velocity=[0.1, 1.0], load=1.0, model=em.Line())
     assert smooth.law().temperature is None
     with pytest.raises(em.InputError, match="computed without heat"):
         smooth.law(cold=True)
@@ -95,7 +96,7 @@ def test_traction_with_friction_of_the_sliding_velocity():
     """The brush with mu(v |xi|, p), p = F_N/(pi a^2) the mean pressure of Hertz."""
     pressure = LOAD / (np.pi * A**2)
     law = em.FrictionLaw(V, np.stack([MU[0, 0], MU[0, 0] / 2]), pressure=[pressure / 2, pressure * 2])
-    found = em.traction(NORMAL, BALL, velocity=10.0, creep=CREEP, friction=law, load=LOAD, tangential=TANGENTIAL)
+    found = em.traction(NORMAL, BALL, velocity=10.0, creepage=CREEP, friction=law, load=LOAD, tangential=TANGENTIAL)
     slip = np.where(CREEP == 0, V[0], 10 * np.abs(CREEP))
     mu = 0.75 * np.interp(np.log(slip), np.log(V), MU[0, 0])
     zeta = np.minimum(np.abs(CREEP) * R * G / (2 * A * mu * E), 1)
@@ -104,14 +105,19 @@ def test_traction_with_friction_of_the_sliding_velocity():
     peak = found.peak()
     assert np.abs(found.coefficient).max() == np.abs(peak.coefficient) == np.abs(found.coefficient[peak.place])
     assert "friction law" in found.summary()
-    assert found.plot().get_xlabel() == "Creep [%]"
+    assert found.plot().get_xlabel() == "Creepage [%]"
 
 
 def test_carter_with_friction_of_the_sliding_velocity():
     load, creep = np.pi * E * A**2 / (4 * R), np.array([0.05, 1.0])
     law = em.FrictionLaw(V, MU[0, 0])
     found = em.traction(
-        em.half_space(em.Prony(E / 4, [], [])), em.Cylinder(R, 1.0), velocity=10.0, creep=creep, friction=law, load=load
+        em.half_space(em.Prony(E / 4, [], [])),
+        em.Cylinder(R, 1.0),
+        velocity=10.0,
+        creepage=creep,
+        friction=law,
+        load=load,
     )
     mu = np.interp(np.log(10 * creep), np.log(V), MU[0, 0])
     part = np.minimum(creep * R / (mu * A), 1)
@@ -127,7 +133,7 @@ def test_against_elements_with_a_sliding_velocity_of_their_own():
     load = 2 / 3 * k * half**3 / radius * length
     creep = np.array([0.1, 0.2, 0.4, 1.0])
     found = em.traction(
-        em.Foundation(k, [], []), em.Cylinder(radius, length), velocity=v, creep=creep, friction=law, load=load,
+        em.Foundation(k, [], []), em.Cylinder(radius, length), velocity=v, creepage=creep, friction=law, load=load,
         tangential=em.Foundation(kt, [], []),
     )  # fmt: skip
     r = np.linspace(0, 2 * half, 801)
@@ -148,15 +154,15 @@ def test_against_elements_with_a_sliding_velocity_of_their_own():
 class TestShiftLaws:
     SHIFT = em.WLF(8.86, 101.6, 293.15)
     TREAD = em.StandardSolid(1e6, 9e6, 1e-3, shift=SHIFT)
-    WHEEL: ClassVar = {"velocity": 1.0, "creep": 0.01, "friction": 0.8, "load": 2e3}
+    WHEEL: ClassVar = {"velocity": 1.0, "creepage": 0.01, "friction": 0.8, "load": 2e3}
 
     def test_of_the_tread_under_an_elastic_structure(self):
         """Shear of a layer is G(t)/h, at the temperature given as by the material brought to it."""
-        sheared = em.layer(self.TREAD, 8e-3, tangential=True)
+        sheared = em.springs(self.TREAD, 8e-3, tangential=True)
         np.testing.assert_allclose(sheared.moduli, np.asarray(self.TREAD.moduli) / 8e-3)
         tyre = em.Foundation(1e8, [], []), em.Cylinder(0.3, 0.16)
         warm = em.traction(*tyre, **self.WHEEL, temperature=303.15, tangential=sheared)
-        at = em.layer(self.TREAD.at(303.15), 8e-3, tangential=True)
+        at = em.springs(self.TREAD.at(303.15), 8e-3, tangential=True)
         np.testing.assert_allclose(warm.force, em.traction(*tyre, **self.WHEEL, tangential=at).force, rtol=1e-12)
         assert abs(warm.force / em.traction(*tyre, **self.WHEEL, tangential=sheared).force - 1) > 1e-3
 
@@ -177,14 +183,16 @@ class TestShiftLaws:
         (lambda: em.FrictionLaw([1.0], [0.1])(1.0, temperature=290.0), "temperature must be left out"),
         (lambda: LAW([1.0, 2.0], [290.0, 291.0, 292.0], 2e5), "must broadcast"),
         (lambda: em.load_friction("no such file"), "must be a text file"),
-        (lambda: em.layer(em.Prony(1e6, [], []), 1e-3, bonded=False, tangential=True), "bonded must be True"),
+        (lambda: em.springs(em.Prony(1e6, [], []), 1e-3, bonded=False, tangential=True), "bonded must be True"),
         (
-            lambda: em.traction(NORMAL, BALL, velocity=1.0, creep=0.1, friction=LAW, load=LOAD, tangential=TANGENTIAL),
+            lambda: em.traction(
+                NORMAL, BALL, velocity=1.0, creepage=0.1, friction=LAW, load=LOAD, tangential=TANGENTIAL
+            ),
             "temperature must be given",
         ),
         (
             lambda: em.traction(
-                em.half_space(em.Prony(1e6, [], [])), em.Cylinder(R, 1.0), velocity=1.0, creep=0.1, friction=0.5,
+                em.half_space(em.Prony(1e6, [], [])), em.Cylinder(R, 1.0), velocity=1.0, creepage=0.1, friction=0.5,
                 load=1.0, temperature=300.0,
             ),
             "temperature must be left out",

@@ -24,7 +24,7 @@ SCALED = {
 }
 
 
-def _mu(p, shape, average, rtol=1e-8):
+def _mu(p, shape, model, rtol=1e-8):
     shift = em.WLF(8.86, 101.6, 293.15)
     material = em.Prony(p["equilibrium"], p["moduli"], p["times"], bulk=2e9, shift=shift)
     return em.friction(
@@ -33,17 +33,17 @@ def _mu(p, shape, average, rtol=1e-8):
         velocity=p["velocity"],
         load=p["load"],
         temperature=p["temperature"],
-        average=average,
+        model=model,
         rtol=rtol,
     ).mu
 
 
 @pytest.mark.parametrize(
-    ("shape", "average"), [("paraboloid", "direction"), pytest.param("sphere", None, marks=pytest.mark.slow)]
+    ("shape", "model"), [("paraboloid", "averaged"), pytest.param("sphere", "line", marks=pytest.mark.slow)]
 )
-def test_gradients_in_both_modes_against_differences(shape, average):
+def test_gradients_in_both_modes_against_differences(shape, model):
     def value(parameters):
-        return _mu(parameters, shape, average)
+        return _mu(parameters, shape, model)
 
     def moved(name, i, step):
         array = PARAMETERS[name].copy()
@@ -70,7 +70,7 @@ def test_gradients_in_both_modes_against_differences(shape, average):
 
 def test_jit_and_vmap():
     def mu(velocity):
-        return em.friction(FOUNDATION, em.Paraboloid(5e-3), velocity=velocity, load=1.0, average=None, skip=False).mu
+        return em.friction(FOUNDATION, em.Paraboloid(5e-3), velocity=velocity, load=1.0, model=em.Line(), skip=False).mu
 
     velocity = np.array([0.01, 1.0])
     with jax.enable_x64(True):
@@ -82,7 +82,7 @@ def test_jit_and_vmap():
 def test_reverse_mode_with_single_precision_outside():
     def mu(modulus):
         law = em.Foundation(1e6, [modulus], [1e-3])
-        return em.friction(law, em.Paraboloid(5e-3), velocity=0.1, load=1.0, average=None).mu
+        return em.friction(law, em.Paraboloid(5e-3), velocity=0.1, load=1.0, model=em.Line()).mu
 
     with jax.enable_x64(False):
         forward = jax.jvp(mu, (4e6,), (1.0,))[1]

@@ -52,7 +52,7 @@ def test_a_liquid_that_does_not_throw_it_back():
 def test_depth_of_a_liquid_that_hardly_turns():
     """Corrections shrink by a quarter only: 1.1 times rtol off where the last one alone was taken for the error.
 
-    The depth is that of the reduced equations by LSODA at rtol = 1e-11 (`benchmarks/slow_impact.py`).
+    The depth is that of the reduced equations by LSODA at rtol = 1e-11 (`benchmarks/robustness/slow_impact.py`).
     """
     liquid = em.Foundation(
         0.0, [6.89396043e11, 9.20798507e08, 1.20808876e04], [4.24592928e-06, 9.32773190e-05, 1.47566378e-02]

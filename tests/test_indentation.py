@@ -119,7 +119,9 @@ def _lee_radok_depth(law, time, load):
     area = 0.0
     for i in range(len(time) - 1):
         rate = (load[i + 1] - load[i]) / (time[i + 1] - time[i])
-        area += rate * quad(lambda s: float(foundation.creep(time[-1] - s)), time[i], time[i + 1], epsabs=0)[0]
+        area += (
+            rate * quad(lambda s: float(foundation.creep_compliance(time[-1] - s)), time[i], time[i + 1], epsabs=0)[0]
+        )
     return (0.75 * area) ** (2 / 3)
 
 
@@ -200,7 +202,7 @@ def test_a_flat_punch_under_any_load():
     np.testing.assert_allclose(again.force, 0.2 * 0.01 * SOLID.relaxation(TIMES), rtol=1e-12)
     np.testing.assert_allclose(again.contact_radius, 0.1)
     step = em.indent(SOLID, punch, time=TIMES, load=1e-3)
-    np.testing.assert_allclose(step.depth, 1e-3 / 0.2 * SOLID.creep(TIMES), rtol=1e-12)
+    np.testing.assert_allclose(step.depth, 1e-3 / 0.2 * SOLID.creep_compliance(TIMES), rtol=1e-12)
 
 
 def test_layer_profile_and_cylinder():

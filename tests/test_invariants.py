@@ -54,8 +54,8 @@ def test_a_branch_in_two_parts_is_one(scene, part):
 @given(SCENE)
 def test_friction_is_never_negative_and_force_lies_between_the_elastic_ends(scene):
     *branches, depth = scene
-    for average in (None, "direction"):
-        found = em.friction(rubber(*branches), em.Paraboloid(1.0), velocity=SPEEDS, depth=depth, average=average)
+    for model in (em.Line(), em.Averaged(corrected=False), em.Averaged()):
+        found = em.friction(rubber(*branches), em.Paraboloid(1.0), velocity=SPEEDS, depth=depth, model=model)
         assert found.converged.all()
         assert (found.mu > 0).all()
         relaxed = 4 / 3 * depth**1.5  # (4/3) E sqrt(R) d^(3/2)
@@ -86,7 +86,7 @@ SOFT = em.Foundation(1e6, [3e6, 1e6], [1e-4, 1e-2])
 @given(st.integers(1, 63))
 def test_translation_of_a_line(places):
     moved = em.RoughLine(LINE.x, np.roll(np.asarray(LINE.height), places))
-    one, two = (em.friction(SOFT, line, velocity=[0.01, 1.0], load=200.0, average=None) for line in (LINE, moved))
+    one, two = (em.friction(SOFT, line, velocity=[0.01, 1.0], load=200.0, model=em.Line()) for line in (LINE, moved))
     np.testing.assert_allclose(two.mu, one.mu, rtol=1e-10)
     np.testing.assert_allclose(two.depth, one.depth, rtol=1e-10)
 
@@ -123,7 +123,7 @@ def test_reversal_of_a_slide(body):
 def test_reversal_of_creep_and_shear(creep, friction):
     ball, time = em.Paraboloid(1e-3), np.linspace(0, 1.0, 9)
     shared = {"tangential": SOFT, "friction": friction, "load": 1e-2}
-    one, two = (em.traction(SOFT, ball, velocity=1e-2, creep=s * creep, **shared) for s in (1, -1))
+    one, two = (em.traction(SOFT, ball, velocity=1e-2, creepage=s * creep, **shared) for s in (1, -1))
     np.testing.assert_allclose(two.force, -one.force, rtol=1e-12)
     np.testing.assert_allclose(two.slip_power, one.slip_power, rtol=1e-12)
     moved = creep * 1e-5 * np.sin(5 * time)

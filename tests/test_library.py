@@ -134,7 +134,7 @@ def test_listing_and_describing_load_no_jax():
 
 def test_the_conveyor_cover_gives_the_exact_indentation_resistance():
     """Closed form for the three-parameter foundation: h = 8 mm, D = 0.159 m, v = 5.2 m/s, W = 2 kN/m."""
-    layer = em.layer(em.load_material("conveyor-cover"), 8e-3)
+    layer = em.springs(em.load_material("conveyor-cover"), 8e-3)
     rolling = em.rolling(layer, em.Cylinder(0.159 / 2, 1.0), velocity=5.2, load=2e3)
     np.testing.assert_allclose(rolling.coefficient, 0.0146018269035, rtol=1e-9)
 
@@ -146,7 +146,7 @@ def test_the_rollers_creep_as_contact_says(name, time):
     """J(t) = (1 + f (1 - exp(-t/tau)))/G with f = 1, G = 1143 MPa; half-widths of 6.33 and 4.48 mm at 600 N/mm."""
     material = em.load_material(name)
     t = time * np.array([0.0, 0.5, 1.0, 3.0])
-    np.testing.assert_allclose(material.creep(t) * 1143e6, 2 - np.exp(-t / time), rtol=1e-12)
+    np.testing.assert_allclose(material.creep_compliance(t) * 1143e6, 2 - np.exp(-t / time), rtol=1e-12)
     shear = np.array([571.5e6, 1143e6])
     half_width = np.sqrt(4 * 600e3 * 0.05 / np.pi / (shear / (1 - 0.4)))
     np.testing.assert_allclose(half_width, [6.33e-3, 4.48e-3], rtol=1e-3)

@@ -176,11 +176,11 @@ def test_truncated_paraboloid():
         np.arange(0, 4.05e-3, 1e-4), np.maximum(np.arange(0, 4.05e-3, 1e-4) ** 2 - bottom**2, 0) / (2 * radius)
     )
     solid = em.StandardSolid(1e6, 3e6, 1e-3)
-    curve = em.friction(solid, body, velocity=np.array([1e-3, 1.0, 1e4]), depth=depth, rtol=1e-3, average=None)
+    curve = em.friction(solid, body, velocity=np.array([1e-3, 1.0, 1e4]), depth=depth, rtol=1e-3, model=em.Line())
     assert curve.converged.all()
     np.testing.assert_allclose(curve.normal_force[[0, 2]], [4e6 * force, 1.6e7 * force], rtol=5e-4)
     with pytest.warns(em.ConvergenceWarning, match="errors are up to .* a larger rtol would accept them"):
-        fine = em.friction(solid, body, velocity=np.array([1e-3, 1.0, 1e4]), depth=depth, rtol=1e-8, average=None)
+        fine = em.friction(solid, body, velocity=np.array([1e-3, 1.0, 1e4]), depth=depth, rtol=1e-8, model=em.Line())
     assert np.isnan(fine.mu[0])
 
 

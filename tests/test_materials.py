@@ -59,12 +59,26 @@ def test_two_viscoelastic_bodies_in_series():
     np.testing.assert_allclose(law.relaxation([0.1, 1.0, 5.0]), exact, rtol=1e-10)
 
 
+def test_dashpots_in_series():
+    """1/E* adds: two dashpots make one; a Kelvin element on a dashpot has i w b (E + i w a)/(E + i w (a + b))."""
+    from elastomdr.material.relaxation import Relaxation, series
+
+    def body(modulus, viscosity):
+        return Relaxation(np.array(modulus), np.zeros(0), np.zeros(0), np.array(viscosity))
+
+    both = series(body(0.0, 3.0), body(0.0, 6.0))
+    np.testing.assert_allclose([both.viscosity, both.equilibrium], [2.0, 0.0], rtol=1e-14)
+    law, w = series(body(5.0, 3.0), body(0.0, 6.0)), np.array([0.01, 1.0, 100.0])
+    exact = 6j * w * (5 + 3j * w) / (5 + 9j * w)
+    np.testing.assert_allclose(law.complex_modulus(w), exact, rtol=1e-12)
+
+
 def test_creep_compliance_of_three_branches():
     # J(t) from the depth of a sphere under a step load: a^3 = (3/4) R F_0 J(t), the radii computed independently.
     law = em.Foundation(0.5, [2.0, 1.0, 0.4], [1e-3, 0.1, 10.0])
     radius = {0.0: 0.19740230337485712, 0.01: 0.2539288759867057, 1.0: 0.3248960717071863, 50.0: 0.3877476073763103}
     for t, a in radius.items():
-        np.testing.assert_allclose(law.creep(t), a**3 / (0.75 * 2.0 * 0.02), rtol=1e-9)
+        np.testing.assert_allclose(law.creep_compliance(t), a**3 / (0.75 * 2.0 * 0.02), rtol=1e-9)
 
 
 @pytest.mark.parametrize("equilibrium", [1e5, 0.0])
@@ -100,7 +114,7 @@ def test_creep_is_the_inverse_of_relaxation(equilibrium, viscosity):
     s = np.logspace(-4, 5, 10)
     relaxing = equilibrium + viscosity * s + sum(e * s / (s + 1 / t) for e, t in ((1e6, 1e-3), (3e6, 1.0)))
     t = np.logspace(-12, 8, 40001)
-    creep = law.creep(t)
+    creep = law.creep_compliance(t)
     for rate, value in zip(s, relaxing, strict=True):
         transform = np.trapezoid(rate * t * np.exp(-rate * t) * creep, np.log(t))
         np.testing.assert_allclose(transform * value, 1.0, rtol=1e-5)  # the trapezoid's own error
@@ -111,11 +125,11 @@ def test_elastic_half_spaces_and_layers():
     shear = 5e6 / (2 * 1.45)
     np.testing.assert_allclose(em.half_space(elastic).equilibrium, 5e6 / (1 - 0.45**2), rtol=1e-12)
     np.testing.assert_allclose(em.half_space(elastic, tangential=True).equilibrium, 4 * shear / 1.55, rtol=1e-12)
-    np.testing.assert_allclose(em.layer(elastic, 1e-3).equilibrium, 18965517241.37931, rtol=1e-10)
-    np.testing.assert_allclose(em.layer(elastic, 1e-3, bonded=False).equilibrium, 6269592476.489028, rtol=1e-10)
+    np.testing.assert_allclose(em.springs(elastic, 1e-3).equilibrium, 18965517241.37931, rtol=1e-10)
+    np.testing.assert_allclose(em.springs(elastic, 1e-3, bonded=False).equilibrium, 6269592476.489028, rtol=1e-10)
     bulk = 5e6 / (3 * (1 - 0.9))
     same = em.Prony(5e6, [], [], kind="tensile", bulk=bulk)
-    np.testing.assert_allclose(em.layer(same, 1e-3).equilibrium, 18965517241.37931, rtol=1e-10)
+    np.testing.assert_allclose(em.springs(same, 1e-3).equilibrium, 18965517241.37931, rtol=1e-10)
     np.testing.assert_allclose(em.half_space(same).equilibrium, em.half_space(elastic).equilibrium, rtol=1e-10)
 
 
@@ -124,19 +138,51 @@ def test_tensile_moduli_with_a_bulk_modulus():
     omega = np.logspace(-1, 3, 9)
     x = 1j * omega * 0.1
     tensile = 1e6 + 3e6 * x / (1 + x)
-    np.testing.assert_allclose(material.complex_modulus(omega), 3e7 * tensile / (9e7 - tensile), rtol=1e-12)
+    np.testing.assert_allclose(material.complex_modulus(omega), tensile, rtol=1e-12)
+    np.testing.assert_allclose(material.shear().complex_modulus(omega), 3e7 * tensile / (9e7 - tensile), rtol=1e-12)
+    np.testing.assert_allclose(material.shear().tensile().complex_modulus(omega), tensile, rtol=1e-12)
+
+
+@pytest.mark.parametrize("bulk", [{}, {"poisson": 0.4}, {"bulk": 1e8}], ids=["incompressible", "poisson", "bulk"])
+def test_a_material_speaks_in_the_kind_it_was_given_in(bulk):
+    t, omega = np.logspace(-3, 3, 7), np.logspace(-3, 3, 7)
+    tensile = em.Prony(1e6, [5e5, 2e6], [1e-3, 10.0], kind="tensile", shift=em.WLF(8.86, 101.6, 300.0), **bulk)
+    assert (tensile.kind, tensile.equilibrium, tensile.instantaneous) == ("tensile", 1e6, 3.5e6)
+    np.testing.assert_allclose(tensile.relaxation(0.0), 3.5e6)
+    np.testing.assert_allclose(tensile.creep_compliance(0.0), 1 / 3.5e6)
+    np.testing.assert_allclose(tensile.creep_compliance(1e9), 1e-6)
+    shear = tensile.shear()
+    assert (shear.kind, shear.tensile().kind) == ("shear", "tensile")
+    poisson = bulk.get("poisson", 0.5)
+    if "bulk" not in bulk:
+        np.testing.assert_allclose(2 * (1 + poisson) * shear.storage(omega), tensile.storage(omega), rtol=1e-12)
+    else:
+        np.testing.assert_allclose(1 / (3 * shear.equilibrium) + 1 / 9e8, 1e-6, rtol=1e-12)
+    back = shear.tensile()
+    np.testing.assert_allclose(back.relaxation(t), tensile.relaxation(t), rtol=1e-11)
+    np.testing.assert_allclose(shear.at(320.0).loss(omega), tensile.at(320.0).shear().loss(omega), rtol=1e-11)
+    one, two = em.half_space(tensile), em.half_space(shear)
+    np.testing.assert_allclose(one.complex_modulus(omega), two.complex_modulus(omega), rtol=1e-11)
+
+
+def test_a_dashpot_beside_a_shear_modulus_is_a_branch_in_tension_of_a_compressible_solid():
+    shear = em.KelvinVoigt(1e6, 1e3, bulk=1e8)
+    omega = np.logspace(1, 6, 6)
+    g = 1e6 + 1e3j * omega
+    np.testing.assert_allclose(shear.tensile().complex_modulus(omega), 9e8 * g / (3e8 + g), rtol=1e-11)
 
 
 def test_named_materials():
     assert em.Maxwell(1e6, 0.1).relaxation(0.1) == pytest.approx(1e6 / np.e)
     assert em.KelvinVoigt(1e6, 1e3).loss(10.0) == pytest.approx(1e4)
-    assert em.KelvinVoigt(2e6, 1e3).creep(2e-3) == pytest.approx((1 - np.exp(-4)) / 2e6, rel=1e-12)
+    assert em.KelvinVoigt(2e6, 1e3).creep_compliance(2e-3) == pytest.approx((1 - np.exp(-4)) / 2e6, rel=1e-12)
     assert em.StandardSolid(1e6, 2e6, 0.1).storage(10.0) == pytest.approx(2e6)
-    assert em.Maxwell(1e6, 0.1).creep(0.3) == pytest.approx(4e-6)
+    assert em.Maxwell(1e6, 0.1).creep_compliance(0.3) == pytest.approx(4e-6)
     assert repr(em.WLF(8.86, 101.6, 298.15)) == "WLF(c1=8.86, c2=101.6, reference=298.15)"
     assert repr(em.Sphere(5e-3)) == "Sphere(radius=0.005)"
     assert "4e+06 Pa relaxed" in repr(em.half_space(em.StandardSolid(1e6, 1e6, 0.1)))
     assert "2e+06 Pa" in repr(em.StandardSolid(1e6, 1e6, 0.1, name="rubber"))
+    assert "viscosity 1000 Pa s" in repr(em.KelvinVoigt(1e6, 1e3))
     batch = jax.tree.map(lambda x: np.stack([x, x]), em.StandardSolid(1e6, 1e6, 0.1))
     assert "a batch of shape (2,)" in repr(batch)
 

@@ -10,7 +10,7 @@ from .problems.steady import PROBLEMS
 
 
 def _fields(result):
-    return {**{name: getattr(result, name) for name in result.__dataclass_fields__}, **result.contact._asdict()}
+    return {**{name: getattr(result, name) for name in result.__dataclass_fields__}, **vars(result.contact)}
 
 
 @pytest.mark.parametrize("problem", PROBLEMS, ids=lambda p: p.name)
@@ -43,7 +43,7 @@ def test_broad_spectrum_against_many_digits(equilibrium, velocity):
     moduli, times = WIDE[0], WIDE[1][::-1]
     mu, normal, drag, a, b = prony.line(equilibrium, moduli, times, 0.01, velocity, load=1.0)
     foundation = em.Foundation(equilibrium, moduli, times)
-    got = em.friction(foundation, em.Paraboloid(0.01), velocity=velocity, load=1.0, average=None, rtol=1e-10)
+    got = em.friction(foundation, em.Paraboloid(0.01), velocity=velocity, load=1.0, model=em.Line(), rtol=1e-10)
     assert got.converged
     np.testing.assert_allclose([got.contact.leading, got.contact.trailing], [a, b], rtol=1e-12)
     np.testing.assert_allclose([got.normal_force, got.friction_force], [normal, drag], rtol=1e-10)
@@ -54,7 +54,7 @@ def test_depth_control_is_exact_to_1e_10():
     moduli, times = WIDE[0], WIDE[1][::-1]
     velocity = np.logspace(-8, 6, 15)
     foundation = em.Foundation(1e6, moduli, times)
-    got = em.friction(foundation, em.Paraboloid(0.01), velocity=velocity, depth=1e-4, average=None, rtol=1e-10)
+    got = em.friction(foundation, em.Paraboloid(0.01), velocity=velocity, depth=1e-4, model=em.Line(), rtol=1e-10)
     exact = [prony.line(1e6, moduli, times, 0.01, v, size=1e-3)[0] for v in velocity]
     np.testing.assert_allclose(got.mu, exact, rtol=1e-10)
 
@@ -66,7 +66,7 @@ def test_saturated_cone():
     z = np.array([0.9, 3.0, 1e4])
     rubber = em.KelvinVoigt(modulus / 4, modulus / 4 * tau)
     velocity = z / (tau * np.sqrt(modulus * c))
-    got = em.friction(rubber, em.Cone(slope), velocity=velocity, load=1.0, average=None)
+    got = em.friction(rubber, em.Cone(slope), velocity=velocity, load=1.0, model=em.Line())
     assert (np.abs(got.mu - c) <= got.error).all()
 
 
@@ -75,8 +75,8 @@ def test_weak_loss_to_first_order():
     share = 1e-6
     foundation = em.Foundation(4e6, [4e6 * share], [1e-3])
     sphere = em.Paraboloid(0.01)
-    average = em.friction(foundation, sphere, velocity=2.0, load=10.0).mu
-    line = em.friction(foundation, sphere, velocity=2.0, load=10.0, average=None).mu
+    average = em.friction(foundation, sphere, velocity=2.0, load=10.0, model=em.Averaged(corrected=False)).mu
+    line = em.friction(foundation, sphere, velocity=2.0, load=10.0, model=em.Line()).mu
     np.testing.assert_allclose(average / share, 0.06640620163955166, rtol=1e-5)
     np.testing.assert_allclose(line / share, 0.1069025576568546, rtol=1e-5)
 
@@ -88,7 +88,7 @@ def test_constant_loss_tangent():
     foundation = em.Foundation(1e6, np.full(times.size, 1.0), times)
     tan_delta = foundation.loss_tangent(1.0 / 1e-3)
     sphere = em.Paraboloid(0.01)
-    line = em.friction(foundation, sphere, velocity=1.0, load=1.0, average=None)
+    line = em.friction(foundation, sphere, velocity=1.0, load=1.0, model=em.Line())
     average = em.friction(foundation, sphere, velocity=1.0, load=1.0)
     a_over_r = line.contact.leading / 0.01
     np.testing.assert_allclose(line.mu / tan_delta / a_over_r, 0.954929658551372, rtol=1e-3)
@@ -111,7 +111,7 @@ def test_against_a_three_dimensional_solution(contrast, velocity, half_space, ba
     # A sphere on a standard solid, boundary elements to about 1%. The model's own error: 2.3% to contrast 3, 5% at 9.
     foundation = em.Foundation(4e6, [4e6 * contrast], [1e-3])
     scene = {"velocity": velocity, "load": 10.0}
-    line = em.friction(foundation, em.Paraboloid(0.01), **scene, average=None).mu
+    line = em.friction(foundation, em.Paraboloid(0.01), **scene, model=em.Line()).mu
     average = em.friction(foundation, em.Paraboloid(0.01), **scene).mu
     np.testing.assert_allclose(line, bare, rtol=1e-3)
     np.testing.assert_allclose(average, half_space, rtol=rtol + (0.023 if contrast <= 3 else 0.05))

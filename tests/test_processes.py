@@ -4,11 +4,9 @@ import os
 import subprocess
 import sys
 
-import jax
 import pytest
 
 import elastomdr as em
-from elastomdr.cli import cache
 
 from .cli_cases import SCENE
 
@@ -25,10 +23,19 @@ def run(*argv: str, **environment: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("code", ["import elastomdr; dir(elastomdr)", "HELP", "VERSION"])
-def test_what_is_not_needed_is_not_loaded(code):
-    ask = "import elastomdr.cli.main as m\ntry: m.main(['--{}'])\nexcept SystemExit as e: assert not e.code"
-    code = {"HELP": ask.format("help"), "VERSION": ask.format("version")}.get(code, code)
+CODES = {
+    "import": "import elastomdr; dir(elastomdr)",
+    "help": "import elastomdr.cli.main as m\ntry: m.main(['--help'])\nexcept SystemExit as e: assert not e.code",
+    "help of a command": "import elastomdr.cli.main as m\ntry: m.main(['friction', '--help'])\n"
+    "except SystemExit as e: assert not e.code",
+    "bad scene": "import elastomdr.cli.main as m\nassert m.main(['friction', 'scene.toml']) == 2",
+}
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_what_is_not_needed_is_not_loaded(place, code):
+    (place / "scene.toml").write_text(SCENE.replace("load", "laod"))
+    code = CODES[code]
     heavy = "{'jax', 'matplotlib', 'numpy', 'scipy', 'pint', 'equinox', 'diffrax'}"
     done = run(sys.executable, "-c", f"{code}\nimport sys; assert not {heavy} & set(sys.modules), sys.modules.keys()")
     assert done.returncode == 0, done.stderr
@@ -36,36 +43,47 @@ def test_what_is_not_needed_is_not_loaded(code):
 
 def test_the_command_itself(place):
     (place / "scene.toml").write_text(SCENE.replace("load", "laod"))
-    command = [sys.executable, "-c", "import sys; from elastomdr.cli.main import main; sys.exit(main())"]
+    command = [sys.executable, "-m", "elastomdr"]
     done = run(*command, "friction", "scene.toml")
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert run(*command, "--version").stdout.strip() == f"elastomdr {em.__version__}"
 
 
-@pytest.fixture
-def jax_settings():
-    names = (
-        "jax_compilation_cache_dir",
-        "jax_persistent_cache_min_compile_time_secs",
-        "jax_persistent_cache_min_entry_size_bytes",
-    )
-    before = {name: getattr(jax.config, name) for name in names}
-    yield
-    for name, value in before.items():
-        jax.config.update(name, value)
+START = """
+import os, sys, jax
+jax.config.update("jax_compilation_cache_dir", GIVEN) if GIVEN else None
+import elastomdr as em
+em.indent(em.Foundation(4e6, [12e6], [1e-3]), em.Paraboloid(0.01), time=[0.0, 1e-3], depth=[0.0, 1e-4])
+print(jax.config.jax_compilation_cache_dir, jax.config.jax_persistent_cache_min_compile_time_secs)
+"""
 
 
-@pytest.mark.usefixtures("jax_settings")
-def test_cache_folder(place, monkeypatch):
-    monkeypatch.setattr(sys, "platform", "linux")
-    monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(place / "cache"))
-    cache.enable_cache()
-    assert jax.config.jax_compilation_cache_dir == str(place / "cache" / "elastomdr" / "jax")
-    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(place / "own"))
-    cache.enable_cache()
-    assert jax.config.jax_compilation_cache_dir == str(place / "own")
-    (place / "file").write_text("")
-    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(place / "file" / "below"))
-    cache.enable_cache()
-    assert jax.config.jax_compilation_cache_dir is None
+def start(place, given=None, **environment: str) -> str:
+    """Computes something in a new process; returns where it keeps compiled code, and from what time of compiling on."""
+    own = {"XDG_CACHE_HOME": str(place / "cache"), "HOME": str(place)}
+    settings = {key: value for key, value in os.environ.items() if not key.startswith("JAX_")}
+    code = START.replace("GIVEN", repr(given))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=300,
+                          env={**settings, **own, **environment})  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the place of the cache is the platform's")
+def test_compiled_code_is_kept(place):
+    folder = place / "cache" / "elastomdr" / "jax"
+    assert start(place) == f"{folder} 0.0"
+    kept = {path.name: path.stat().st_mtime_ns for path in folder.glob("*-cache")}
+    assert kept
+    start(place)
+    assert {path.name: path.stat().st_mtime_ns for path in folder.glob("*-cache")} == kept  # compiled nothing
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the place of the cache is the platform's")
+def test_a_cache_of_the_users_own_stays_as_it_is(place):
+    assert start(place, JAX_COMPILATION_CACHE_DIR=str(place / "own")) == f"{place / 'own'} 1.0"
+    assert start(place, given=str(place / "own")) == f"{place / 'own'} 1.0"
+    assert start(place, JAX_ENABLE_COMPILATION_CACHE="false") == "None 1.0"
+    assert not (place / "cache").exists()
+    (place / "cache").write_text("")
+    assert start(place) == "None 1.0"  # a folder that cannot be made

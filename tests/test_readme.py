@@ -9,9 +9,14 @@ import pytest
 
 import elastomdr as em
 from elastomdr.cli.main import main
+from elastomdr.solve.multiscale import FORM
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", ROOT / "materials" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
+    *(ROOT / folder / "README.md" for folder in ("materials", "tests", "benchmarks", "benchmarks/robustness")),
+    *sorted((ROOT / "docs").glob("*.md")),
+]
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -44,7 +49,6 @@ def test_main_job_runs(tmp_path, monkeypatch, capsys):
     assert program == ".venv/bin/elastomdr"
     assert arguments[-1] == "--out"
     monkeypatch.chdir(ROOT)
-    monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
     assert main([*arguments, str(tmp_path / out)]) == 0
     assert {file.suffix for file in (tmp_path / out).iterdir()} == {".csv", ".png"}
     assert "all converged" in capsys.readouterr().out
@@ -52,7 +56,7 @@ def test_main_job_runs(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize(
     "page",
-    [page for page in PAGES if blocks(page, "python") and page.name != "your-data.md"],
+    [page for page in PAGES if blocks(page, "python") and page.name not in ("your-data.md", "CONTRIBUTING.md")],
     ids=lambda page: page.name,
 )
 def test_python_runs(page, tmp_path, monkeypatch):
@@ -61,7 +65,7 @@ def test_python_runs(page, tmp_path, monkeypatch):
     for block in blocks(page, "python"):
         exec(compile(block, page.name, "exec"), names)
     if page.name == "README.md":
-        assert {file.name for file in tmp_path.iterdir()} == {"friction.png", "friction.csv", "my-rubber.toml"}
+        assert {file.name for file in tmp_path.iterdir()} == {"friction.png"}
 
 
 def test_first_block_is_five_lines():
@@ -106,7 +110,24 @@ def test_half_space_table_is_what_the_package_computes():
     for row in rows:
         ratio, velocity, exact, *columns = map(float, row)
         rubber = em.Foundation(4e6, [ratio * 4e6], [1e-3])
-        for average, mu, off in ((None, *columns[:2]), ("direction", *columns[2:])):
-            found = em.friction(rubber, em.Paraboloid(0.01), velocity=velocity, load=10.0, average=average).mu
+        for model, mu, off in ((em.Line(), *columns[:2]), (em.Averaged(corrected=False), *columns[2:])):
+            found = em.friction(rubber, em.Paraboloid(0.01), velocity=velocity, load=10.0, model=model).mu
             assert np.isclose(mu, found, rtol=0, atol=0.6e-5)
             assert np.isclose(off, 100 * (found / exact - 1), rtol=0, atol=0.06)
+
+
+@pytest.mark.parametrize(
+    "page", [ROOT / "CONTRIBUTING.md", ROOT / "benchmarks" / "README.md"], ids=lambda page: page.name
+)
+def test_files_that_are_named_exist(page):
+    for path in re.findall(r"`((?:src|tests|benchmarks|docs|materials)/[\w/.]+)`", page.read_text(encoding="utf-8")):
+        assert "NAME" in path or (ROOT / path).exists(), path
+
+
+def test_citation_has_the_version_of_the_package():
+    assert f"\nversion: {em.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def test_theory_has_the_constants_of_multiscale():
+    text = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+    assert "| " + " | ".join(f"{value:.4f}" for value in FORM) + " |" in text

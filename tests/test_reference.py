@@ -40,12 +40,13 @@ def test_full_contact_is_a_sum_over_waves():
     mu = em.reference.full_contact_sliding(rubber, line, velocity=v, load=load)
     np.testing.assert_allclose(mu, 0.5 * height**2 * k * modulus.imag / load, rtol=1e-12)
     assert np.isnan(em.reference.full_contact_sliding(rubber, line, velocity=v, load=0.98 * load)).all()
-    engine = em.friction(rubber, line, velocity=v, load=2 * load, average=None, rtol=1e-4)
+    engine = em.friction(rubber, line, velocity=v, load=2 * load, model=em.Line(), rtol=1e-4)
     np.testing.assert_allclose(engine.mu, mu / 2, rtol=1e-3)
     with jax.enable_x64(True):
         slope = jax.grad(lambda f: em.reference.full_contact_sliding(rubber, line, velocity=0.5, load=f))(2 * load[1])
     np.testing.assert_allclose(slope, -mu[1] / 2 / (2 * load[1]), rtol=1e-12)
-    for change, words in (({"material": em.layer(em.Prony(1e6, [], [], poisson=0.4), 1e-3)}, "RoughLine on a material"),
+    springs = em.springs(em.Prony(1e6, [], [], poisson=0.4), 1e-3)
+    for change, words in (({"material": springs}, "RoughLine on a material"),
                           ({"load": 0.0}, "load must be positive"), ({"temperature": 300.0}, "no shift law"),
                           ({"load": [1.0, 2.0]}, "must broadcast")):  # fmt: skip
         given = {"material": rubber, "line": line, "velocity": v, "load": 1.0} | change
@@ -67,10 +68,10 @@ def test_load_of_full_contact_depends_on_the_direction(way):
     limit = -sum(pull).min()
     load = limit * np.array([0.97, 1.03])
     mu = em.reference.full_contact_sliding(rubber, line, velocity=v, load=load)
-    engine = em.friction(rubber, line, velocity=v, load=load, average=None, rtol=1e-4)
+    engine = em.friction(rubber, line, velocity=v, load=load, model=em.Line(), rtol=1e-4)
     np.testing.assert_array_equal(np.isnan(mu), [True, False])
-    assert engine.rough.share[0] < 0.999
-    assert engine.rough.share[1] == 1
+    assert engine.lines.share[0] < 0.999
+    assert engine.lines.share[1] == 1
     np.testing.assert_allclose(mu[1], engine.mu[1], rtol=1e-4)
 
 
@@ -137,7 +138,10 @@ def test_direction_average_on_a_broad_spectrum():
     truth = half_space_sliding(broad, BALL, velocity=velocity, load=LOAD)
     assert truth.converged.all()
     scene = {"velocity": velocity, "load": LOAD, "rtol": 1e-4}
-    average, line = em.friction(broad, BALL, **scene), em.friction(broad, BALL, average=None, **scene)
+    average, line = (
+        em.friction(broad, BALL, model=em.Averaged(corrected=False), **scene),
+        em.friction(broad, BALL, model=em.Line(), **scene),
+    )
     np.testing.assert_allclose(average.mu, truth.mu, rtol=0.02)
     assert (np.abs(average.mu - truth.mu) <= average.model_error + truth.error + 0.002 * truth.mu).all()
     assert (average.model_error < 0.15 * average.mu).all()
@@ -209,7 +213,7 @@ def test_one_body_in_a_large_cell():
 def test_corrected_average_is_differentiable():
     def friction(modulus):
         law = em.Foundation(4e6, [modulus], [1e-3])
-        return em.friction(law, BALL, velocity=0.8, load=LOAD, average="corrected").mu
+        return em.friction(law, BALL, velocity=0.8, load=LOAD, model=em.Averaged()).mu
 
     with jax.enable_x64(True):
         slope = float(jax.grad(friction)(36e6))
@@ -229,7 +233,10 @@ def test_average_corrected_for_an_asymmetric_contact():
     for ratio, velocity, mu in ASYMMETRIC:
         law = em.Foundation(4e6, [4e6 * ratio], [1e-3])
         scene = {"velocity": np.array([1e-7, *velocity, 1e7]), "load": LOAD, "rtol": 1e-4}
-        plain, corrected = em.friction(law, BALL, **scene), em.friction(law, BALL, average="corrected", **scene)
+        plain, corrected = (
+            em.friction(law, BALL, model=em.Averaged(corrected=False), **scene),
+            em.friction(law, BALL, **scene),
+        )
         assert corrected.converged.all()
         inner = slice(1, -1)
         np.testing.assert_allclose(corrected.mu[inner], mu, rtol=0.01)
@@ -245,7 +252,7 @@ def test_a_glassy_edge_much_thinner_than_a_cell_settles():
     law = em.Foundation(4e6, [4e9], [1e-3])
     found = half_space_sliding(law, BALL, velocity=6.1e-3, load=LOAD, points=32)
     assert found.converged
-    average = em.friction(law, BALL, velocity=6.1e-3, load=LOAD, average="corrected")
+    average = em.friction(law, BALL, velocity=6.1e-3, load=LOAD, model=em.Averaged())
     assert np.abs(found.mu - average.mu) < average.model_error
     np.testing.assert_allclose(found.mu, 0.1361, rtol=5e-3)  # on 128 by 128 cells, with another place of the observer
 

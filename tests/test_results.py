@@ -1,5 +1,8 @@
 """Results: tables that other programs read back, figures that say what they show, text that stays true."""
 
+import dataclasses
+import importlib
+import pkgutil
 import warnings
 
 import equinox as eqx
@@ -10,8 +13,10 @@ import pandas as pd
 import pytest
 
 import elastomdr as em
-from elastomdr.results.axes import in_words
+import elastomdr.results
+from elastomdr.results.base import Result
 from elastomdr.results.curve import Contact, FrictionCurve, RollingCurve
+from elastomdr.results.words import in_words
 
 MODEL = "bare MDR line (a test)"
 INPUTS = (("material", "nbr"), ("shape", "sphere, radius 0.005"), ("load", "10 N"))
@@ -111,7 +116,7 @@ def test_csv_is_whole_or_not_there(tmp_path):
 def test_dict_pandas_xarray_hold_the_same(make):
     curve = make(temperature=KELVIN[:, None])
     content = curve.to_dict()
-    name = curve.coefficient_field
+    name = curve.shows
     assert content["model"] == MODEL
     assert content["plan"] == "a plan"
     assert content["inputs"]["load"] == "10 N"
@@ -219,9 +224,165 @@ def test_a_computed_curve_is_such_a_result(tmp_path):
     rubber = em.StandardSolid(1e6, 3e6, 1e-2, name="test rubber")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        curve = em.friction(rubber, em.Paraboloid(5e-3), velocity=[0.01, 0.1, 1.0], load=10.0, average=None)
+        curve = em.friction(rubber, em.Paraboloid(5e-3), velocity=[0.01, 0.1, 1.0], load=10.0, model=em.Line())
     assert "test rubber" in repr(curve)
     assert curve.columns()["friction coefficient [-]"].shape == (3,)
     assert hash(jax.tree.structure(curve)) is not None
     curve.to_csv(tmp_path / "curve.csv")
     assert len(pd.read_csv(tmp_path / "curve.csv", comment="#")) == 3
+
+
+def test_materials_are_a_first_axis(tmp_path):
+    soft, hard = friction_curve(temperature=KELVIN[:, None]), friction_curve(temperature=KELVIN[:, None], failed=[0])
+    hard = dataclasses.replace(hard, model_error=hard.error, inputs=(*INPUTS[:2], ("load", "20 N")))
+    both = FrictionCurve.stack([soft, hard], ["soft", "hard"])
+    assert both.mu.shape == (2, 3, 33)
+    assert both.materials == ("soft", "hard")
+    assert axis_names(both)[0] == ["material", "temperature", "velocity"]
+    assert axis_names(both)[1][:2] == ["soft, 0 degC", "soft, 20 degC"]
+    assert np.isnan(both.model_error[0]).all()  # not known for the first
+    back = both.select("hard")
+    assert dict(back.inputs) == {"material": "hard", "shape": INPUTS[1][1], "load": "20 N"}
+    for one, other in ((both.select("soft"), soft), (back, hard)):
+        assert jax.tree.structure(one) == jax.tree.structure(dataclasses.replace(other, inputs=one.inputs))
+        jax.tree.map(np.testing.assert_array_equal, jax.tree.leaves(one), jax.tree.leaves(other))
+    with pytest.raises(em.InputError, match="material must be one of soft, hard, got 'sofd'"):
+        both.select("sofd")
+
+    inputs = dict(both.inputs)
+    assert inputs["material"] == "soft, hard"
+    assert inputs["load"] == "soft: 10 N; hard: 20 N"
+    assert "hard: at 20 degC" in both.summary()
+    assert "198, 3 did not converge" in both.summary()
+    both.to_csv(tmp_path / "both.csv")
+    table = pd.read_csv(tmp_path / "both.csv", comment="#")
+    assert list(table.groupby("material", sort=False).size().items()) == [("soft", 99), ("hard", 99)]
+    data = both.to_xarray()
+    np.testing.assert_array_equal(data["mu"].sel(material="soft", temperature=293.15), soft.mu[1])
+    assert both.to_dict()["material"] == ("soft", "hard")
+    assert jax.jit(lambda c: c)(both).materials == both.materials
+
+    assert FrictionCurve.stack([soft, soft], ["a", "a"]).materials == ("a", "a (2)")
+    flat = friction_curve()
+    for results, names, said in (
+        ([soft, flat], ["a", "b"], "one shape"),
+        ([flat, rolling_curve()], ["a", "b"], "one class"),
+        ([flat], ["a", "b"], "2 names"),
+        ([flat, dataclasses.replace(flat, contact=None)], ["a", "b"], "computed alike, got contact"),
+    ):
+        with pytest.raises(em.InputError, match=said):
+            FrictionCurve.stack(results, names)
+
+
+def test_what_only_some_materials_have():
+    known = dataclasses.replace(friction_curve(), extrapolated=VELOCITY > 1.0)
+    both = FrictionCurve.stack([known, friction_curve()], ["a", "b"])
+    assert not both.extrapolated[1].any()
+    assert "not known for b" in dict(both.inputs)["range of the data"]
+    assert both.select("b").extrapolated is None
+
+
+def test_spectra_of_unlike_length():
+    def spectrum(n):
+        share = np.full((2, n), 1 / n)
+        time = np.geomspace(1e-3, 1.0, n) * np.ones((2, 1))
+        return em.Dissipation(
+            velocity=np.array([[1.0], [2.0]]) * np.ones(n), time=time, share=share,
+            resistance=share, power=share, normal_force=10 * np.ones((2, n)), error=1e-9 * np.ones((2, n)),
+            converged=np.ones((2, n), bool), model=MODEL, plan="a plan", inputs=INPUTS,
+        )  # fmt: skip
+
+    both = em.Dissipation.stack([spectrum(3), spectrum(5)], ["a", "b"])
+    assert both.share.shape == (2, 2, 5)
+    assert len(both.to_pandas()) == 2 * 3 + 2 * 5
+    assert dict(both.to_xarray().sizes) == {"material": 2, "velocity": 2, "branch": 5}
+    assert both.select("a").share.shape == (2, 3)
+    assert "4, all converged" in both.summary()
+    assert len(both.plot().get_lines()) == 4
+
+
+def test_excel_holds_the_table_and_what_it_is(tmp_path, monkeypatch):
+    import sys
+
+    import openpyxl
+
+    curve = dataclasses.replace(friction_curve(failed=[3]), inputs=(("material", "=1+1"), ("note", "a\x01b")))
+    curve.to_excel(tmp_path / "curve.xlsx")
+    book = openpyxl.load_workbook(tmp_path / "curve.xlsx")
+    titles, *rows = book["result"].iter_rows(values_only=True)
+    assert list(titles) == list(curve.columns())
+    for i, values in enumerate(curve.columns().values()):
+        read = [np.nan if row[i] is None else row[i] for row in rows]
+        np.testing.assert_allclose(np.array(read, dtype=float), values.astype(float), rtol=1e-15)
+    told = {row[0].value: row[1] for row in book["inputs"].iter_rows()}
+    assert told["material"].value == "=1+1"
+    assert told["material"].data_type == "s"  # no formula
+    assert told["model"].value == MODEL
+    meaning = {row[1]: row for row in book["columns"].iter_rows(values_only=True)}
+    assert meaning["contact.leading"][::2] == ("leading edge", "m")
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    with pytest.raises(em.InputError, match=r"openpyxl.*pip install elastomdr\[excel\]"):
+        curve.to_excel(tmp_path / "curve.xlsx")
+
+
+def test_every_field_of_every_result_is_declared():
+    """A number without a name and a unit would be in no table: fields are quantities, settings, or parts of these."""
+    for name in ("Impact", "Indentation", "Slide", "Traction", "LineContact", "Warming", "FrictionBands"):
+        getattr(em, name)  # loads it
+    seen, names = [Result], []
+    while seen:
+        cls = seen.pop()
+        seen += cls.__subclasses__()
+        for f in dataclasses.fields(cls):
+            plain = not {"quantity", "static"} & f.metadata.keys()
+            names += [f"{cls.__name__}.{f.name}"] if plain else []
+            q = f.metadata.get("quantity")
+            assert q is None or (q.label and q.dims.startswith(("...", "")))
+    parts = {name.partition(".")[2] for name in names}
+    assert parts == {"contact", "lines", "history", "oblique", "surface"}
+
+
+UNITS = {  # of each quantity, whatever the result
+    "-": "area area_ratio coefficient cold creepage error friction model_error mu outside ratio restitution rolling "
+    "share slip spread squeeze stick",
+    "": "converged extrapolated follows stuck touching",
+    "m/s": "road slowest velocity",
+    "K": "ambient steady temperature temperature_rise",
+    "N": "force friction_force max_force normal_force pull resistance",
+    "W": "power slip_power",
+    "m": "contact_radius depth diameter displacement drive height leading max_depth position separation stick_radius "
+    "surface trailing width x",
+    "s": "duration settling time",
+    "Pa": "pressure",
+    "rad/s": "omega",
+    "rad/m": "wave_number",
+    "N/m": "back carry friction_per_length line_load load load_per_length",
+    "kg": "mass",
+    "J": "dissipated given imbalance kinetic locked lost slip_loss stored work",
+    "N m": "moment",
+    "W/m^2": "heat_flux",
+    "N s/m": "slope",
+    "kg/m": "belt goods",
+    "W/K": "conductance",
+    "J/K": "capacity",
+}
+OTHERS = {
+    "Shear.error": "N", "SqueezedCord.error": "N/m", "Warming.error": "K", "Warming.load": "N",
+    "LineContact.force": "N/m", "Conveyor.resistance": "N/m", "Conveyor.power": "W/m",
+}  # fmt: skip
+
+
+def test_every_quantity_has_the_unit_of_what_it_is():
+    """Columns are in SI, whatever a figure shows."""
+    for module in pkgutil.iter_modules(elastomdr.results.__path__):
+        importlib.import_module(f"elastomdr.results.{module.name}")
+    units = {name: unit for unit, names in UNITS.items() for name in names.split()}
+    waiting, count = [Result, Contact], 0
+    while waiting:
+        cls = waiting.pop()
+        waiting += cls.__subclasses__()
+        for f in dataclasses.fields(cls):
+            if q := f.metadata.get("quantity"):
+                assert q.unit == OTHERS.get(f"{cls.__name__}.{f.name}", units[f.name]), (cls, f.name)
+                count += 1
+    assert count > 100

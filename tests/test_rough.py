@@ -55,12 +55,12 @@ def march(line: em.RoughLine, law: em.Foundation, velocity: float, depth: float,
 
 
 def test_full_contact_of_cosines():
-    got = em.friction(RUBBER, cosines(16384), velocity=0.3, load=600.0, average=None, samples=65536)
+    got = em.friction(RUBBER, cosines(16384), velocity=0.3, load=600.0, model=em.Line(samples=65536))
     np.testing.assert_allclose(got.mu, 0.0014075137994553225, rtol=1e-9)
     np.testing.assert_allclose(got.friction_force, 0.8445082796731935, rtol=1e-8)
     np.testing.assert_allclose(got.depth, 6e-4 + HEIGHTS.sum(), rtol=1e-9)
-    assert got.rough.share == 1
-    by_depth = em.friction(RUBBER, cosines(16384), velocity=0.3, depth=got.depth, average=None, samples=65536)
+    assert got.lines.share == 1
+    by_depth = em.friction(RUBBER, cosines(16384), velocity=0.3, depth=got.depth, model=em.Line(samples=65536))
     np.testing.assert_allclose(by_depth.normal_force, 600.0, rtol=1e-8)
 
 
@@ -69,7 +69,14 @@ def test_direction_average_of_a_cosine():
     kernel = np.array([0.04962809790010864, 0.2928932188134525, 0.09004962809790011])
     x = np.arange(1024) * 2 * np.pi / 1e3 / 1024
     one = em.Foundation(1e6, [1e6], [1e-3])
-    got = em.friction(one, em.RoughLine(x, 1e-5 * np.cos(1e3 * x)), velocity=[0.1, 1, 10], load=600.0, rtol=1e-5)
+    got = em.friction(
+        one,
+        em.RoughLine(x, 1e-5 * np.cos(1e3 * x)),
+        velocity=[0.1, 1, 10],
+        load=600.0,
+        rtol=1e-5,
+        model=em.Line(average=True),
+    )
     exact = 0.5 * 1e-10 * 1e3 * 1e6 * kernel / 600
     np.testing.assert_allclose(got.mu, exact, rtol=1e-5)
     assert (np.abs(got.mu - exact) <= got.error).all()
@@ -78,9 +85,9 @@ def test_direction_average_of_a_cosine():
 @pytest.mark.parametrize(("skip", "rtol"), [(False, 1e-9), (True, 1e-7)])
 def test_partial_contact_against_a_march(skip, rtol):
     line, one = rough(1024), em.Foundation(1e6, [2e7], [3e-4])
-    got = em.friction(one, line, velocity=1.0, depth=2e-5, average=None, samples=4096, skip=skip)
+    got = em.friction(one, line, velocity=1.0, depth=2e-5, model=em.Line(samples=4096), skip=skip)
     work, heat, load = march(line.finer(4), one, 1.0, 2e-5, 30)
-    assert 0.01 < got.rough.share < 0.9
+    assert 0.01 < got.lines.share < 0.9
     np.testing.assert_allclose(got.mu, heat, rtol=rtol)  # what friction puts in is what the branch dissipates
     np.testing.assert_allclose(got.normal_force, load, rtol=1e-7)
     assert abs(heat - work) < got.error
@@ -88,7 +95,7 @@ def test_partial_contact_against_a_march(skip, rtol):
 
 def test_contact_along_the_line():
     line, one = rough(1024), em.Foundation(1e6, [2e7], [3e-4])
-    got = em.line_contact(one, line, velocity=1.0, depth=2e-5, samples=4096)
+    got = em.line_contact(one, line, velocity=1.0, depth=2e-5, model=em.Line(samples=4096))
     _, heat, load = march(line.finer(4), one, 1.0, 2e-5, 30)
     np.testing.assert_allclose(got.force.mean(), load, rtol=1e-7)
     np.testing.assert_allclose(got.height.max(), 2e-5, rtol=1e-12)
@@ -112,9 +119,10 @@ def test_pressure_by_the_rule_of_full_contact():
     """Waves of one length in full contact: the friction stress of a half-space, <h^2> q^2 <cos E''(q v cos)>/2."""
     narrow = em.SelfAffine(0.0, rms_height=1e-6, q_low=1e3, q_high=1.01e3)
     one = em.Foundation(1e6, [1e6], [1e-3])
-    scene = {"velocity": 1.0, "pressure": 1e5, "equivalent_length": "full contact", "rtol": 1e-5, "samples": 1024}
+    model = em.Line(average=True, equivalent_length="full contact", samples=1024)
+    scene = {"velocity": 1.0, "pressure": 1e5, "model": model, "rtol": 1e-5}
     found = em.friction(one, narrow, **scene)
-    assert found.rough.share == 1
+    assert found.lines.share == 1
     # E'' = E_1 w tau/(1 + (w tau)^2), at w tau = 1.005 for waves along the motion
     phi = (np.arange(4000) + 0.5) * np.pi / 2 / 4000
     w = 1.005 * np.cos(phi)
@@ -127,7 +135,7 @@ def test_pressure_by_the_rule_of_full_contact():
 
 def test_elastic_line_loses_nothing():
     """Full contact: mean u is load over E*, depth that and the highest wave on top."""
-    got = em.friction(em.Foundation(1e6, [], []), cosines(1024), velocity=0.3, load=[3.0, 600.0], average=None)
+    got = em.friction(em.Foundation(1e6, [], []), cosines(1024), velocity=0.3, load=[3.0, 600.0], model=em.Line())
     np.testing.assert_array_equal(got.mu, 0.0)
     np.testing.assert_allclose(got.depth[1], 6e-4 + HEIGHTS.sum(), rtol=1e-9)
     assert got.converged.all()
@@ -135,7 +143,7 @@ def test_elastic_line_loses_nothing():
 
 def test_plan_of_a_rough_line():
     many = em.Foundation(1e6, 1e6 * np.ones(9), np.geomspace(1e-12, 1e6, 9))
-    plan = em.plan(many, rough(1024), velocity=np.geomspace(1e-4, 1, 5), load=10.0, average=None)
+    plan = em.plan(many, rough(1024), velocity=np.geomspace(1e-4, 1, 5), load=10.0, model=em.Line())
     assert (plan.points, plan.branches, plan.solutions, plan.lines) == (5, 9, 5, 1)
     text = str(plan)
     assert 1 <= plan.carried[0] <= plan.carried[1] < 9
@@ -153,19 +161,19 @@ def test_plan_of_a_rough_line():
 
 def test_order_in_the_sample_spacing():
     line = cosines(1024, np.array([2e-5, 4e-6, 0.0]))
-    mu = [float(em.friction(RUBBER, line, velocity=0.1, load=3.0, average=None, samples=n).mu) for n in
+    mu = [float(em.friction(RUBBER, line, velocity=0.1, load=3.0, model=em.Line(samples=n)).mu) for n in
           (4096, 16384, 65536)]  # fmt: skip
     assert np.log(abs((mu[1] - mu[0]) / (mu[2] - mu[1]))) / np.log(4) > 1.5
 
 
 def test_one_asperity_with_a_long_period():
-    ball = em.friction(RUBBER, em.Paraboloid(1e-3), velocity=[1e-3, 0.1], depth=1e-6, average=None)
+    ball = em.friction(RUBBER, em.Paraboloid(1e-3), velocity=[1e-3, 0.1], depth=1e-6, model=em.Line())
     gaps = []
     for period in (4e-3, 16e-3):
         n = round(period / 2e-6)
         x = np.arange(n) * 2e-6
         shape = -np.minimum((x - x[n // 2]) ** 2 / 1e-3, 3e-6)
-        line = em.friction(RUBBER, em.RoughLine(x, shape), velocity=[1e-3, 0.1], depth=1e-6, average=None)
+        line = em.friction(RUBBER, em.RoughLine(x, shape), velocity=[1e-3, 0.1], depth=1e-6, model=em.Line())
         gaps.append(np.abs(line.mu / ball.mu - 1).max())
     assert gaps[1] < 5e-3
     assert gaps[1] <= gaps[0] + 2e-4
@@ -175,8 +183,8 @@ def test_master_curve_and_skipping():
     wlf = em.WLF(c1=8.86, c2=101.6, reference=293.15)
     rubber = em.Prony(0.5e6, 1e6 * np.ones(12), np.geomspace(1e-12, 1e10, 12), shift=wlf)
     v = np.array([1e-3, 1.0])
-    asked = {"pressure": 1e5, "average": None, "samples": 4096}
-    surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=4e4)
+    asked = {"pressure": 1e5, "model": em.Line(samples=4096)}
+    surface = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=1e4)
     cold = em.friction(rubber, surface, velocity=v, temperature=283.15, **asked)
     same = em.friction(rubber, surface, velocity=v * wlf.a(283.15), temperature=293.15, **asked)
     np.testing.assert_allclose(cold.mu, same.mu, rtol=1e-8)
@@ -185,10 +193,18 @@ def test_master_curve_and_skipping():
     assert "2 pi/q_low" in cold.model
     for word in ("rms height", "rms slope", "cutoffs"):
         assert word in cold.summary()
-    wide = em.friction(rubber, surface, velocity=v, temperature=283.15, equivalent_length=1e-3, **asked)
+    wide = em.friction(
+        rubber,
+        surface,
+        velocity=v,
+        temperature=283.15,
+        **asked | {"model": em.Line(samples=4096, equivalent_length=1e-3)},
+    )
     np.testing.assert_allclose(wide.normal_force, 1e5 * 1e-3, rtol=1e-7)
-    lines = em.friction(rubber, surface, velocity=v, temperature=283.15, seeds=2, **asked)
-    assert (lines.rough.scatter > 0).all()
+    lines = em.friction(
+        rubber, surface, velocity=v, temperature=283.15, **asked | {"model": em.Line(samples=4096, seeds=2)}
+    )
+    assert (lines.lines.scatter > 0).all()
 
 
 def test_resumed_sweeps():
@@ -196,10 +212,16 @@ def test_resumed_sweeps():
         put = dict.__setitem__
 
     kept, calls = Kept(), []
-    one = em.friction(RUBBER, rough(), velocity=[0.1, 1.0], load=5.0, average=None, store=kept)
+    one = em.friction(RUBBER, rough(), velocity=[0.1, 1.0], load=5.0, model=em.Line(), store=kept)
     assert kept
     two = em.friction(
-        RUBBER, rough(), velocity=[0.1, 1.0], load=5.0, average=None, store=kept, progress=lambda *at: calls.append(at)
+        RUBBER,
+        rough(),
+        velocity=[0.1, 1.0],
+        load=5.0,
+        model=em.Line(),
+        store=kept,
+        progress=lambda *at: calls.append(at),
     )
     assert (one.mu == two.mu).all()
     assert calls[-1] == (2, 2)
@@ -212,7 +234,7 @@ def test_random_scenes_converge_or_say_so():
         velocity = 10.0 ** rng.uniform(-9, 5, 8)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", em.ConvergenceWarning)
-            got = em.friction(RUBBER, rough(seed=seed), velocity=velocity, load=load, average=None, sampling=1.0)
+            got = em.friction(RUBBER, rough(seed=seed), velocity=velocity, load=load, model=em.Line())
         np.testing.assert_allclose(got.normal_force[got.converged], load[got.converged], rtol=1e-8)
         assert (got.mu[got.converged] > 0).all()
         assert np.isnan(got.mu[~got.converged]).all()
@@ -226,18 +248,25 @@ def test_random_scenes_converge_or_say_so():
         ({"load": 3.0}, "only one of them"),
         ({"pressure": -1.0}, "pressure must be positive"),
         ({"temperature": 300.0}, "no shift law"),
-        ({"average": "both"}, "average must be"),
-        ({"seeds": 0}, "seeds must be"),
-        ({"seeds": [1, 1]}, "seeds must be"),
-        ({"seeds": [1.5]}, "seeds must be"),
-        ({"material": em.Foundation.maxwell(1e6, 1.0)}, "equilibrium modulus"),
+        ({"model": "lines"}, "model must be .* Did you mean 'line'"),
+        ({"model": "averaged"}, "use em.Line.average=True"),
+        ({"model": em.Line(samples=3)}, "samples must be"),
+        ({"model": em.Persson(), "pressure": None, "load": 1.0}, "model must be em.Line.. for a surface without"),
+        ({"model": em.Multiscale(), "shape": rough()}, "model must be em.Line.. for an em.RoughLine"),
+        ({"material": em.Foundation.maxwell(1e6, 1.0), "model": em.Line()}, "equilibrium modulus"),
         ({"shape": rough()}, "equivalent_length"),
     ],
 )
 def test_bad_input(change, message):
-    asked = {"material": RUBBER, "shape": SURFACE, "velocity": 1.0, "pressure": 1e5} | change
+    asked = {"material": RUBBER, "shape": SURFACE, "velocity": 1.0, "pressure": 1e5, "model": em.Line()} | change
     with pytest.raises(em.InputError, match=message):
         em.friction(asked.pop("material"), asked.pop("shape"), **asked)
+
+
+@pytest.mark.parametrize("seeds", [0, [1, 1], [1.5]])
+def test_bad_seeds(seeds):
+    with pytest.raises(em.InputError, match="seeds must be"):
+        em.Line(seeds=seeds)
 
 
 SCENE = """
@@ -250,18 +279,16 @@ rms_slope = 0.2
 longest = "5 mm"
 shortest = "0.2 mm"
 [contact]
+model = "line"
 {contact}
 velocity = ["0.01 m/s", "0.1 m/s"]
-[numerics]
-average = "line"
 """
 
 
-FULL = '[surface]\nequivalent_length = "full contact"'
+FULL = 'model = "line"\nequivalent_length = "full contact"'
 
 
 def test_scene(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
     scene = tmp_path / "road.toml"
     scene.write_text(SCENE.format(contact='pressure = "0.05 MPa"'))
     assert main(["friction", str(scene), "--out", str(tmp_path)]) == 0
@@ -276,7 +303,7 @@ def test_scene(tmp_path, capsys, monkeypatch):
     assert "carried, each velocity its own window" in capsys.readouterr().out
     assert not list(tmp_path.glob(".*parts"))
     assert main(["rolling", str(scene)]) == 2
-    scene.write_text(SCENE.format(contact='pressure = "0.05 MPa"').replace("[surface]", FULL))
+    scene.write_text(SCENE.format(contact='pressure = "0.05 MPa"').replace('model = "line"', FULL))
     assert main(["plan", str(scene)]) == 0
     assert "that of full contact" in capsys.readouterr().out
     scene.write_text(SCENE.format(contact=""))

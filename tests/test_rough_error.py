@@ -42,7 +42,7 @@ def test_force_that_jumps_at_the_edge():
         velocity = [3.0, 10.0, 30.0, 100.0]
         exact = [dashpot_on_a_cosine(1e6, 1e3, 1e3, 1e-5, v, depth) for v in velocity]
         for samples in (4096, 65536):
-            got = em.friction(rubber, line, velocity=velocity, depth=depth, average=None, samples=samples)
+            got = em.friction(rubber, line, velocity=velocity, depth=depth, model=em.Line(samples=samples))
             mu, load = np.transpose(exact)
             np.testing.assert_allclose(got.normal_force, load, rtol=2e-4 * 4096 / samples)
             assert (np.abs(got.mu - mu) <= got.error).all()

@@ -27,20 +27,22 @@ def test_every_page_is_there(site):
     pages = {path.stem for path in (ROOT / "docs").glob("*.md")}
     examples = {path.relative_to(ROOT).with_suffix("") for path in (ROOT / "examples").rglob("[0-9][0-9]_*.py")}
     assert len(examples) > 20
-    for page in [*pages, *examples, "api", "benchmarks"]:
+    for page in [*pages, *examples, "api", "benchmarks", "robustness", "materials", "contributing", "changelog"]:
         assert (site / page / "index.html").stat().st_size > 2000, page
 
 
 def test_what_the_pages_show(site):
     friction = (site / "api" / "index.html").read_text(encoding="utf-8")
-    for name in ("friction.friction", "prony.Prony", "surface_file.surface_from_file", "half_space_sliding"):
+    for name in ("friction.friction", "prony.Prony", "surface.read_surface", "half_space_sliding"):
         assert name in friction
+    assert friction.count("<th>Argument</th>") >= 10
+    assert "Args:" not in friction
     theory = (site / "theory" / "index.html").read_text(encoding="utf-8")
     assert theory.count("<math") > 200
     assert "arithmatex" not in theory
     rough = (site / "rough" / "index.html").read_text(encoding="utf-8")
-    assert "../figures/rough_map.png" in rough
-    assert (site / "figures" / "rough_map.png").exists()
+    assert "../figures/28_measured_rubber_on_a_road.png" in rough
+    assert (site / "figures" / "28_measured_rubber_on_a_road.png").exists()
     assert "MISSED" not in rough
     bench = (site / "benchmarks" / "index.html").read_text(encoding="utf-8")
     for image in re.findall(r'<img[^>]*src="([^"]+)"', bench):

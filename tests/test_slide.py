@@ -32,7 +32,7 @@ def test_meets_steady_friction_after_dwell_jump_of_velocity_and_step_of_load():
     position = np.array([0.0, 0.0, 0.02, 0.035, 0.035, 0.05])  # 0.5 m/s, then 5 m/s
     load = np.array([10.0, 10.0, 10.0, 10.0, 5.0, 5.0])
     slide = em.slide(RUBBER, BALL, time=time, position=position, load=load, rtol=1e-2)
-    steady = em.friction(RUBBER, BALL, velocity=[0.5, 5.0, 5.0], load=[10.0, 10.0, 5.0], average=None)
+    steady = em.friction(RUBBER, BALL, velocity=[0.5, 5.0, 5.0], load=[10.0, 10.0, 5.0], model=em.Line())
     assert slide.converged.all()
     assert slide.model == steady.model
     np.testing.assert_allclose(slide.mu[[0, 1]], 0, atol=1e-4)
@@ -45,7 +45,7 @@ def test_dwell_is_the_exact_creep_of_a_paraboloid():
     """a^3 = (3/4) R F J(t), d = a^2/R, at every time after the load is put on."""
     time = np.concatenate([[0.0], np.geomspace(1e-5, 10, 13)])
     slide = em.slide(RUBBER, BALL, time=time, position=0 * time, load=10.0, rtol=1e-2)
-    exact = (0.75 * 0.01 * 10 * RUBBER.creep(time)) ** (2 / 3) / 0.01
+    exact = (0.75 * 0.01 * 10 * RUBBER.creep_compliance(time)) ** (2 / 3) / 0.01
     assert slide.converged.all()
     np.testing.assert_allclose(slide.depth, exact, rtol=1e-3)
     elastic = 0.4 * 10 * exact[0]  # F ~ d^1.5: the work of the sudden load, all of it stored
@@ -71,7 +71,7 @@ def test_second_order_in_elements_and_steps(body, depth, parts):
     """Also for a cone, at whose tip the slope jumps between two elements."""
     spacing = 4e-3 / np.array(parts)
     law = em.Foundation(4e6, [12e6], [1e-3])
-    exact = float(em.friction(law, body, velocity=1.0, depth=depth, average=None).friction_force)
+    exact = float(em.friction(law, body, velocity=1.0, depth=depth, model=em.Line()).friction_force)
     errors = [steady_error(body, depth, s, exact) for s in spacing]
     # The factor of h^2 depends on where the edges fall between elements: 1.6 to 2.9 per level, 2.0 in all.
     assert 1.6 < np.polyfit(np.log(spacing), np.log(errors), 1)[0] < 2.5

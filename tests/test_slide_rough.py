@@ -101,8 +101,8 @@ def test_zero_load_and_renewed_contact_everywhere_at_once():
     time = np.array([0.0, 0.01, 0.01, 0.02, 0.02, 0.03])
     slide = em.slide(law, flat, time=time, position=0 * time, load=[8.0, 8.0, 0.0, 0.0, 8.0, 8.0], rtol=1e-2)
     # At the load: u = F J(t); the load is taken off and put on again, all by superposition of creep.
-    creep = law.creep(np.maximum(time, 0))
-    one, two = law.creep(np.maximum(time - 0.01, 0)), law.creep(np.maximum(time - 0.02, 0))
+    creep = law.creep_compliance(np.maximum(time, 0))
+    one, two = law.creep_compliance(np.maximum(time - 0.01, 0)), law.creep_compliance(np.maximum(time - 0.02, 0))
     exact = 8 * np.array([creep[0], creep[1], creep[2] - one[2], creep[3] - one[3], 0, 0])
     exact[4:] = 8 * (creep[4:] - one[4:] + two[4:])
     assert slide.converged.all()

@@ -98,7 +98,7 @@ def test_derivatives(formula):
         ({"diameter": -1.0}, "diameter must be positive"),
         ({"time": -1.0}, "time must be zero or positive"),
         ({"formula": "green"}, "formula must be"),
-        ({"material": em.layer(em.Prony(1e6, [], [], poisson=0.45), 1e-3)}, "not a foundation"),
+        ({"material": em.springs(em.Prony(1e6, [], [], poisson=0.45), 1e-3)}, "not a foundation"),
         ({"material": em.half_space(RUBBER, RUBBER)}, "not a foundation: its load needs Young's modulus"),
         ({"material": em.half_space(RUBBER, tangential=True)}, "not a foundation"),
         ({"material": em.Maxwell(1e6, 1.0)}, "it relaxes altogether"),

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.results.stability import unstable
+from elastomdr.results.applications import unstable
 
 MOUNT = em.Mount(2.0, 8e4, 5.0)
 K, TAU, HIGH = 2e3 * np.pi, 2e-3, 31.4  # 1/m, s, N: one wave in full contact, F = HIGH x/(1 + x^2), x = K v TAU
@@ -122,7 +122,7 @@ def test_table_summary_and_figure(tmp_path):
     assert found.to_xarray().sizes["velocity"] == 81
     ax = found.plot()
     words = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert words == ["no. 0", "swings grow", "no. 1", r"$\lambda\sqrt{k/m}$: slower, it decides nothing"]
+    assert words == ["no. 0", "no. 1", "swings grow", r"$\lambda\sqrt{k/m}$: slower, it decides nothing"]
     assert ax.get_xscale() == "log"
     assert found.png().startswith(b"\x89PNG")
 

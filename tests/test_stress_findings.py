@@ -1,4 +1,4 @@
-"""Scenes in which `benchmarks/stress.py` and `stress_motion.py` found wrong answers without a flag, made small."""
+"""Small forms of scenes in which the stress tests of `benchmarks/robustness` found wrong answers without a flag."""
 
 import jax
 import jax.numpy as jnp
@@ -19,7 +19,7 @@ from elastomdr.solve.panels import LAYERS
 def test_cone_whose_edges_agree_to_rounding(slowness: float) -> None:
     """v tau far above the contact: mu = (2/3) c a/(v tau), a the contact of all moduli, first order in a/(v tau)."""
     found = em.friction(
-        em.Foundation(0.0, [7e10], [1e8]), em.Cone(2e-4), velocity=slowness / 1e9, load=4e5, average=None
+        em.Foundation(0.0, [7e10], [1e8]), em.Cone(2e-4), velocity=slowness / 1e9, load=4e5, model=em.Line()
     )
     a = found.contact.leading
     assert found.mu == pytest.approx(2 / 3 * np.pi / 2 * 2e-4 * a / (slowness / 10), rel=1e-6)
@@ -28,7 +28,7 @@ def test_cone_whose_edges_agree_to_rounding(slowness: float) -> None:
 def test_cone_on_a_liquid_that_relaxes_within_a_trillionth_of_the_contact() -> None:
     """Contact ends within v tau of the apex, so that every element in it has the slope c = pi/2 tan(theta): mu = c."""
     found = em.friction(
-        em.Foundation(0.0, [1e7, 2e6], [1e-12, 1.1e-12]), em.Cone(3e-4), velocity=1e-3, load=1e-3, average=None
+        em.Foundation(0.0, [1e7, 2e6], [1e-12, 1.1e-12]), em.Cone(3e-4), velocity=1e-3, load=1e-3, model=em.Line()
     )
     slope = np.pi / 2 * 3e-4
     assert abs(found.mu - slope) <= found.error + 1e-12 * slope
@@ -99,7 +99,12 @@ def test_profile_far_smaller_than_its_first_point():
     digits, those of the paraboloid, in mu and in the depth."""
     r = np.linspace(0.0, 1.0, 8)
     rubber = em.Foundation(1e6, [1e9, 1e3], [1e-8, 1e3])
-    asked = {"velocity": np.geomspace(1e-9, 1e6, 6), "depth": [[1e-19], [1e-12], [1e-7]], "rtol": 1e-6, "average": None}
+    asked = {
+        "velocity": np.geomspace(1e-9, 1e6, 6),
+        "depth": [[1e-19], [1e-12], [1e-7]],
+        "rtol": 1e-6,
+        "model": em.Line(),
+    }
     found = em.friction(rubber, em.Profile(r, 0.5 * r**2, apex="smooth", curve="spline"), **asked)
     exact = em.friction(rubber, em.Paraboloid(1.0), **asked)
     np.testing.assert_allclose(found.mu, exact.mu, rtol=1e-11)

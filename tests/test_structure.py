@@ -7,7 +7,7 @@ from pathlib import Path
 import elastomdr as em
 
 SOURCE = Path(em.__file__).parent
-FLOORS = ("material", "mapping", "foundation", "solve", "results", "scenes", "reference", "fit", "cli")
+FLOORS = ("material", "mapping", "foundation", "solve", "results", "reference", "scenes", "recipes", "io", "fit", "cli")
 
 
 def imports(path: Path) -> Iterator[tuple[str, ...]]:
@@ -35,8 +35,8 @@ def files(*parts: str) -> list[Path]:
 
 
 def is_figure(module: tuple[str, ...]) -> bool:
-    """A method `plot` imports its figure where it is called."""
-    return module[1:2] == ("results",) and module[-1].endswith("_figure")
+    """A method `plot` imports what draws where it is called."""
+    return module[1:] == ("results", "plotting")
 
 
 def test_floors():
@@ -48,22 +48,52 @@ def test_floors():
             assert not wrong, f"{path.relative_to(SOURCE)} imports {wrong}"
 
 
-def test_reading_knows_no_fit():
-    """What reads files may group and check points; no fit reads files."""
-    allowed = {"data", "isotherms", "passive", "spectrum"}
+def test_only_io_reads_files_of_others():
+    """A fit takes measurements as data; what units and titles mean is known in `io` alone."""
     for path in files("fit"):
-        inside = path.parent.name == "reading"
         for module in imports(path):
-            if module[:2] != ("elastomdr", "fit"):
-                continue
-            if inside:
-                assert module[2] in allowed | {"reading"}, f"{path.name} imports {module}"
-            else:
-                assert module[2] != "reading", f"{path.name} imports {module}"
+            assert module[:2] != ("elastomdr", "io") or module[2] == "data", f"{path.name} imports {module}"
+        assert "read_" not in path.read_text(encoding="utf-8").partition("files import")[2].partition("\n")[0], path
+
+
+def test_recipes_are_made_of_verbs():
+    """No solver of their own: of `solve` they know the drive that a scene describes."""
+    for path in files("recipes"):
+        inside = {module[:3] for module in imports(path) if module[:2] == ("elastomdr", "solve")}
+        assert inside <= {("elastomdr", "solve", "mount")}, f"{path.name} imports {inside}"
 
 
 def test_figures_have_their_files():
     for path in files():
-        if path.name.endswith("figure.py") and path.parent.name == "results":
+        if path.relative_to(SOURCE).as_posix() in ("results/plotting.py", "fit/figures.py"):
             continue
         assert not [module for module in imports(path) if module[0] == "matplotlib"], path
+
+
+def test_a_result_never_solves():
+    for path in files("results"):
+        inside = {module[1] for module in imports(path) if module[0] == "elastomdr" and len(module) > 1}
+        ground = {"errors", "files", "_runtime", "_arrays", "_trees", ""}
+        assert inside <= ground | {"results"}, f"{path.name} imports {inside}"
+
+
+def test_results_import_no_jax():
+    """Apart from what the ground imports."""
+    for path in files("results"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        at_import = [node for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))]
+        names = {(node.module or "") if isinstance(node, ast.ImportFrom) else node.names[0].name for node in at_import}
+        assert not {name.partition(".")[0] for name in names} & {"jax", "equinox", "diffrax", "jaxtyping", "matplotlib"}
+
+
+def test_no_circle_of_imports():
+    """Not inside a room either, nor where a function imports when it is called."""
+    modules = {(*path.relative_to(SOURCE).with_suffix("").parts,): path for path in files()}
+    needs = {}
+    for home, path in modules.items():
+        found = {module[1:] for module in imports(path) if module[0] == "elastomdr"}
+        needs[home] = {module for module in found if module in modules and module != home}
+    while ready := [home for home, inside in needs.items() if not inside & needs.keys()]:
+        for home in ready:
+            del needs[home]
+    assert not needs, f"circles among {sorted('/'.join(home) for home in needs)}"

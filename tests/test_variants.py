@@ -112,7 +112,7 @@ def brush(rng):
     shear, a = modulus * rng.uniform(0.6, 1), radius * spread(rng, 0.02, 0.2)
     found = em.traction(
         em.Foundation(modulus, [], []), em.Paraboloid(radius), velocity=1.0, friction=mu, depth=a**2 / radius,
-        creep=zeta * 2 * a * mu * modulus / (radius * shear), tangential=em.Foundation(shear, [], []),
+        creepage=zeta * 2 * a * mu * modulus / (radius * shear), tangential=em.Foundation(shear, [], []),
     )  # fmt: skip
     return [(found.coefficient, mu * (1 - max(1 - zeta, 0) ** 3))]
 
@@ -123,7 +123,7 @@ def carter(rng):
     mu, part, a = spread(rng, 0.05, 2), rng.uniform(0.02, 0.99), radius * spread(rng, 0.02, 0.2)
     found = em.traction(
         em.Prony(modulus / 4, [], []), em.Cylinder(radius, length), velocity=1.0, friction=mu,
-        creep=mu * a / radius * (1 - np.sqrt(1 - part)), load=np.pi * modulus * a**2 * length / (4 * radius),
+        creepage=mu * a / radius * (1 - np.sqrt(1 - part)), load=np.pi * modulus * a**2 * length / (4 * radius),
     )  # fmt: skip
     return [(found.coefficient, mu * part)]
 

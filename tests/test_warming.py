@@ -9,7 +9,6 @@ from scipy.integrate import solve_ivp
 from scipy.special import lambertw
 
 import elastomdr as em
-from elastomdr.solve.passage import _search
 
 BETA, COLD, LOAD, HEAT = 0.04, 293.15, 800.0, 200.0  # 1/K, K, N, J/K
 WHEEL = em.Cylinder(0.1, 0.05)
@@ -56,15 +55,6 @@ def test_history(power):
     assert warm.temperature.shape == warm.time.shape == (3, 6)
     assert "above the surroundings" in warm.summary()
     warm.plot()
-
-
-def test_one_program_for_everything(power):
-    """Scan, steady state and history of a few bodies, and their dissipation: compiled once."""
-    _search.clear_cache()
-    scene = SCENE | {"conductance": power[1] / 50, "capacity": HEAT, "time": [0.0, 10.0]}
-    em.warming(RUBBER, WHEEL, **scene)
-    em.dissipation(RUBBER, WHEEL, velocity=SCENE["velocity"], load=LOAD, temperature=COLD)
-    assert _search._cache_size() == 1
 
 
 def test_axes_in_any_order(power):
@@ -132,7 +122,7 @@ def test_the_lowest_of_three_steady_states():
 @pytest.mark.parametrize("cold", [213.15, 200.15])
 def test_rubber_too_cold_to_be_known(cold):
     """Far below the shift law's range: NaN with its flag, with and without a history."""
-    tyre = em.layer(em.load_material("tread-passenger-synthetic"), 15e-3, bonded=False)
+    tyre = em.springs(em.load_material("tread-passenger-synthetic"), 15e-3, bonded=False)
     with pytest.warns(em.ConvergenceWarning, match="that can be found"):
         found = em.warming(
             tyre, em.Cylinder(0.1, 0.05), velocity=2.0, load=800.0, ambient=cold, conductance=1.2, capacity=1e3,

@@ -42,8 +42,6 @@ def place(tmp_path, monkeypatch):
     for name in ("dma.csv", "road.csv"):
         shutil.copy(DATA / name, tmp_path)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("elastomdr.cli.curve.enable_cache", lambda: None)
-    monkeypatch.setattr("elastomdr.cli.plan.enable_cache", lambda: None)
     return tmp_path
 
 
@@ -58,7 +56,7 @@ def test_page_runs(place, capsys):
         assert program == "elastomdr"
         assert main(arguments) == 0
     said = capsys.readouterr()
-    for words in ("as used", "reduced window", "rms height", "rms slope", "load level", "as read", "all converged"):
+    for words in ("misfit", "reduced window", "rms height", "rms slope", "as read", "all converged"):
         assert words in said.out
     assert 'material = "fitted/dma.toml"' in said.out
     assert "beyond the frequencies of the material's data" in said.err
@@ -73,6 +71,7 @@ def test_page_runs(place, capsys):
     assert (np.diff(curve.mu[2]) > 0).all()  # at 60 degC, far below the peak
     np.testing.assert_allclose(mu_of(place / "out" / "road-friction.csv"), mu_of(place / "mu.csv"), rtol=1e-6)
     assert (place / "mu.png").stat().st_size > 10_000
+    assert em.load_material("table.toml").omega.size == names["table"].omega.size
 
 
 def test_file_heads_are_those_of_the_data():

@@ -1,6 +1,6 @@
 """Problem 2: a cone is pressed into rubber, and dragged: friction that cannot exceed the slope.
 
-Teaches: `em.indent` under a load, `em.friction` on the bare line (`average=None`), where many answers are in closed
+Teaches: `em.indent` under a load, `em.friction` on the bare line (`model=em.Line()`), where many answers are in closed
 form.
 
 Inputs: chosen here: cone of slope 0.1 under 1 N; Kelvin-Voigt, G = 1 MPa, tau = eta/G = 10 ms.
@@ -36,7 +36,7 @@ def main(out: Path) -> None:
 
     z = np.linspace(0.02, 1.4, 70)
     velocity = z / (TAU * np.sqrt(4 * G * C / LOAD))
-    line = em.friction(RUBBER, CONE, velocity=velocity, load=LOAD, average=None)
+    line = em.friction(RUBBER, CONE, velocity=velocity, load=LOAD, model=em.Line())
     half_space = em.friction(RUBBER, CONE, velocity=velocity, load=LOAD, rtol=1e-3)  # the kink at mu = c costs digits
     free = np.sqrt(2 / 3)
     mu = C * np.where(z < free, 2 * z * np.sqrt(1 - np.minimum(z, free) ** 2 / 2) - z**2 / 2, 1.0)

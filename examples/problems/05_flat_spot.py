@@ -23,7 +23,7 @@ import elastomdr as em
 
 RADIUS, WIDTH, LOAD, NIGHT = 0.1, 0.04, 1000.0, 36e3  # m, m, N, s
 RUBBER = em.Prony(6e6, [1e6, 1e6, 1e6], [1.0, 60.0, 1800.0], kind="tensile", poisson=0.45)
-TYRE, TREAD = em.layer(RUBBER, 4e-3), em.Cylinder(RADIUS, WIDTH)
+TYRE, TREAD = em.springs(RUBBER, 4e-3), em.Cylinder(RADIUS, WIDTH)
 
 
 def main(out: Path) -> None:
@@ -35,9 +35,9 @@ def main(out: Path) -> None:
     left_alone = em.indent(TYRE, TREAD, time=time, depth=depth)
     flat = np.array([left_alone.displacement(0.0, NIGHT + t) for t in lifted])
 
-    creep = (0.75 * LOAD * TYRE.creep(standing) / (np.sqrt(2 * RADIUS) * WIDTH)) ** (2 / 3)
+    creep = (0.75 * LOAD * TYRE.creep_compliance(standing) / (np.sqrt(2 * RADIUS) * WIDTH)) ** (2 / 3)
     final = creep[-1]
-    recovery = TYRE.equilibrium * final * (TYRE.creep(1e9) - TYRE.creep(lifted))
+    recovery = TYRE.equilibrium * final * (TYRE.creep_compliance(1e9) - TYRE.creep_compliance(lifted))
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained", sharey=True)
     left.semilogx(standing[1:], 1e3 * wheel.depth[1:], color="#1f5a94", label="em.indent")

@@ -51,7 +51,7 @@ def main(out: Path) -> None:
 
     time = np.geomspace(1e-7, 1.0, 30)
     sunk = em.indent(pair, BALL, time=np.append(0.0, time), load=LOAD)
-    radius = np.cbrt(0.75 * RADIUS * LOAD * sum(b.creep(time) for b in bodies))
+    radius = np.cbrt(0.75 * RADIUS * LOAD * sum(b.creep_compliance(time) for b in bodies))
     creep = np.abs(sunk.contact_radius[1:] / radius - 1).max()
     off = np.abs(curves[-1].mu[:9] * RADIUS / (sum(share) * slow) - 1)
     part = 3 * slow * 1e-2 / curves[-1].contact.leading[:9]

@@ -1,6 +1,6 @@
-"""Problem 9: a rubber wheel drives: traction against creep, slow and fast, and what the slip costs.
+"""Problem 9: a rubber wheel drives: traction against creepage, slow and fast, and what the slip costs.
 
-Teaches: `em.traction` at many velocities and creeps; a stiffer (faster) contact is smaller and needs more creep to
+Teaches: `em.traction` at many velocities and creeps; a stiffer (faster) contact is smaller and needs more creepage to
 pull.
 
 Inputs: chosen here: standard solid, G = 1 MPa relaxed, 8 MPa glassy, tau = 1 s; wheel (paraboloid) of 20 mm radius
@@ -29,24 +29,24 @@ RUBBER = em.StandardSolid(RELAXED, GLASSY - RELAXED, TAU)
 
 def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    creep = np.linspace(0.0, 0.4, 41)
+    creepage = np.linspace(0.0, 0.4, 41)
     velocity = np.geomspace(1e-6, 10, 15)
     wheel = em.traction(
-        RUBBER, em.Paraboloid(RADIUS), velocity=velocity[:, None], creep=creep, friction=FRICTION, load=LOAD
+        RUBBER, em.Paraboloid(RADIUS), velocity=velocity[:, None], creepage=creepage, friction=FRICTION, load=LOAD
     )
     radius = np.cbrt(0.75 * LOAD * RADIUS / (4 * np.array([[RELAXED], [GLASSY]])))
-    brush = FRICTION * (1 - (1 - np.minimum(creep * RADIUS / (3 * radius * FRICTION), 1)) ** 3)
+    brush = FRICTION * (1 - (1 - np.minimum(creepage * RADIUS / (3 * radius * FRICTION), 1)) ** 3)
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained")
     for i, colour in ((0, "#7fa7cc"), (7, "#3a7fb5"), (14, "#0b2540")):
-        left.plot(creep, wheel.coefficient[i], color=colour, label=f"{velocity[i]:.2g} m/s")
+        left.plot(creepage, wheel.coefficient[i], color=colour, label=f"{velocity[i]:.2g} m/s")
     for line, name in zip(brush, ("relaxed", "glassy"), strict=True):
         mark = "o" if name == "relaxed" else "s"
-        left.plot(creep[::2], line[::2], mark, color="#a03030", fillstyle="none", label=f"brush, {name}")
+        left.plot(creepage[::2], line[::2], mark, color="#a03030", fillstyle="none", label=f"brush, {name}")
     left.set(xlabel="Creep [-]", ylabel="Traction over load [-]", title="Traction")
     right.semilogx(velocity, wheel.rolling[:, 0], "o-", color="#1f5a94", label="rolling loss of the rubber")
     slip = wheel.slip_power / (LOAD * velocity[:, None])
-    right.semilogx(velocity, slip[:, 4], "s-", color="#c08a3e", label=f"slip, creep {creep[4]:.2g}")
+    right.semilogx(velocity, slip[:, 4], "s-", color="#c08a3e", label=f"slip, creepage {creepage[4]:.2g}")
     right.set(
         xlabel="Rolling velocity [m/s]",
         ylabel="Power over load times velocity [-]",

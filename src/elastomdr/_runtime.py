@@ -1,38 +1,23 @@
-"""Float64 whatever the caller's JAX configuration, and what is known of a value while JAX traces it."""
+"""Arguments and answers: float64 whatever the caller's JAX configuration, checks, and numbers as text."""
+
+from __future__ import annotations
 
 import functools
 import math
 import re
+import sys
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
-import jax
-import jax.core
-import jax.numpy as jnp
 import numpy as np
-from jax.experimental.xla_metadata import set_xla_metadata
 
+from ._arrays import Array, as_numpy, in_float64, is_traced, numpy_unless_traced
 from .errors import InputError
 
-Array = jax.Array | np.ndarray  # JAX while tracing or inside a computation, NumPy where values are handed out
+__all__ = ["Array", "in_float64", "is_traced", "numpy_unless_traced"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-
-def in_float64(function: Callable[P, R]) -> Callable[P, R]:
-    """Runs `function` with 64-bit types enabled and leaves the caller's JAX setting as it was.
-
-    Arrays in its answer that are not traced come back as NumPy arrays: JAX's own would be rounded to float32 by the
-    caller's next operation under JAX's default configuration.
-    """
-
-    @functools.wraps(function)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        with jax.enable_x64(True):
-            return jax.tree.map(_as_numpy, function(*args, **kwargs))
-
-    return wrapper
 
 
 def needs_64_bit_types(function: Callable[P, R]) -> Callable[P, R]:
@@ -41,7 +26,7 @@ def needs_64_bit_types(function: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        if is_traced(args, kwargs) and not jax.config.read("jax_enable_x64"):
+        if is_traced(args, kwargs) and not sys.modules["jax"].config.read("jax_enable_x64"):
             raise InputError(
                 f"em.{function.__name__} under jit, grad or vmap needs JAX's 64-bit types: put "
                 "`with jax.enable_x64(True):` around the call, or set JAX_ENABLE_X64=1."
@@ -61,6 +46,9 @@ def one_kernel(function: Callable[..., R]) -> Callable[..., R]:
 
     @functools.wraps(function)
     def wrapper(*args: Any) -> R:
+        import jax
+        from jax.experimental.xla_metadata import set_xla_metadata
+
         with set_xla_metadata(xla_cpu_small_call="true", inlineable="false"):
             return jax.jit(function)(*args)
 
@@ -72,6 +60,8 @@ def argmax(x: Array) -> Array:
 
     JAX's own is compiled with 32-bit indices where the caller's `jax.jit` has no 64-bit types, and fails there.
     """
+    import jax.numpy as jnp
+
     x = jnp.asarray(x)
     place = jnp.arange(x.shape[0]).reshape(-1, *[1] * (x.ndim - 1))
     return jnp.min(jnp.where(x == jnp.max(x, axis=0), place, x.shape[0] - 1), axis=0)
@@ -82,52 +72,58 @@ def nan_unless(good: Any, values: Any) -> Any:
     would give as zero, and a search by gradients would take for a minimum."""
     if not is_traced(good, values):
         return np.where(good, values, np.nan)
-    return _nan_unless(jnp.asarray(good) != 0, jnp.asarray(values, jnp.float64))
+    import jax.numpy as jnp
+
+    return _traced_nan_unless()(jnp.asarray(good) != 0, jnp.asarray(values, jnp.float64))
 
 
-@jax.custom_jvp
-def _nan_unless(good: Array, values: Array) -> Array:
-    return jnp.where(good, values, jnp.nan)
+@functools.cache
+def _traced_nan_unless() -> Any:
+    import jax
+    import jax.numpy as jnp
 
+    @jax.custom_jvp
+    def nan_unless(good: Array, values: Array) -> Array:
+        return jnp.where(good, values, jnp.nan)
 
-@_nan_unless.defjvp
-def _nan_unless_derivative(primals: tuple, tangents: tuple) -> tuple:
-    # A linear map, the same from both ends, so that forward and reverse mode work alike: where not good, zero stays
-    # zero (what nobody asked about spoils nothing) and all else overflows to infinity, then times zero gives NaN.
-    good, _ = primals
-    huge, zero = jnp.where(good, 1.0, 1e300), jnp.where(good, 1.0, 0.0)
-    return _nan_unless(*primals), tangents[1] * huge * huge * zero * huge * huge
+    @nan_unless.defjvp
+    def derivative(primals: tuple, tangents: tuple) -> tuple:
+        # A linear map, the same from both ends, so that forward and reverse mode work alike: where not good, zero
+        # stays zero (what nobody asked about spoils nothing) and all else overflows to infinity, then times zero
+        # gives NaN.
+        good, _ = primals
+        huge, zero = jnp.where(good, 1.0, 1e300), jnp.where(good, 1.0, 0.0)
+        return nan_unless(*primals), tangents[1] * huge * huge * zero * huge * huge
 
-
-def _as_numpy(leaf: Any) -> Any:
-    if isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer):
-        return np.asarray(leaf)
-    return leaf
+    return nan_unless
 
 
 def known(tree: Any) -> Any:
     """Its arrays as NumPy's, whose arithmetic compiles nothing, unless one of them is traced."""
-    return tree if is_traced(tree) else jax.tree.map(_as_numpy, tree)
+    if "jax" not in sys.modules or is_traced(tree):
+        return tree
+    import jax
 
-
-def is_traced(*trees: Any) -> bool:
-    """Whether any leaf is under a JAX transformation, so that its value cannot be looked at."""
-    return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(trees))
+    return jax.tree.map(as_numpy, tree)
 
 
 def is_array_like(value: Any) -> bool:
     """Whether `value` is something that JAX's transformations hand around: an array, a number or a tracer."""
-    return isinstance(value, (np.ndarray, np.generic, jax.Array, float, int)) and not isinstance(value, bool)
+    jax = sys.modules.get("jax")
+    kinds = (np.ndarray, np.generic, float, int) if jax is None else (np.ndarray, np.generic, float, int, jax.Array)
+    return isinstance(value, kinds) and not isinstance(value, bool)
 
 
-def as_float64(name: str, value: Any) -> Any:
+def as_float64(name: str, value: Any) -> Array:
     """Turns `value` into a float64 NumPy array, or a float64 JAX array where it is traced.
 
     Concrete values become NumPy arrays, since JAX would round them to float32 under its default configuration.
     """
     if is_traced(value):
+        import jax
+
         with jax.enable_x64(True):
-            return jnp.asarray(value, dtype=jnp.float64)
+            return jax.numpy.asarray(value, dtype=jax.numpy.float64)
     try:
         array = np.asarray(value)
     except ValueError as error:
@@ -171,7 +167,7 @@ def ascending(name: str, values: Any) -> None:
         )
 
 
-def scalar(name: str, value: Any) -> Any:
+def scalar(name: str, value: Any) -> Array:
     """A float64 scalar from `value`; raises `InputError` for anything with a shape."""
     array = as_float64(name, value)
     if array.shape != ():
@@ -194,7 +190,7 @@ def written(module: Any) -> str:
 def _brief(value: Any) -> str:
     if is_traced(value):
         return "traced"
-    if isinstance(value, (np.ndarray, jax.Array)):
+    if isinstance(as_numpy(value), np.ndarray):
         if value.size > 6:
             return f"[{value.size} values]"
         return re.sub(r"\s+", " ", np.array2string(np.asarray(value), precision=6, separator=", "))

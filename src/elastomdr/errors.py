@@ -16,6 +16,10 @@ class ExtrapolationWarning(UserWarning):
     """Issued once per call when a material is used at frequencies or temperatures beyond those it was measured at."""
 
 
+class ModelWarning(UserWarning):
+    """Issued once per call when a model leaves out what matters for the body or surface it is used on."""
+
+
 def closest(word: str, valid: Iterable[str]) -> str:
     """Returns " Did you mean 'x'?" for the valid word nearest to `word`, or an empty string."""
     near = difflib.get_close_matches(word, list(valid), n=1, cutoff=0.5)

@@ -1,9 +1,14 @@
-"""Reading what a user points at: a regular file of a sensible size, so that a pipe or a device cannot hang a run."""
+"""Reading and writing files: regular ones of a sensible size are read, and what is written is whole or not there."""
 
 import errno
 import os
 import stat
+import tempfile
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
+
+from .errors import InputError
 
 _MOST_BYTES = 200_000_000
 
@@ -24,3 +29,51 @@ def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
 def read_text(path: str | os.PathLike[str]) -> str:
     """A UTF-8 text, with or without its mark; raises `OSError` as `read_bytes` does, and `UnicodeDecodeError`."""
     return read_bytes(path).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+
+
+def write_files(files: Mapping[Path, bytes]) -> None:
+    """Writes files that are complete whenever they are there: to neighbours first, then all of them moved into place.
+
+    Raises `InputError` in one line, and leaves nothing behind, where a folder is missing or cannot be written.
+    """
+    mask = os.umask(0)
+    os.umask(mask)
+    prepared: dict[Path, Path] = {}
+    target = Path()
+    try:
+        for target, content in files.items():
+            if target.is_dir():
+                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            handle, name = tempfile.mkstemp(dir=target.parent, prefix=".elastomdr-")
+            prepared[target] = Path(name)
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())  # a full disk shows here, before anything is replaced
+            prepared[target].chmod(0o666 & ~mask)  # mkstemp makes private files; a table is as readable as any other
+        for target, temporary in prepared.items():
+            temporary.replace(target)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise InputError(f"path must be a file that can be written, got {str(target)!r}: {reason}.") from error
+    finally:
+        for temporary in prepared.values():
+            temporary.unlink(missing_ok=True)
+
+
+def csv_text(header: Iterable[str], columns: Mapping[str, Any]) -> str:
+    """A comma-separated table: header lines that start with "# ", the titles, one row per entry of the columns.
+
+    Numbers have as many digits, up to 17, as it takes to read back the same float64; NaN is an empty cell.
+    """
+    values = [column.tolist() if hasattr(column, "tolist") else list(column) for column in columns.values()]
+    lines = [f"# {' '.join(line.split())}" for line in header]
+    lines += [",".join(columns), *(",".join(map(_cell, row)) for row in zip(*values, strict=True))]
+    return "\n".join(lines) + "\n"
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, float):
+        return "" if value != value else repr(float(value))
+    text = str(value)
+    return f'"{text.replace(chr(34), 2 * chr(34))}"' if set(text) & set(',"\n') else text

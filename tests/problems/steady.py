@@ -32,7 +32,7 @@ PROBLEMS = [
     Problem(
         "Kelvin-Voigt paraboloid at a depth",
         lambda **k: em.friction(
-            _kelvin_voigt(), em.Paraboloid(1.0), velocity=0.5, depth=4e-4, **{"average": None, **k}
+            _kelvin_voigt(), em.Paraboloid(1.0), velocity=0.5, depth=4e-4, **{"model": em.Line(), **k}
         ),
         {
             "normal_force": 1.2120226591665965e-05,
@@ -45,7 +45,9 @@ PROBLEMS = [
     ),
     Problem(
         "Kelvin-Voigt paraboloid at a load",
-        lambda **k: em.friction(_kelvin_voigt(), em.Paraboloid(1.0), velocity=1.0, load=1e-4, **{"average": None, **k}),
+        lambda **k: em.friction(
+            _kelvin_voigt(), em.Paraboloid(1.0), velocity=1.0, load=1e-4, **{"model": em.Line(), **k}
+        ),
         {
             "mu": 0.026914531367677307,
             "depth": 0.0016356835790403367,
@@ -57,14 +59,14 @@ PROBLEMS = [
     Problem(
         "Kelvin-Voigt cone at a load",
         lambda **k: em.friction(
-            _kelvin_voigt(), em.Cone(np.tan(0.2)), velocity=1.0, load=1e-3, **{"average": None, **k}
+            _kelvin_voigt(), em.Cone(np.tan(0.2)), velocity=1.0, load=1e-3, **{"model": em.Line(), **k}
         ),
         {"mu": 0.19964190035938026, "depth": 0.01726668487430574},
         1e-9,
     ),
     Problem(
         "standard solid paraboloid at a load",
-        lambda **k: em.friction(_solid(), em.Paraboloid(0.01), velocity=1.0, load=10.0, **{"average": None, **k}),
+        lambda **k: em.friction(_solid(), em.Paraboloid(0.01), velocity=1.0, load=10.0, **{"model": em.Line(), **k}),
         {
             "mu": 0.10866233408272157,
             "depth": 0.000491282325759344,
@@ -76,7 +78,11 @@ PROBLEMS = [
     Problem(
         "Maxwell paraboloid at a depth",
         lambda **k: em.friction(
-            em.Foundation.maxwell(12e6, 1e-3), em.Paraboloid(0.01), velocity=1.0, depth=1e-4, **{"average": None, **k}
+            em.Foundation.maxwell(12e6, 1e-3),
+            em.Paraboloid(0.01),
+            velocity=1.0,
+            depth=1e-4,
+            **{"model": em.Line(), **k},
         ),
         {
             "normal_force": 0.7771322854702978,
@@ -88,7 +94,9 @@ PROBLEMS = [
     ),
     Problem(
         "standard solid, direction-averaged",
-        lambda **k: em.friction(_solid(), em.Paraboloid(0.01), velocity=1.0, load=10.0, **k),
+        lambda **k: em.friction(
+            _solid(), em.Paraboloid(0.01), velocity=1.0, load=10.0, **{"model": em.Averaged(corrected=False), **k}
+        ),
         {"mu": 0.07304661009876835},
         1e-6,
     ),
@@ -100,7 +108,7 @@ PROBLEMS = [
     ),
     Problem(
         "low speed, bare line: twice the half-space",
-        lambda **k: em.friction(_solid(), em.Paraboloid(0.01), velocity=1e-3, load=10.0, **{"average": None, **k}),
+        lambda **k: em.friction(_solid(), em.Paraboloid(0.01), velocity=1e-3, load=10.0, **{"model": em.Line(), **k}),
         {"mu": 0.0006},
         0.005,
     ),
@@ -118,7 +126,7 @@ PROBLEMS = [
     Problem(
         "elastic sphere on a layer: F_N = pi k a^4/(4R)",
         lambda **k: em.friction(
-            em.layer(em.Prony(5e6, [], [], kind="tensile", poisson=0.45), 1e-3),
+            em.springs(em.Prony(5e6, [], [], kind="tensile", poisson=0.45), 1e-3),
             em.Paraboloid(0.5),
             velocity=1.0,
             depth=1e-4,

@@ -1,4 +1,4 @@
-"""`elastomdr fit DMA.csv ...`: measured isotherms to a material file, cards, tables and figures."""
+"""`elastomdr fit DMA ...`: measured isotherms to a material file, cards, tables and figures."""
 
 import argparse
 import re
@@ -7,88 +7,68 @@ import warnings
 from typing import Any
 
 from ..errors import InputError
-from .curve import _folder, _write
-from .main import DONE, NOT_CONVERGED
-from .units import TEMPERATURE, quantity
+from . import DONE, NOT_CONVERGED
+
+_READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
+_FITTED = ("vertical", "terms", "balance", "law", "poisson", "citation")
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
-    """The options of this verb."""
+    """The options of this command."""
     command._negative_number_matcher = re.compile(r"-\.?\d")  # "-20degC" is a temperature, not an option
     add = command.add_argument
     add("data", metavar="DMA", nargs="+", help="measured isotherms; several files of one material are joined")
-    add(
-        "--reference", metavar="T", help='reference temperature, such as "20degC" (default: the isotherm nearest to it)'
-    )
+    add("--reference", metavar="T", help='reference temperature, such as "20degC" (default: the isotherm nearest it)')
     add("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
     add("--name", help="name of the material and of its files (default: that of the data)")
     add("--kind", choices=("shear", "tensile"), help="what the moduli are, where the file does not say")
-    add("--frequency-unit", metavar="UNIT", help="Hz or rad/s, where the file does not say")
-    add("--modulus-unit", metavar="UNIT", help="Pa, kPa, MPa or GPa, where the file does not say")
-    add("--temperature-unit", metavar="UNIT", help="degC or K, where the file does not say")
-    add("--time-unit", metavar="UNIT", help="s, ms, min or h, where the file does not say")
-    add("--temperature", metavar="T", help="temperature of all points, where the file has no such column")
-    add(
-        "--column",
-        metavar="ROLE=TITLE",
-        action="append",
-        default=[],
-        help="a column's title or number, such as storage=4",
-    )
-    add(
-        "--vertical",
-        action=argparse.BooleanOptionalAction,
-        help="with or without vertical shifts (default: without where they are large, the data leave open whether "
-        "there are any, and the material is then closer to the data as measured)",
-    )
+    for quantity, units in (
+        ("frequency", "Hz or rad/s"),
+        ("modulus", "Pa, kPa, MPa or GPa"),
+        ("temperature", "degC or K"),
+        ("time", "s, ms, min or h"),
+    ):
+        add(f"--{quantity}-unit", metavar="UNIT", help=f"{units}, where the file does not say")
+    add("--temperature", metavar="T", help='temperature of all points, such as "20degC", or one for each isotherm '
+        'without, such as "-20degC,0degC,20degC"')  # fmt: skip
+    add("--column", metavar="ROLE=TITLE", action="append", default=[],
+        help="a column's title or number, such as storage=4")  # fmt: skip
+    add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: without "
+        "where they are large, the data leave open whether there are any, and the material is then closer to the data "
+        "as measured)")  # fmt: skip
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
-    add(
-        "--balance",
-        type=float,
-        metavar="FACTOR",
-        help="how many times more exactly the storage modulus is met than the loss modulus (default: their scatter)",
-    )
+    add("--balance", type=float, metavar="FACTOR", help="how many times more exactly the storage modulus is met than "
+        "the loss modulus (default: their scatter)")  # fmt: skip
     add("--law", default="auto", help="auto, WLF, Arrhenius, VFT, table or none (default: auto)")
     add("--poisson", type=float, help="Poisson's ratio (default: 0.5, with a warning for tensile moduli)")
     add("--citation", default="", help="where the data come from, for the material file")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> int:
     """Writes everything that a fit gives; returns the exit status. Nothing is written before all is computed."""
-    folder = _folder(arguments.out)
-    reference = _kelvin("--reference", arguments.reference)
-    name = arguments.name
-    if name is not None and not re.fullmatch(r"[\w.-]+", name):
-        raise InputError(f"--name must be letters, digits, dots and dashes, got {name!r}.")
-    from .. import fit
+    import elastomdr as em
 
+    from .compute import output_folder
+
+    folder = output_folder(options.out)
+    reference = _kelvin("--reference", options.reference)
+    temperature = _kelvin("--temperature", options.temperature)
+    if options.name is not None and not re.fullmatch(r"[\w.-]+", options.name):
+        raise InputError(f"--name must be letters, digits, dots and dashes, got {options.name!r}.")
+    if isinstance(reference, list):
+        raise InputError(f"--reference must be a single temperature, got {options.reference!r}.")
+    columns = dict(map(_column, options.column))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", fit.FitWarning)  # all of them are in the summary
-        dma = fit.read_dma(
-            arguments.data,
-            kind=arguments.kind,
-            frequency_unit=arguments.frequency_unit,
-            modulus_unit=arguments.modulus_unit,
-            temperature_unit=arguments.temperature_unit,
-            time_unit=arguments.time_unit,
-            temperature=_kelvin("--temperature", arguments.temperature),
-            columns=dict(_column(text) for text in arguments.column),
-        )
-        found = fit.material(
-            dma,
-            reference,
-            vertical=arguments.vertical,
-            terms=arguments.terms,
-            balance=arguments.balance,
-            poisson=arguments.poisson,
-            law=arguments.law,
-            name=name or "",
-            citation=arguments.citation,
-        )
-        files = {folder / stem: content for stem, content in found.files().items()}
-    _write(folder, files)
+        warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
+        read = {key: getattr(options, key) for key in _READ}
+        dma = em.read_dma(options.data, temperature=temperature, columns=columns, **read)
+        fitted = {key: getattr(options, key) for key in _FITTED}
+        found = em.fit.material(dma, reference, name=options.name or "", **fitted)
+        folder.mkdir(parents=True, exist_ok=True)
+        paths = found.save(folder)
     print(found.summary())
-    print(f"wrote {len(files)} files: {', '.join(path.name for path in files)} in {folder}")
+    print(f"wrote {len(paths)} files: {', '.join(path.name for path in paths)} in {folder}")
     print(f'in a scene file here: material = "{folder.as_posix()}/{found.material.name}.toml"')
     if found.master.converged and found.prony.converged:
         return DONE
@@ -96,8 +76,17 @@ def run(arguments: argparse.Namespace) -> int:
     return NOT_CONVERGED
 
 
-def _kelvin(name: str, text: str | None) -> float | None:
-    return None if text is None else quantity(name, text, TEMPERATURE)
+def _kelvin(name: str, text: str | None) -> Any:
+    """A temperature, or a list of them, in kelvin; numbers without a unit are in degC, as instruments write them."""
+    if text is None:
+        return None
+    from .schema import named
+    from .units import Temperature
+
+    with named(name):
+        parts = [f"{part} degC" if _NUMBER.fullmatch(part.strip()) else part for part in text.split(",")]
+        found = [float(Temperature.read(part)) for part in parts]
+    return found if len(found) > 1 else found[0]
 
 
 def _column(text: str) -> tuple[str, Any]:

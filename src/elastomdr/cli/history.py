@@ -1,159 +1,202 @@
-"""The scene file of `elastomdr indent`: an indenter, a material and a [history] of depth or load."""
+"""Scenes of `elastomdr indent` and `elastomdr impact`: an indenter under a history of depth or load, or let go."""
 
+import abc
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar, Literal
+
+import msgspec
 
 from ..errors import InputError
-from .indenter import read_indenter
-from .keys import Keys, choice, one, one_or_more, positive_number, text, whole
-from .scene import Scene, in_file, read_material, read_toml
-from .units import ADHESION, DEPTH, DURATION, FORCE, FREQUENCY, INSTANT, LENGTH, PAUSE, PUSH, TEMPERATURE
+from .indenter import AnyShape
+from .scene import OfBodies, body, on_axes
+from .schema import Instants, One, Several, Sweep, Table, given, named, only_one
+from .units import (
+    Depth,
+    Duration,
+    Force,
+    Frequency,
+    Instant,
+    Length,
+    Mass,
+    Pause,
+    Push,
+    SurfaceEnergy,
+    Temperature,
+    Velocity,
+)  # fmt: skip
 
-_PROGRAMS = {
-    "hold": ("duration", "rise", "spacing"),
-    "ramp": ("duration",),
-    "triangle": ("duration", "cycles", "rest"),
-    "sine": ("frequency", "cycles", "amplitude"),
-}
-_MOST_POINTS = 10_000
-
-
-def read_history(path: str) -> Scene:
-    """Reads a scene file. Raises `InputError`, in one line that begins with the file's name, for whatever is wrong."""
-    with in_file(path):
-        return _scene(Path(path), read_toml(Path(path)))
-
-
-def _scene(path: Path, content: dict[str, Any]) -> Scene:
-    keys = ("title", "material", "other", "temperature", "adhesion", "indenter", "layer", "history", "numerics")
-    top = Keys(content, "", keys)
-    title = top.get("title", text) if "title" in top else None
-    for table in ("indenter", "history"):
-        if table not in top:
-            raise InputError(f"[{table}] is missing: a scene has a material, an [indenter] and a [history].")
-    arguments = _history(content["history"])
-    if "temperature" in top:
-        arguments["temperature"] = top.get("temperature", one(TEMPERATURE))
-    if "adhesion" in top:
-        arguments["adhesion"] = top.get("adhesion", one(ADHESION))
-    numerics = Keys(content.get("numerics", {}), "numerics", ("rtol",))
-    if "rtol" in numerics:
-        arguments["rtol"] = numerics.get("rtol", positive_number)
-    shape = read_indenter(content["indenter"], path.parent)
-    material = read_material(top, content.get("layer"), shape, path.parent, arguments)
-    return Scene(path, title, material, shape, arguments)
+_RISE = 41  # instants of a rise
+Cycles = Annotated[int, msgspec.Meta(ge=1, le=1000)]
 
 
-def _history(content: Any) -> dict[str, Any]:
-    """time, and depth or load, from a program with a name or from points."""
-    import numpy as np
+class Program(Table, tag_field="program"):
+    """A history with a name."""
 
-    every = ("program", "points", "time", "depth", "load", *dict.fromkeys(k for v in _PROGRAMS.values() for k in v))
-    keys = Keys(content, "history", every)
-    points = keys.get("points", _points) if "points" in keys else 200
-    if "program" not in keys:
-        keys = Keys(content, "history", ("points", "time", "depth", "load"))
-        instants = np.asarray(keys.get("time", _several(INSTANT)))
-        if not (np.diff(instants) > 0).all():
-            raise InputError("[history] time must be ascending, without repeats.")
-        name, values = _control(keys, _several(DEPTH), _several(PUSH))
-        if len(values) != len(instants):
-            raise InputError(
-                f"[history] time and {name} must be lists of the same length, got {len(instants)} and {len(values)}."
-            )
-        time = np.union1d(instants, np.linspace(instants[0], instants[-1], points))
-        return {"time": time, name: np.interp(time, instants, values)}
-    program = keys.get("program", choice(*_PROGRAMS))
-    keys = Keys(content, "history", ("program", "points", "depth", "load", *_PROGRAMS[program]))
-    name, size = _control(keys, one_or_more(LENGTH), one_or_more(FORCE))
-    kind = LENGTH if name == "depth" else FORCE
-    time, value = {"hold": _hold, "ramp": _ramp, "triangle": _triangle, "sine": _sine}[program](keys, points, kind)
-    if callable(value):
-        return {"time": time, name: value(np.asarray(size))}
-    return {"time": time, name: np.multiply.outer(size, value)}
+    load: Annotated[Several[Force] | None, "normal force, or several, each a history of its own"] = None
+    depth: Annotated[Several[Length] | None, "indentation depth, in place of the load"] = None
+    points: Annotated[Instants, "instants of the history"] = 200
+
+    def __post_init__(self) -> None:
+        only_one(self, "load", "depth")
+
+    def arguments(self) -> dict[str, Any]:
+        """time [s], and load [N] or depth [m]."""
+        import numpy as np
+
+        name = only_one(self, "load", "depth")
+        sizes = getattr(self, name)
+        time, values = self.course(np.asarray(sizes if len(sizes) > 1 else sizes[0]))
+        return {"time": time, name: values}
+
+    @abc.abstractmethod
+    def course(self, size: Any) -> tuple[Any, Any]:
+        """Instants, and the values at them for histories of the given size."""
 
 
-def _hold(keys: Keys, points: int, _: Any) -> Any:
-    """A step or a ramp up to the value, which is then kept: creep under a load, relaxation under a depth."""
-    import numpy as np
+class Hold(Program, tag="hold"):
+    """A step or a ramp to the value, which is then kept: creep under a load, relaxation under a depth."""
 
-    duration = keys.get("duration", one(DURATION))
-    rise = keys.get("rise", one(PAUSE)) if "rise" in keys else 0.0
-    even = "spacing" in keys and keys.get("spacing", choice("log", "linear")) == "linear"
-    since = (
-        np.linspace(0, duration, points)
-        if even
-        else np.append(0.0, np.geomspace(1e-6 * duration, duration, points - 1))
-    )
-    if not rise:
-        return since, np.ones(points)
-    time = np.concatenate([np.linspace(0, rise, 41)[:-1], rise + since])
-    return time, np.minimum(time / rise, 1.0)
+    duration: Annotated[Duration, "how long the value is kept"]
+    rise: Annotated[Pause | None, "how long it takes to get there, at once by default"] = None
+    spacing: Annotated[Literal["log", "linear"], "of the instants"] = "log"
+
+    def course(self, size: Any) -> tuple[Any, Any]:
+        import numpy as np
+
+        since = np.linspace(0, self.duration, self.points)
+        if self.spacing == "log":
+            since = np.append(0.0, np.geomspace(1e-6 * self.duration, self.duration, self.points - 1))
+        if not self.rise:
+            return since, np.multiply.outer(size, np.ones(self.points))
+        time = np.concatenate([np.linspace(0, self.rise, _RISE)[:-1], self.rise + since])
+        return time, np.multiply.outer(size, np.minimum(time / self.rise, 1.0))
 
 
-def _ramp(keys: Keys, points: int, _: Any) -> Any:
+class Ramp(Program, tag="ramp"):
     """From zero to the value."""
-    import numpy as np
 
-    part = np.linspace(0, 1, points)
-    return part * keys.get("duration", one(DURATION)), part
+    duration: Annotated[Duration, "how long it takes"]
 
+    def course(self, size: Any) -> tuple[Any, Any]:
+        import numpy as np
 
-def _triangle(keys: Keys, points: int, _: Any) -> Any:
-    """Up to the value and down again within `duration`, `cycles` times, a `rest` at zero after each."""
-    import numpy as np
-
-    duration = keys.get("duration", one(DURATION))
-    cycles = keys.get("cycles", _count) if "cycles" in keys else 1
-    rest = keys.get("rest", one(PAUSE)) if "rest" in keys else 0.0
-    kinks, heights = [0.0], [0.0]
-    for i in range(cycles):
-        start = i * (duration + rest)
-        kinks += [start + 0.5 * duration, start + duration] + ([start + duration + rest] if rest else [])
-        heights += [1.0, 0.0] + ([0.0] if rest else [])
-    time = np.union1d(kinks, np.linspace(0, kinks[-1], points))
-    return time, np.interp(time, kinks, heights)
+        part = np.linspace(0, 1, self.points)
+        return part * self.duration, np.multiply.outer(size, part)
 
 
-def _sine(keys: Keys, points: int, kind: Any) -> Any:
-    """A step to the value, about which depth or load then swings by `amplitude`."""
-    import numpy as np
+class Triangle(Program, tag="triangle"):
+    """Up to the value and down again."""
 
-    frequency, cycles = keys.get("frequency", one(FREQUENCY)), keys.get("cycles", _count)
-    amplitude = keys.get("amplitude", one(kind))
-    time = np.linspace(0, cycles / frequency, points)
-    wave = amplitude * np.sin(2 * np.pi * frequency * time)
+    duration: Annotated[Duration, "of one cycle, up and down"]
+    cycles: Annotated[Cycles, "how many there are"] = 1
+    rest: Annotated[Pause | None, "time at zero after each of them"] = None
 
-    def value(mean: Any) -> Any:
-        if kind is FORCE and (mean < amplitude).any():
-            raise InputError("[history] amplitude must not be larger than load: a load that pulls needs adhesion.")
-        return np.add.outer(mean, wave)
+    def course(self, size: Any) -> tuple[Any, Any]:
+        import numpy as np
 
-    return time, value
-
-
-def _control(keys: Keys, depth: Any, load: Any) -> tuple[str, Any]:
-    if ("load" in keys) == ("depth" in keys):
-        got = "both" if "load" in keys else "neither"
-        raise InputError(f"[history] must have either a load or a depth, got {got}.")
-    return ("load", keys.get("load", load)) if "load" in keys else ("depth", keys.get("depth", depth))
+        kinks, heights = [0.0], [0.0]
+        for i in range(self.cycles):
+            start = i * (self.duration + (self.rest or 0.0))
+            kinks += [start + 0.5 * self.duration, start + self.duration]
+            heights += [1.0, 0.0]
+            if self.rest:
+                kinks.append(start + self.duration + self.rest)
+                heights.append(0.0)
+        time = np.union1d(kinks, np.linspace(0, kinks[-1], self.points))
+        return time, np.multiply.outer(size, np.interp(time, kinks, heights))
 
 
-def _several(kind: Any) -> Any:
-    """A list of two or more quantities."""
+class Sine(Program, tag="sine"):
+    """A step to the value, about which depth or load then swings."""
 
-    def read(name: str, value: Any) -> list[float]:
-        values = one_or_more(kind)(name, value)
-        if not isinstance(values, list):
-            raise InputError(f"{name} must be a list of two or more values with units, got {value!r}.")
-        return values
+    frequency: Annotated[Frequency, "cycles per time"]
+    cycles: Annotated[Cycles, "how many there are"]
+    amplitude: Annotated[str, "of the swing, a length or a force"]
 
-    return read
+    def course(self, size: Any) -> tuple[Any, Any]:
+        import numpy as np
+
+        with named("amplitude"):
+            amplitude = (Force if self.depth is None else Length).read(self.amplitude)
+        if self.depth is None and (size < amplitude).any():
+            raise InputError("amplitude must not be larger than load: a load that pulls needs adhesion.")
+        time = np.linspace(0, self.cycles / self.frequency, self.points)
+        return time, np.add.outer(size, amplitude * np.sin(2 * np.pi * self.frequency * time))
 
 
-def _points(name: str, value: Any) -> int:
-    return whole(name, value, 2, _MOST_POINTS)
+class Points(Table):
+    """A history by its points, straight between them."""
+
+    time: Annotated[Annotated[list[Instant], msgspec.Meta(min_length=2)], "instants, ascending"]
+    load: Annotated[Annotated[list[Push], msgspec.Meta(min_length=2)] | None, "normal forces at these"] = None
+    depth: Annotated[
+        Annotated[list[Depth], msgspec.Meta(min_length=2)] | None, "indentation depths at these, in place of the loads"
+    ] = None
+    points: Annotated[Instants, "instants of the history; those of `time` are added to them"] = 200
+
+    def __post_init__(self) -> None:
+        name = only_one(self, "load", "depth")
+        if any(second <= first for first, second in zip(self.time, self.time[1:], strict=False)):
+            raise InputError("time must be ascending, without repeats.")
+        if (count := len(getattr(self, name))) != len(self.time):
+            raise InputError(f"time and {name} must be lists of the same length, got {len(self.time)} and {count}.")
+
+    def arguments(self) -> dict[str, Any]:
+        """time [s], and load [N] or depth [m]."""
+        import numpy as np
+
+        time = np.union1d(self.time, np.linspace(self.time[0], self.time[-1], self.points))
+        name = only_one(self, "load", "depth")
+        return {"time": time, name: np.interp(time, self.time, getattr(self, name))}
 
 
-def _count(name: str, value: Any) -> int:
-    return whole(name, value, 1, 1000)
+class _Indentation(OfBodies):
+    """Indentation under a history of depth or load."""
+
+    mark: ClassVar[str] = "history"
+    call: ClassVar[str] = "indent"
+    temperature: Annotated[One[Temperature] | None, "temperature of the rubber"] = None
+    adhesion: Annotated[SurfaceEnergy | None, "work of adhesion"] = None
+    indenter: Annotated[AnyShape, "the rigid body"]
+    history: Annotated[Program | Points, "load or depth against time"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        with named("[history]"):
+            history = self.history.arguments()
+        return on_axes({"shape": body(self.indenter, folder)} | self.common(folder)) | given(self, "adhesion") | history
+
+
+class Indentation(_Indentation):
+    """Indentation under a history of depth or load with a name."""
+
+    history: Annotated[Hold | Ramp | Triangle | Sine, "load or depth against time"]
+
+
+class IndentationByPoints(_Indentation):
+    """Indentation under a history of depth or load given by points."""
+
+    history: Annotated[Points, "load or depth against time"]
+
+    @classmethod
+    def fits(cls, content: dict[str, Any]) -> bool:
+        return isinstance(content.get("history"), dict) and "program" not in content["history"]
+
+
+class Thrown(Table):
+    """The body that hits the rubber."""
+
+    mass: Annotated[Several[Mass], "its mass"]
+    velocity: Annotated[Sweep[Velocity], "its velocity at touch"]
+
+
+class Impact(OfBodies):
+    """Impact of a body and its rebound."""
+
+    mark: ClassVar[str] = "impact"
+    call: ClassVar[str] = "impact"
+    indenter: Annotated[AnyShape, "the rigid body"]
+    impact: Annotated[Thrown, "how heavy and how fast it is"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        found = {"shape": body(self.indenter, folder)} | self.common(folder)
+        return on_axes(found | given(self.impact, "mass", "velocity"))

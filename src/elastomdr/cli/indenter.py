@@ -1,104 +1,123 @@
-"""The [indenter] table of a scene file becomes a shape."""
+"""The [indenter] of a scene: one table for each shape."""
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+import msgspec
+
+import elastomdr as em
 
 from ..errors import InputError
 from ..files import read_text
-from .keys import Keys, choice, numbers, one, positive_number, text
-from .units import LENGTH, Kind, number_in, quantity
-
-_KEYS = {
-    "sphere": ("radius",),
-    "paraboloid": ("radius",),
-    "cone": ("slope",),
-    "flat_punch": ("radius",),
-    "power_law": ("exponent", "coefficient"),
-    "profile": ("r", "z", "unit", "file", "apex", "curve"),
-    "cylinder": ("radius", "length"),
-}
+from .schema import Positive, Table, Text, named
+from .units import Length, Quantity, shown
 
 
-def read_indenter(content: Any, folder: Path) -> Any:
-    """A shape from its table; files are looked for beside the scene. Raises `InputError` for whatever is wrong."""
-    every = ("shape", *dict.fromkeys(key for keys in _KEYS.values() for key in keys))
-    shape = Keys(content, "indenter", every).get("shape", choice(*_KEYS))
-    keys = Keys(content, "indenter", ("shape", *_KEYS[shape]))
-    from .. import Cone, Cylinder, FlatPunch, Paraboloid, PowerLaw, Sphere
+class Shape(Table, tag_field="shape"):
+    """A rigid body."""
 
-    match shape:
-        case "cone":
-            return Cone(keys.get("slope", positive_number))
-        case "power_law":
-            exponent = keys.get("exponent", positive_number)
-            return PowerLaw(exponent, keys.get("coefficient", _coefficient(exponent)))
-        case "profile":
-            return _profile(keys, folder)
-        case "cylinder":
-            return Cylinder(keys.get("radius", one(LENGTH)), keys.get("length", one(LENGTH)))
-        case _:
-            return {"sphere": Sphere, "paraboloid": Paraboloid, "flat_punch": FlatPunch}[shape](
-                keys.get("radius", one(LENGTH))
-            )
+    def make(self, folder: Path) -> Any:
+        """The body; files are looked for in `folder`."""
+        return getattr(em, type(self).__name__)(*msgspec.structs.astuple(self))
 
 
-def _coefficient(exponent: float) -> Any:
-    """Reads c of f = c r^n, in m^(1-n): a text with its unit, or a plain number where n = 1."""
-    power = f"{1 - exponent:.12g}"
+class Sphere(Shape, tag="sphere"):
+    """A sphere."""
 
-    def read(name: str, value: Any) -> float:
-        if exponent == 1:
-            return positive_number(name, value)
-        return quantity(name, value, Kind(f"in length^(1-exponent) (m^{power})", f"m**({power})", f"100 m^{power}"))
-
-    return read
+    radius: Annotated[Length, "radius"]
 
 
-def _profile(keys: Keys, folder: Path) -> Any:
-    from .. import Profile
+class Paraboloid(Shape, tag="paraboloid"):
+    """A paraboloid of revolution."""
 
-    unit = keys.get("unit", text)
-    metres = number_in(keys.name("unit"), 1.0, unit, LENGTH)
-    if ("file" in keys) == ("r" in keys or "z" in keys):
-        raise InputError("[indenter] must have either a file, or lists r and z, for a profile given as points.")
-    r, z = (
-        keys.get("file", _points_file(folder)) if "file" in keys else (keys.get("r", numbers), keys.get("z", numbers))
-    )
-    apex = keys.get("apex", choice("auto", "smooth", "sharp")) if "apex" in keys else "auto"
-    curve = keys.get("curve", choice("auto", "spline", "monotone")) if "curve" in keys else "auto"
+    radius: Annotated[Length, "radius of curvature at the apex"]
+
+
+class Cone(Shape, tag="cone"):
+    """A cone."""
+
+    slope: Annotated[Positive, "rise of its side over the distance from the axis"]
+
+
+class FlatPunch(Shape, tag="flat_punch"):
+    """A cylinder on its flat end."""
+
+    radius: Annotated[Length, "radius"]
+
+
+class PowerLaw(Shape, tag="power_law"):
+    """A body of revolution of height coefficient times r to the exponent."""
+
+    exponent: Annotated[Positive, "exponent"]
+    coefficient: Annotated[str | float, 'in length^(1 - exponent), such as "100 m^-1"; a number for a cone']
+
+    def make(self, folder: Path) -> Any:
+        power = f"{1 - self.exponent:.12g}"
+        coefficient = self.coefficient
+        if self.exponent != 1 or isinstance(coefficient, str):
+
+            class Coefficient(Quantity, what=f"in m^{power}", unit=f"m**({power})", example=f"100 m^{power}"): ...
+
+            with named("coefficient"):
+                coefficient = Coefficient.read(coefficient)
+        return em.PowerLaw(self.exponent, coefficient)
+
+
+class Profile(Shape, tag="profile"):
+    """A body of revolution given by points of its profile."""
+
+    unit: Annotated[Text, 'unit of length of the points, such as "mm"']
+    r: Annotated[list[float] | None, "distances from the axis, from 0 on"] = None
+    z: Annotated[list[float] | None, "heights at these distances"] = None
+    file: Annotated[Text | None, "a table of two columns, r and z, in place of the lists"] = None
+    apex: Annotated[Literal["auto", "smooth", "sharp"], "at the axis; by default the points decide"] = "auto"
+    curve: Annotated[Literal["auto", "spline", "monotone"], "between the points"] = "auto"
+
+    def make(self, folder: Path) -> Any:
+        with named("unit"):
+            metres = Length.convert("1", self.unit)
+        if self.file is not None and self.r is None and self.z is None:
+            r, z = _points(folder, self.file)
+        elif self.file is None and self.r is not None and self.z is not None:
+            r, z = self.r, self.z
+        else:
+            raise InputError("must have either a file, or lists r and z, for a profile given as points.")
+        return em.Profile([metres * x for x in r], [metres * x for x in z], apex=self.apex, curve=self.curve)
+
+
+class Cylinder(Shape, tag="cylinder"):
+    """A cylinder that lies on a layer: a roller, a wheel."""
+
+    radius: Annotated[Length, "radius"]
+    length: Annotated[Length, "length of its line of contact, across the direction of motion"]
+
+
+OfRevolution = Sphere | Paraboloid | Cone | FlatPunch | PowerLaw | Profile
+AnyShape = Sphere | Paraboloid | Cone | FlatPunch | PowerLaw | Profile | Cylinder
+
+
+def _points(folder: Path, file: str) -> tuple[list[float], list[float]]:
+    """Two columns, r and z; lines that start with # and one line of titles are passed over."""
     try:
-        return Profile([metres * x for x in r], [metres * x for x in z], apex=apex, curve=curve)
-    except InputError as error:
-        raise InputError(f"[indenter] {error}") from error
-
-
-def _points_file(folder: Path) -> Any:
-    """Reads a table of two columns, r and z; lines that start with # and one line of titles are passed over."""
-
-    def read(name: str, value: Any) -> tuple[list[float], list[float]]:
-        path = folder / text(name, value)
+        lines = read_text(folder / file).split("\n")
+    except OSError as error:
+        raise InputError(f"file {shown(file)} cannot be read: {error.strerror or error}.") from error
+    except ValueError as error:
+        raise InputError(f"file {shown(file)} is not a text file.") from error
+    rows: list[tuple[float, float]] = []
+    titles = False
+    for i, line in enumerate(lines, start=1):
+        line = line.strip()
+        if not line or line.startswith("#"):
+            continue
         try:
-            lines = read_text(path).split("\n")
-        except OSError as error:
-            raise InputError(f"{name}: {value!r} cannot be read: {error.strerror or error}.") from error
+            r, z = (float(cell) for cell in re.split(r"\s*[,;\t]\s*|\s+", line))
+            rows.append((r, z))
         except ValueError as error:
-            raise InputError(f"{name}: {value!r} is not a text file.") from error
-        rows: list[tuple[float, float]] = []
-        titles = False
-        for i, line in enumerate(lines, start=1):
-            line = line.strip()
-            if not line or line.startswith("#"):
-                continue
-            try:
-                r, z = (float(cell) for cell in re.split(r"\s*[,;\t]\s*|\s+", line))
-                rows.append((r, z))
-            except ValueError as error:
-                if rows or titles:
-                    raise InputError(
-                        f"{name}: {value!r}, line {i}, must be two numbers, r and z, got {line!r}."
-                    ) from error
-                titles = True
-        return [r for r, _ in rows], [z for _, z in rows]
-
-    return read
+            if rows or titles:
+                raise InputError(
+                    f"file {shown(file)}, line {i}, must be two numbers, r and z, got {line!r}."
+                ) from error
+            titles = True
+    return [r for r, _ in rows], [z for _, z in rows]

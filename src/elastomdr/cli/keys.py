@@ -1,111 +1,103 @@
-"""Typed values out of TOML tables; every complaint names the table, the key, the value and what is accepted."""
+"""The keys of scene files from their schema: for the help of the commands and for the documentation."""
 
-import sys
-from collections.abc import Callable, Iterable
-from typing import Any, TypeVar
+import inspect
+import textwrap
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
-from ..errors import InputError, closest
-from .units import Kind, quantity
+import msgspec
 
-T = TypeVar("T")
-
-
-class Keys:
-    """One TOML table, refused with the closest valid key where it holds a key that is not in `valid`."""
-
-    def __init__(self, content: Any, where: str, valid: Iterable[str]):
-        self._where = f"[{where}] " if where else ""
-        valid = tuple(valid)
-        if not isinstance(content, dict):
-            raise InputError(f"[{where}] must be a table with the keys {', '.join(valid)}, got {content!r}.")
-        for key in content:
-            if key not in valid:
-                hint = closest(key, valid) or f" Valid keys: {', '.join(valid)}."
-                raise InputError(f"{self._where}has a key that is not known: {key!r}.{hint}".strip())
-        self._content = content
-
-    def __contains__(self, key: str) -> bool:
-        return key in self._content
-
-    def name(self, key: str) -> str:
-        """The key as messages call it, such as "[contact] load"."""
-        return f"{self._where}{key}"
-
-    def get(self, key: str, read: Callable[[str, Any], T]) -> T:
-        """The value of a key that must be there, as `read(name, value)` returns it."""
-        if key not in self._content:
-            raise InputError(f"{self.name(key)} is missing.")
-        return read(self.name(key), self._content[key])
+from .kinds import KINDS
+from .schema import accepted, is_list, keys_of, tables_of
 
 
-def text(name: str, value: Any) -> str:
-    """A text that is not empty."""
-    if not isinstance(value, str) or not value.strip():
-        raise InputError(f"{name} must be a text, got {value!r}.")
-    return value
+class Key(NamedTuple):
+    """One key of a table."""
+
+    name: str
+    accepted: str
+    default: str
+    meaning: str
 
 
-def flag(name: str, value: Any) -> bool:
-    """true or false."""
-    if not isinstance(value, bool):
-        raise InputError(f"{name} must be true or false, got {value!r}.")
-    return value
+class Section(NamedTuple):
+    """The keys of a scene outside of its tables, or of one of its tables."""
+
+    title: str
+    about: str
+    keys: tuple[Key, ...]
 
 
-def number(name: str, value: Any) -> float:
-    """A plain finite number."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
-        raise InputError(f"{name} must be a plain number, got {value!r}.")
-    return float(value)
+def sections(kind: Any) -> Iterator[Section]:
+    """The sections of a kind of scene: its own keys, then each table."""
+    yield _section("", kind)
+    for name, field in keys_of(kind).items():
+        written = f"[[{name}]]" if is_list(field.type) else f"[{name}]"
+        for table in tables_of(field.type):
+            yield _section(written, table)
 
 
-def positive_number(name: str, value: Any) -> float:
-    """A plain number above zero."""
-    if number(name, value) <= 0:
-        raise InputError(f"{name} must be positive, got {value!r}.")
-    return float(value)
+def as_text(verb: str) -> str:
+    """The keys of the scenes of a command, for a terminal."""
+    lines, seen = [], set()
+    for kind in KINDS[verb]:
+        lines += [f"keys of a scene: {_about(kind)}", ""]
+        for section in sections(kind):
+            if section in seen:
+                continue
+            seen.add(section)
+            lines += [f"  {section.title}  {section.about}"] if section.title else []
+            for key in section.keys:
+                words = f"{key.meaning} ({'; '.join(part for part in (key.accepted, key.default) if part)})"
+                lines += textwrap.wrap(words, 116, initial_indent=f"    {key.name:<20}", subsequent_indent=24 * " ")
+            lines.append("")
+    return "\n".join(lines)
 
 
-def whole(name: str, value: Any, least: int, most: int) -> int:
-    """A whole number within limits."""
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise InputError(f"{name} must be a whole number from {least} to {most}, got {value!r}.")
-    return value
+def as_markdown() -> str:
+    """The keys of all scenes, a table for each section; one that several kinds share stands at its first place."""
+    lines, seen = [], set()
+    for verb, kinds in KINDS.items():
+        lines += [f"## elastomdr {verb}", ""]
+        for kind in kinds:
+            lines += [f"### {_about(kind).rstrip('.')}", ""]
+            for section in sections(kind):
+                if section in seen:
+                    continue
+                seen.add(section)
+                lines += [f"`{section.title}` {section.about}", ""] if section.title else []
+                lines += ["| key | accepted | default | meaning |", "|---|---|---|---|"] if section.keys else []
+                lines += [f"| `{key.name}` | {' | '.join(_cell(text) for text in key[1:])} |" for key in section.keys]
+                lines.append("")
+    return "\n".join(lines)
 
 
-def numbers(name: str, value: Any) -> list[float]:
-    """A list of plain numbers."""
-    if not isinstance(value, list):
-        raise InputError(f"{name} must be a list of numbers, got {value!r}.")
-    return [number(f"{name}[{i}]", entry) for i, entry in enumerate(value)]
+def _section(written: str, table: Any) -> Section:
+    config = table.__struct_config__
+    title = f'{written} {config.tag_field} = "{config.tag}"' if config.tag_field else written
+    found = []
+    for name, field in keys_of(table).items():
+        default = "required" if field.required else "" if field.default is None else _shown(field.default)
+        inner = tables_of(field.type)
+        words = f"{'tables' if is_list(field.type) else 'table'} below" if inner else accepted(field.type)
+        found.append(Key(name, words, default, _meaning(field.type)))
+    return Section(title, _about(table), tuple(found))
 
 
-def choice(*options: str) -> Callable[[str, Any], str]:
-    """One of several words."""
-
-    def read(name: str, value: Any) -> str:
-        if value not in options:
-            hint = closest(value, options) if isinstance(value, str) else ""
-            raise InputError(f"{name} must be one of {', '.join(options)}, got {value!r}.{hint}")
-        return value
-
-    return read
+def _about(table: Any) -> str:
+    """The first sentence of its docstring."""
+    return inspect.cleandoc(table.__doc__).split("\n\n")[0].replace("\n", " ")
 
 
-def one(kind: Kind) -> Callable[[str, Any], float]:
-    """A quantity with its unit, in SI."""
-    return lambda name, value: quantity(name, value, kind)
+def _meaning(kind: Any) -> str:
+    return next((note for note in getattr(kind, "__metadata__", ()) if isinstance(note, str)), "")
 
 
-def one_or_more(kind: Kind) -> Callable[[str, Any], float | list[float]]:
-    """A quantity with its unit, or a list of them, in SI; a list of one counts as the one."""
+def _shown(value: Any) -> str:
+    if isinstance(value, msgspec.Struct):
+        return ""
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
-    def read(name: str, value: Any) -> float | list[float]:
-        if not isinstance(value, list):
-            return quantity(name, value, kind)
-        if not value:
-            raise InputError(f"{name} must be {kind.name} or a list of them, got an empty list.")
-        values = [quantity(f"{name}[{i}]", entry, kind) for i, entry in enumerate(value)]
-        return values if len(values) > 1 else values[0]
 
-    return read
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")

@@ -7,89 +7,86 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..errors import InputError
-from ..material.format import read_document
+from ..material.format import is_tabulated, read_document
 from ..material.library import locate, material_info, materials
-from .main import DONE
+from . import DONE
 
 _SHIFT_UNITS = {"c1": "", "c2": " K", "energy": " J/mol", "b": " K", "t0": " K", "reference": " K"}
-_RANGE_UNITS = {"frequency": "rad/s", "time": "s", "temperature": "K"}
+_RANGE_UNITS = {"omega": "rad/s", "time": "s", "temperature": "K"}
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> int:
     """Prints the library's names, or one material; returns the exit status."""
-    lines = _library() if arguments.name is None else _one(arguments.name)
-    print("\n".join(lines))
+    print("\n".join(_library() if options.name is None else _one(options.name)))
     return DONE
 
 
 def _library() -> Iterator[str]:
     names = materials()
-    width = max(map(len, names), default=0) + 2
-    columns = shutil.get_terminal_size((120, 24)).columns
+    width, columns = max(map(len, names), default=0) + 1, max(60, shutil.get_terminal_size((120, 24)).columns)
     for name in names:
-        yield textwrap.shorten(f"{name} {_first_line(name)}", max(60, columns), placeholder=" ...").replace(
-            name, f"{name:<{width - 1}}", 1
-        )
-    yield ""
-    yield "elastomdr materials NAME shows the numbers, ranges and sources of one of them."
-
-
-def _first_line(name: str) -> str:
-    try:
-        info = material_info(name)
-    except InputError as error:  # somebody's broken file must not hide the others
-        return f"({error})"
-    grade = info.get("source", {}).get("moduli", {}).get("grade")
-    return info.get("description", "").strip() + (f" [{grade}]" if grade else "")
+        try:
+            info = material_info(name)
+            grade = info.get("source", {}).get("moduli", {}).get("grade")
+            about = info.get("description", "") + (f" [{grade}]" if grade else "")
+        except InputError as error:  # somebody's broken file must not hide the others
+            about = f"({error})"
+        yield f"{name:<{width}} {textwrap.shorten(about, columns - width - 1, placeholder=' ...')}"
+    yield "\nelastomdr materials NAME shows the numbers, ranges and sources of one of them."
 
 
 def _one(name: str) -> Iterator[str]:
     path = locate(name)
     info, document = material_info(path), read_document(path)
     yield info["name"]
-    if info.get("description"):
-        yield from textwrap.wrap(info["description"], 100)
+    yield from textwrap.wrap(info.get("description", ""), 100)
     yield ""
+    for row, text in _rows(info, document):
+        yield textwrap.fill(text, 100, initial_indent=f"{row:<19}", subsequent_indent=" " * 19, break_on_hyphens=False)
     symbol = "G" if info["kind"] == "shear" else "E"
-    yield from _row("moduli", f"{info['kind']} ({symbol})")
-    yield from _row("relaxed", f"{_pascal(info['equilibrium'])}" + (" (a liquid)" if info["equilibrium"] == 0 else ""))
-    yield from _row("glassy", _pascal(info["glassy"]))
+    titles: dict[str, str] = {"times": "relaxation time [s]", "moduli": f"{symbol} [Pa]"}
+    if is_tabulated(document):
+        titles = {"omega": "omega [rad/s]", "storage": f"{symbol} storage [Pa]", "loss": f"{symbol} loss [Pa]"}
+    if document[next(iter(titles))]:
+        yield "\n" + "".join(f"{title:>21}" for title in titles.values())
+        for row in zip(*(document[key] for key in titles), strict=True):
+            yield "".join(f"{value:>21.6g}" for value in row)
+
+
+def _rows(info: dict[str, Any], document: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    yield "moduli", f"{info['kind']}{', a table for surfaces in steady sliding' * is_tabulated(document)}"
+    if is_tabulated(document):
+        ends = f"{info['lowest_omega']:.4g} to {info['highest_omega']:.4g} rad/s"
+        moduli = f"{_pascal(document['storage'][0])} to {_pascal(document['storage'][-1])}"
+        yield "table", f"{info['points']} points, {ends}, storage {moduli}"
+    else:
+        yield "relaxed", _pascal(info["equilibrium"]) + " (a liquid)" * (info["equilibrium"] == 0)
+        yield "glassy", _pascal(info["glassy"])
     if info.get("viscosity"):
-        yield from _row("dashpot", f"{info['viscosity']:.6g} Pa s, in parallel")
+        yield "dashpot", f"{info['viscosity']:.6g} Pa s, in parallel"
     if "bulk" in info:
-        yield from _row("bulk modulus", _pascal(info["bulk"]))
+        yield "bulk modulus", _pascal(info["bulk"])
     else:
-        yield from _row("Poisson", f"{info['poisson']:g}" + (" (incompressible)" if info["poisson"] == 0.5 else ""))
+        yield "Poisson", f"{info['poisson']:g}{' (incompressible)' * (info['poisson'] == 0.5)}"
     if "reference_temperature" in info:
-        yield from _row("reference", _kelvin(info["reference_temperature"]))
-    if "shift" in info:
-        yield from _row("shift law", _shift(info["shift"]))
-    else:
-        yield from _row("shift law", "none: temperature cannot be given")
+        yield "reference", _kelvin(info["reference_temperature"])
+    yield "shift law", _shift(info["shift"]) if "shift" in info else "none: temperature cannot be given"
     for key, pair in info.get("range", {}).items():
         words = f"{pair[0]:.4g} to {pair[1]:.4g} {_RANGE_UNITS[key]}" if pair else "nowhere known well enough"
-        yield from _row(f"valid {key}", words)
+        yield f"valid {key}", words
+    if misfit := document.get("misfit"):
+        worst = ", ".join(f"{key} {100 * max(misfit[f'{key}_residual']):.2g} %" for key in ("storage", "loss"))
+        yield "misfit to data", f"at worst, in bands of a quarter decade: {worst}, rms"
     for group, source in info.get("source", {}).items():
-        yield from _row(f"source, {group}", _source(source))
-    yield from _row("file", info["path"])
-    if document["times"]:
-        yield ""
-        yield f"{'relaxation time [s]':>21}  {f'{symbol} [Pa]':>14}"
-        for time, modulus in zip(document["times"], document["moduli"], strict=True):
-            yield f"{time:>21.6g}  {modulus:>14.6g}"
-
-
-def _row(name: str, text: str) -> list[str]:
-    return textwrap.wrap(text, 100, initial_indent=f"{name:<19}", subsequent_indent=" " * 19, break_on_hyphens=False)
+        yield f"source, {group}", _source(source)
+    yield "file", info["path"]
 
 
 def _shift(shift: dict[str, Any]) -> str:
     if shift["law"] == "table":
         temperature, factor = shift["temperature"], shift["log10_a"]
-        return (
-            f"table, {len(temperature)} temperatures from {_kelvin(temperature[0])} to {_kelvin(temperature[-1])}, "
-            f"log10 a_T {factor[0]:.4g} to {factor[-1]:.4g}"
-        )
+        ends = f"{_kelvin(temperature[0])} to {_kelvin(temperature[-1])}"
+        return f"table, {len(temperature)} temperatures from {ends}, log10 a_T {factor[0]:.4g} to {factor[-1]:.4g}"
     numbers = (f"{key} = {value:.6g}{_SHIFT_UNITS[key]}" for key, value in shift.items() if key != "law")
     return f"{shift['law']}: " + ", ".join(numbers)
 
@@ -97,17 +94,13 @@ def _shift(shift: dict[str, Any]) -> str:
 def _source(source: dict[str, Any]) -> str:
     parts = [f"[{source['grade']}]"] if "grade" in source else []
     parts += [" ".join(source[key].split()).rstrip(".") + "." for key in ("citation", "note") if source.get(key)]
-    for key in ("storage_residual", "loss_residual"):
-        if key in source:
-            parts.append(f"{key.replace('_', ' ')} {100 * source[key]:.2g} %.")
-    return " ".join(parts)
+    sizes = [key for key in ("storage_residual", "loss_residual") if key in source]
+    return " ".join([*parts, *(f"{key.replace('_', ' ')} {100 * source[key]:.2g} %." for key in sizes)])
 
 
 def _pascal(value: float) -> str:
-    for unit, size in (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)):
-        if value >= size:
-            return f"{value / size:.5g} {unit}"
-    return f"{value:.5g} Pa"
+    unit, size = next(((u, s) for u, s in (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)) if value >= s), ("Pa", 1.0))
+    return f"{value / size:.5g} {unit}"
 
 
 def _kelvin(value: float) -> str:

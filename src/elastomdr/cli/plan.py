@@ -1,22 +1,31 @@
 """`elastomdr plan SCENE.toml`: what would be computed, skipped and condensed, and why."""
 
 import argparse
-import warnings
+from pathlib import Path
 
-from .cache import enable_cache
-from .curve import no_other_verb, say
-from .main import DONE
-from .scene import in_file, read_scene
+import elastomdr as em
+
+from . import DONE
+from .compute import output_folder, warned_of_at_the_end, write_all
+from .kinds import read_scene
+from .schema import named
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> int:
     """Prints the plan of a scene; returns the exit status."""
-    scene = read_scene(arguments.scene)
-    no_other_verb(scene, "plan")
-    enable_cache()
-    from .. import plan
-
-    with warnings.catch_warnings(record=True) as said, in_file(scene.path):
-        print(plan(scene.material, scene.shape, **scene.arguments, quantity=arguments.quantity))
-    say(said)
+    path = Path(options.scene)
+    with warned_of_at_the_end(), named(f"{path.name or path}:"):
+        scene = read_scene(options.quantity, path)
+        if scene.called() != options.quantity:
+            raise em.InputError(f"[{scene.mark}] belongs to elastomdr {options.quantity}, not to elastomdr plan.")
+        folder = None if options.out is None else output_folder(options.out)
+        text = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"
+    print(text, end="")
+    if folder is not None:
+        write_all(folder, {f"{path.stem}-plan.txt": lambda to: _write(to, text)})
+        print(f"wrote {folder / path.stem}-plan.txt")
     return DONE
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")

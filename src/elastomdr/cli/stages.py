@@ -1,105 +1,168 @@
-"""The scene file of `elastomdr slide`: an indenter or a surface, a material, and [[stage]] after [[stage]].
-
-A stage lasts a `duration` at rest, or at a `velocity` (of either sign) for a `duration` or along a `way`. Its `load` or
-`depth` is put on at its beginning, at once, or with `ramp = true` grows to that value over the stage; a stage without
-one keeps that of the stage before. With a [surface], of which one line is taken, a load is per length of line, and a
-nominal `pressure` may stand in its place, turned into that load as `elastomdr friction` does it. With a [drive] the
-stages are the way of a drive that pulls the body through a spring and a damper.
-"""
+"""Scenes of `elastomdr slide`: a body or a line of a surface, and stage after stage of rest, speed and load."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar
+
+import msgspec
+
+import elastomdr as em
 
 from ..errors import InputError
-from .further import read_drive
-from .indenter import read_indenter
-from .keys import Keys, flag, one, positive_number, text, whole
-from .scene import Scene, in_file, read_material, read_toml
-from .surface import read_surface
-from .units import DEPTH, DURATION, LENGTH, LINE_PUSH, PUSH, PUSH_PRESSURE, SPEED, TEMPERATURE
+from .indenter import AnyShape
+from .scene import Numerics, OfBodies, body, on_axes
+from .schema import One, Table, given, named
+from .surface import AnySurface
+from .units import (
+    Damping,
+    Depth,
+    Duration,
+    Force,
+    Length,
+    LinePush,
+    Mass,
+    Push,
+    PushPressure,
+    Speed,
+    Stiffness,
+    Temperature,
+)  # fmt: skip
 
-_MOST_POINTS = 2000
-_POINTS = 60  # instants of a stage, unless said otherwise
-_FEWEST = 64  # samples of a rough line, as for em.friction
 _FIRST = 1e-4  # of a rest: the first instant looked at after its beginning
 
 
-def read_stages(path: str) -> Scene:
-    """Reads a scene file. Raises `InputError`, in one line that begins with the file's name, for whatever is wrong."""
-    with in_file(path):
-        return _scene(Path(path), read_toml(Path(path)))
+class StageNumerics(Numerics):
+    """How exactly the scene is computed."""
+
+    points: Annotated[Annotated[int, msgspec.Meta(ge=2, le=2000)], "instants of each stage"] = 60
 
 
-def _scene(path: Path, content: dict[str, Any]) -> Scene:
-    keys = ("title", "material", "other", "temperature", "indenter", "surface", "layer", "stage", "drive", "numerics")
-    top = Keys(content, "", keys)
-    title = top.get("title", text) if "title" in top else None
-    rough = "surface" in top
-    if rough and ("indenter" in top or "layer" in top):
-        raise InputError(f"[{'indenter' if 'indenter' in top else 'layer'}] and [surface] exclude each other.")
-    if not (rough or "indenter" in top) or "stage" not in top:
-        missing = "[[stage]]" if rough or "indenter" in top else "[indenter]"
-        raise InputError(
-            f"{missing} is missing: a scene has a material, an [indenter] or a [surface], and one [[stage]] or more."
-        )
-    numerics = Keys(content.get("numerics", {}), "numerics", ("rtol", "points"))
-    points = _POINTS
-    if "points" in numerics:
-        points = numerics.get("points", lambda name, value: whole(name, value, 2, _MOST_POINTS))
-    shape, length = _line(content["surface"], path.parent) if rough else (None, None)
-    arguments = _history(content["stage"], points, length)
-    if "rtol" in numerics:
-        arguments["rtol"] = numerics.get("rtol", positive_number)
-    if "temperature" in top:
-        arguments["temperature"] = top.get("temperature", one(TEMPERATURE))
-    shape = shape if rough else read_indenter(content["indenter"], path.parent)
-    material = read_material(top, content.get("layer"), shape, path.parent, arguments)
-    further = read_drive(content["drive"], arguments, rough) if "drive" in top else None
-    arguments |= {} if further is None else further.arguments
-    return Scene(path, title, material, shape, arguments, rough, further=further)
+class Stage(Table):
+    """A stage of rest or of constant speed.
+
+    A load or depth is put on at once, at the beginning; a stage without one keeps that of the stage before."""
+
+    duration: Annotated[Duration | None, "how long it lasts"] = None
+    way: Annotated[Length | None, "how far the body moves, in place of the duration"] = None
+    velocity: Annotated[Speed | None, "sliding velocity, of either sign; at rest by default"] = None
+    depth: Annotated[Depth | None, "indentation depth, in place of the load"] = None
+    ramp: Annotated[bool, "true where load or depth grows to its value over the stage"] = False
+
+    def __post_init__(self) -> None:
+        if self.way is None and self.duration is None:
+            raise InputError("duration is missing, or a way with a velocity.")
+        if self.way is not None and (self.duration is not None or not self.velocity):
+            raise InputError("way needs a velocity that is not zero, and no duration beside it.")
+
+    def motion(self) -> tuple[float, float]:
+        """Duration [s], and how far the body moves [m]."""
+        velocity = self.velocity or 0.0
+        if self.duration is not None:
+            return self.duration, velocity * self.duration
+        way = self.way or 0.0
+        return way / abs(velocity), way if velocity > 0 else -way
 
 
-def _line(content: Any, folder: Path) -> tuple[Any, float]:
-    """One line of a surface, and the length that turns a pressure into its load [m]."""
-    surface, more = read_surface(content, folder, one_line=True)
-    if more.get("samples", _FEWEST) < _FEWEST:
-        raise InputError(f"[surface] samples must be a whole number, {_FEWEST} or more, got {more['samples']}.")
-    length = more.pop("equivalent_length", 6.283185307179586 / float(surface.q_low))
-    length = surface.full_contact_length if isinstance(length, str) else length
-    try:
-        return surface.line(**more), float(length)
-    except InputError as error:
-        raise InputError(f"[surface] {error}") from error
+class BodyStage(Stage):
+    """A stage of a body."""
+
+    load: Annotated[Push | None, "normal force"] = None
 
 
-def _history(stages: Any, points: int, length: float | None = None) -> dict[str, Any]:
+class SurfaceStage(Stage):
+    """A stage of a line of a surface."""
+
+    load: Annotated[LinePush | None, "force per length of the line"] = None
+    pressure: Annotated[PushPressure | None, "nominal pressure, in place of the load"] = None
+
+
+class Drive(Table):
+    """A drive that pulls the body through a spring and a damper; the stages are its way."""
+
+    mass: Annotated[Mass, "mass that the spring pulls"]
+    stiffness: Annotated[Stiffness, "of the spring"]
+    damping: Annotated[Damping | None, "of the damper beside it"] = None
+
+    def mount(self, history: dict[str, Any]) -> Any:
+        """The drive as an object. Raises `InputError` for a history of depth."""
+        if "load" not in history:
+            raise InputError("[drive] needs stages with a load: a body on a spring has no depth of its own.")
+        return em.Mount(self.mass, self.stiffness, self.damping or 0.0)
+
+
+class SurfaceDrive(Drive):
+    """A drive of the body for which the line of a surface stands."""
+
+    normal_force: Annotated[Force, "on that body: mass, stiffness and damping are scaled to the load of the line"]
+
+    def mount(self, history: dict[str, Any]) -> Any:
+        whole = super().mount(history)
+        if not history["load"][-1] > 0:
+            raise InputError("[drive] needs a load above zero in the last stage.")
+        return whole.for_line(float(history["load"][-1]), self.normal_force)
+
+
+class BodySlide(OfBodies):
+    """Sliding of a body through stages."""
+
+    call: ClassVar[str] = "slide"
+    temperature: Annotated[One[Temperature] | None, "temperature of the rubber"] = None
+    indenter: Annotated[AnyShape, "the rigid body"]
+    stage: Annotated[list[BodyStage], msgspec.Meta(min_length=1), "the stages"]
+    drive: Annotated[Drive | None, "what pulls the body, where it is pulled through a spring"] = None
+    numerics: Annotated[StageNumerics, "how exactly it is computed"] = StageNumerics()
+
+    def called(self) -> str:
+        return "slide" if self.drive is None else "drive"
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        history = follow(self.stage, self.numerics.points)
+        mount = {} if self.drive is None else {"tangential": self.drive.mount(history)}
+        return on_axes({"shape": body(self.indenter, folder)} | self.common(folder)) | history | mount
+
+
+class SurfaceSlide(OfBodies):
+    """Sliding of a line of a surface through stages."""
+
+    mark: ClassVar[str] = "surface"
+    call: ClassVar[str] = "slide"
+    temperature: Annotated[One[Temperature] | None, "temperature of the rubber"] = None
+    layer: Annotated[None, "a surface slides on a half-space"] = None
+    surface: Annotated[AnySurface, "the surface that the line is taken from"]
+    stage: Annotated[list[SurfaceStage], msgspec.Meta(min_length=1), "the stages"]
+    drive: Annotated[SurfaceDrive | None, "what pulls the body, where it is pulled through a spring"] = None
+    numerics: Annotated[StageNumerics, "how exactly it is computed"] = StageNumerics()
+
+    def called(self) -> str:
+        return "slide" if self.drive is None else "drive"
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        with named("[surface]"):
+            line, length = self.surface.line(folder)
+        history = follow(self.stage, self.numerics.points, length)
+        mount = {} if self.drive is None else {"tangential": self.drive.mount(history)}
+        return on_axes({"shape": line} | self.common(folder)) | history | mount
+
+
+def follow(stages: list[Any], points: int, length: float | None = None) -> dict[str, Any]:
     """time, position, and load or depth, from the stages; two equal instants are a jump.
 
-    With the `length` of a surface the loads are per length of line, or pressures.
+    With the `length` of a line a pressure is turned into its load.
     """
     import numpy as np
 
-    kinds = {"load": PUSH if length is None else LINE_PUSH, "depth": DEPTH}
-    kinds |= {} if length is None else {"pressure": PUSH_PRESSURE}
-
-    if not isinstance(stages, list) or not stages:
-        raise InputError("[[stage]] must be a list of tables, written [[stage]] with two brackets.")
-    time, position, values = [0.0], [0.0], []
-    name = ""
-    for i, content in enumerate(stages, start=1):
-        keys = Keys(content, f"stage {i}", ("duration", "way", "velocity", *kinds, "ramp"))
-        duration, moved = _motion(keys)
-        given = [key for key in kinds if key in keys]
-        if len(given) > 1 or (given and name and given[0] != name) or not (given or name):
-            got = " and ".join(given) or "neither"
-            what = "loads, or depths" if length is None else "loads, or depths, or pressures"
-            raise InputError(f"[stage {i}] the stages must have {what}, from the first one on, got {got}.")
-        name = name or given[0]
-        new = keys.get(name, one(kinds[name])) if given else values[-1]
-        ramp = "ramp" in keys and keys.get("ramp", flag)
+    kinds = ("load", "depth") if length is None else ("load", "depth", "pressure")
+    time, position, values, name = [0.0], [0.0], [], ""
+    for i, stage in enumerate(stages, start=1):
+        duration, moved = stage.motion()
+        own = given(stage, *kinds)
+        if len(own) > 1 or (name and own and name not in own) or not (own or name):
+            wanted = f"{name}, as the stages before" if name else f"one of {', '.join(kinds)}"
+            raise InputError(f"[stage {i}] must have {wanted}, got {' and '.join(own) or 'none of them'}.")
+        name = name or next(iter(own))
+        new = own.get(name, values[-1] if values else 0.0)
         if not values:
-            values.append(0.0 if ramp else new)
-        elif new != values[-1] and not ramp:
+            values.append(0.0 if stage.ramp else new)
+        elif new != values[-1] and not stage.ramp:
             time.append(time[-1])
             position.append(position[-1])
             values.append(new)
@@ -114,15 +177,3 @@ def _history(stages: Any, points: int, length: float | None = None) -> dict[str,
     if name == "pressure":
         name, loads = "load", loads * length
     return {"time": np.array(time), "position": np.array(position), name: loads}
-
-
-def _motion(keys: Keys) -> tuple[float, float]:
-    """Duration [s] of a stage, and how far the body moves in it [m]."""
-    velocity = keys.get("velocity", one(SPEED)) if "velocity" in keys else 0.0
-    if "way" not in keys:
-        duration = keys.get("duration", one(DURATION))
-        return duration, velocity * duration
-    if "duration" in keys or not velocity:
-        raise InputError(f"{keys.name('way')} needs a velocity that is not zero, and no duration beside it.")
-    way = keys.get("way", one(LENGTH))
-    return way / abs(velocity), way if velocity > 0 else -way

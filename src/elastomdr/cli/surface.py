@@ -1,121 +1,140 @@
-"""The [surface] table of a scene file becomes a surface, and the arguments of `em.friction` that go with it."""
+"""The [surface] of a scene, and the [heat] that goes with it."""
 
+import abc
+import math
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+import elastomdr as em
 
 from ..errors import InputError
-from .keys import Keys, choice, flag, number, numbers, one, positive_number, text
-from .units import CONDUCTIVITY, HEAT_CAPACITY, LENGTH, WAVE_NUMBER
+from .schema import Count, Positive, Several, Table, Text, given, named, only_one, path_from
+from .units import Conductivity, Length, VolumeCapacity, WaveNumber
 
-_CUTOFFS = ("q_low", "q_high", "q_rolloff", "longest", "shortest", "rolloff")
-_TABLE = ("file", "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest")  # of a spectrum in a file
-_KEYS = {
-    "self_affine": ("hurst", "rms_slope", "rms_height", *_CUTOFFS),
-    "spectrum": ("q", "c", "convention", *_TABLE),
-    "file": ("file", "shortest", "unit", "detrend"),
-}
-_LINES = ("equivalent_length", "seeds", "periods", "samples")
+_OF_LINE = ("equivalent_length", "seed", "periods", "samples")
 
 
-def read_surface(content: Any, folder: Path, one_line: bool = False) -> tuple[Any, dict[str, Any]]:
-    """A surface from its table, and seeds, periods, samples, equivalent_length. Raises `InputError`.
+class Surface(Table, tag_field="shape"):
+    """A rough surface."""
 
-    For `one_line` of it, as `em.slide` takes, `seed` stands in the place of seeds.
-    """
-    lines = tuple("seed" if name == "seeds" and one_line else name for name in _LINES)
-    every = ("shape", *dict.fromkeys(key for keys in _KEYS.values() for key in keys), *lines)
-    shape = Keys(content, "surface", every).get("shape", choice(*_KEYS))
-    keys = Keys(content, "surface", ("shape", *_KEYS[shape], *lines))
-    more: dict[str, Any] = {
-        name: keys.get(name, _seeds if name == "seeds" else _whole) for name in lines[1:] if name in keys
-    }
-    if "equivalent_length" in keys:
-        more["equivalent_length"] = keys.get("equivalent_length", _equivalent)
-    from .. import SelfAffine, surface_from_file
+    equivalent_length: Annotated[Text | None, "elastomdr slide: as in [contact] of friction"] = None
+    seed: Annotated[Count | None, "elastomdr slide: which line of the surface"] = None
+    periods: Annotated[Count | None, "elastomdr slide: length of the line in longest waves"] = None
+    samples: Annotated[Count | None, "elastomdr slide: samples of the line, 64 or more"] = None
 
-    try:
-        if shape == "self_affine":
-            return SelfAffine(keys.get("hurst", number), **_size(keys), **_cutoffs(keys)), more
-        if shape == "spectrum":
-            return _spectrum(keys, folder), more
-        options: dict[str, Any] = {"shortest": keys.get("shortest", one(LENGTH))} if "shortest" in keys else {}
-        options |= {"unit": keys.get("unit", text)} if "unit" in keys else {}
-        options |= {"detrend": keys.get("detrend", flag)} if "detrend" in keys else {}
-        return surface_from_file(folder / keys.get("file", text), **options), more
-    except InputError as error:
-        said = str(error).replace("path: ", "file: ", 1) if str(error).startswith("path: ") else str(error)
-        raise InputError(said if said.startswith("[surface]") else f"[surface] {said}") from error
+    @abc.abstractmethod
+    def make(self, folder: Path) -> Any:
+        """The surface; files are looked for in `folder`."""
 
+    def isotropic(self, folder: Path) -> Any:
+        """The surface, where no line of it is asked for."""
+        for key in _OF_LINE:
+            if getattr(self, key) is not None:
+                raise InputError(f"{key} belongs to elastomdr slide; here it stands in [contact], beside the model.")
+        return self.make(folder)
 
-def read_heat(content: Any) -> dict[str, Any]:
-    """`heat` from its table. Raises `InputError`."""
-    keys = Keys(content, "heat", ("conductivity", "heat_capacity"))
-    from .. import Heat
-
-    return {"heat": Heat(keys.get("conductivity", one(CONDUCTIVITY)), keys.get("heat_capacity", one(HEAT_CAPACITY)))}
+    def line(self, folder: Path) -> tuple[Any, float]:
+        """One line of the surface, and the length that turns a pressure into its load [m]."""
+        if self.samples is not None and self.samples < 64:
+            raise InputError(f"samples must be 64 or more, got {self.samples}.")
+        surface = self.make(folder)
+        length: Any = 2 * math.pi / float(surface.q_low)
+        if self.equivalent_length is not None:
+            length = equivalent_length(self.equivalent_length)
+        if isinstance(length, str):
+            length = surface.full_contact_length
+        options = {key: value for key in _OF_LINE[1:] if (value := getattr(self, key)) is not None}
+        return surface.line(**options), float(length)
 
 
-def _spectrum(keys: Keys, folder: Path) -> Any:
-    """A table in the scene, as q and c, or in a file of its own."""
-    from .. import Spectrum, spectrum_from_file
-    from ..mapping.spectrum import CONVENTIONS
+class SelfAffine(Surface, tag="self_affine"):
+    """A self-affine surface between two wavelengths."""
 
-    if "convention" not in keys:
-        listed = "; ".join(f'"{name}": {meaning}' for name, meaning in CONVENTIONS.items())
-        raise InputError(f"[surface] convention is missing, how C is normalised: {listed}.")
-    convention = keys.get("convention", text)
-    if "file" not in keys:
-        for key in _TABLE:
-            if key in keys:
-                raise InputError(f"{keys.name(key)} goes with a file, not with q and c in the scene.")
-        if "q" not in keys:
-            raise InputError('[surface] must have a file, such as "road.csv", or q and c.')
-        return Spectrum(keys.get("q", numbers), keys.get("c", numbers), convention=convention)
-    if "q" in keys or "c" in keys:
-        raise InputError("[surface] file and q, c exclude each other.")
-    options: dict[str, Any] = {key: keys.get(key, text) for key in ("wave_number", "q_unit", "c_unit") if key in keys}
-    options |= {key: keys.get(key, one(LENGTH)) for key in ("longest", "shortest") if key in keys}
-    options |= {"columns": keys.get("columns", lambda _, value: value)} if "columns" in keys else {}
-    return spectrum_from_file(folder / keys.get("file", text), convention=convention, **options)
+    hurst: Annotated[float, "Hurst exponent"]
+    rms_slope: Annotated[Positive | None, "rms slope of the surface; that of a cut is smaller by the root of 2"] = None
+    rms_height: Annotated[Length | None, "rms height, in place of the slope"] = None
+    longest: Annotated[Length | None, "longest wavelength, or q_low"] = None
+    shortest: Annotated[Length | None, "shortest wavelength, or q_high"] = None
+    rolloff: Annotated[Length | None, "wavelength above which the spectrum is flat, or q_rolloff"] = None
+    q_low: Annotated[WaveNumber | None, "smallest wave number"] = None
+    q_high: Annotated[WaveNumber | None, "largest wave number"] = None
+    q_rolloff: Annotated[WaveNumber | None, "wave number below which the spectrum is flat"] = None
 
+    def __post_init__(self) -> None:
+        only_one(self, "rms_slope", "rms_height")
+        only_one(self, "longest", "q_low")
+        only_one(self, "shortest", "q_high")
+        if self.rolloff is not None and self.q_rolloff is not None:
+            raise InputError("must have one of rolloff, q_rolloff, got both.")
 
-def _size(keys: Keys) -> dict[str, float]:
-    if ("rms_slope" in keys) == ("rms_height" in keys):
-        got = "both" if "rms_slope" in keys else "neither"
-        raise InputError(f"[surface] must have either rms_slope or rms_height, got {got}.")
-    if "rms_slope" in keys:
-        return {"rms_slope": keys.get("rms_slope", positive_number)}
-    return {"rms_height": keys.get("rms_height", one(LENGTH))}
+    def make(self, folder: Path) -> Any:
+        waves = {"q_low": self.longest, "q_high": self.shortest, "q_rolloff": self.rolloff}
+        numbers = {key: 2 * math.pi / wave for key, wave in waves.items() if wave is not None}
+        keys = ("rms_slope", "rms_height", "q_low", "q_high", "q_rolloff")
+        return em.SelfAffine(self.hurst, **numbers, **given(self, *keys))
 
 
-def _cutoffs(keys: Keys) -> dict[str, float]:
-    """The cutoffs as wave numbers; each may be given as such or as a wavelength, longest or shortest."""
-    found = {}
-    for name, wave, needed in (
-        ("q_low", "longest", True),
-        ("q_high", "shortest", True),
-        ("q_rolloff", "rolloff", False),
-    ):
-        if name in keys and wave in keys:
-            raise InputError(f"[surface] {name} and {wave} say the same thing: give one of them.")
-        if name in keys:
-            found[name] = keys.get(name, one(WAVE_NUMBER))
-        elif wave in keys:
-            found[name] = 2 * 3.141592653589793 / keys.get(wave, one(LENGTH))
-        elif needed:
-            raise InputError(f'[surface] {wave} is missing: the {wave} wavelength, such as "5 mm" (or {name}).')
-    return found
+class Spectrum(Surface, tag="spectrum"):
+    """A surface by its power spectrum, a table in the scene or in a file."""
+
+    convention: Annotated[
+        Literal["2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"],
+        "how C is normalised (em.Spectrum)",
+    ]
+    q: Annotated[list[float] | None, "wave numbers [rad/m]"] = None
+    c: Annotated[list[float] | None, "power spectrum C at these, in SI units"] = None
+    file: Annotated[Text | None, "a table of wave numbers and C, in place of q and c"] = None
+    wave_number: Annotated[Literal["2 pi/lambda", "1/lambda"] | None, "what the wave numbers count"] = None
+    q_unit: Annotated[Text | None, "unit of the first column, where its title has none"] = None
+    c_unit: Annotated[Text | None, "unit of the second column, where its title has none"] = None
+    columns: Annotated[list[int] | None, "which two of several columns, from 1"] = None
+    longest: Annotated[Length | None, "the table is cut at this wavelength"] = None
+    shortest: Annotated[Length | None, "the table is cut at this wavelength"] = None
+
+    def __post_init__(self) -> None:
+        only_one(self, "q", "file")
+        options = given(self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest")
+        if self.q is not None and (options or self.c is None):
+            raise InputError(f"must have c beside q, and nothing that goes with a file, got {', '.join(options)}.")
+
+    def make(self, folder: Path) -> Any:
+        if self.q is not None and self.c is not None:
+            return em.Spectrum(self.q, self.c, convention=self.convention)
+        options = given(self, "wave_number", "q_unit", "c_unit", "columns", "longest", "shortest")
+        with path_from("file"):
+            return em.read_spectrum(folder / str(self.file), convention=self.convention, **options)
 
 
-def _equivalent(name: str, value: Any) -> Any:
-    return value if value == "full contact" else one(LENGTH)(name, value)
+class Measured(Surface, tag="file"):
+    """A measured profile or map."""
+
+    file: Annotated[Text, "the heights, in a table or a format of SurfaceTopography"]
+    pixel_size: Annotated[Several[Length] | None, "step, or one for each direction"] = None
+    shortest: Annotated[Length | None, "resolution of the instrument: shorter waves are left out"] = None
+    unit: Annotated[Text | None, "unit of the heights, where the file has none"] = None
+    detrend: Annotated[bool, "whether the mean plane is taken off"] = True
+
+    def make(self, folder: Path) -> Any:
+        options = given(self, "shortest", "unit")
+        if self.pixel_size is not None:
+            options["pixel_size"] = self.pixel_size if len(self.pixel_size) > 1 else self.pixel_size[0]
+        with path_from("file"):
+            return em.read_surface(folder / self.file, detrend=self.detrend, **options)
 
 
-def _seeds(name: str, value: Any) -> int | list[int]:
-    return value if isinstance(value, list) else _whole(name, value)
+AnySurface = SelfAffine | Spectrum | Measured
 
 
-def _whole(name: str, value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise InputError(f"{name} must be a whole number, 1 or more, got {value!r}.")
-    return value
+class Heat(Table):
+    """Flash temperature: the rubber is heated by its friction."""
+
+    conductivity: Annotated[Conductivity, "thermal conductivity of the rubber"]
+    heat_capacity: Annotated[VolumeCapacity, "heat capacity of the rubber per volume"]
+
+
+def equivalent_length(text: str) -> Any:
+    """A length [m], or "full contact"."""
+    if text == "full contact":
+        return text
+    with named("equivalent_length"):
+        return Length.read(text)

@@ -1,98 +1,136 @@
-"""Texts with units, such as "5 mm" or "20 degC", into SI numbers."""
+"""Quantities with their units, such as "5 mm" or "20 degC", as types of the scene file's schema; SI numbers inside."""
 
-import functools
 import math
 import re
-from typing import Any, NamedTuple
+from decimal import Decimal
+from typing import Any, ClassVar, Self
 
 from ..errors import InputError, closest
-
-
-class Kind(NamedTuple):
-    """A kind of quantity: its name, its SI unit, an example to put into messages, units to suggest."""
-
-    name: str
-    unit: str
-    example: str
-    usual: str = ""
-    accepted: str = "positive"  # or "zero or positive", or "of any sign"
-
-
-_LENGTHS = "m mm um nm cm km inch metre meter millimetre millimeter micrometre micrometer nanometre nanometer"
-LENGTH = Kind("a length", "m", "5 mm", _LENGTHS)
-FORCE = Kind("a force", "N", "10 N", "N mN uN kN MN newton millinewton kilonewton lbf")
-VELOCITY = Kind("a velocity", "m/s", "0.1 m/s", "m/s mm/s um/s nm/s cm/s km/h m/min mm/min")
-TEMPERATURE = Kind("a temperature", "K", "20 degC", "degC degF K kelvin celsius fahrenheit")
-_TIMES = "s ms us min h day hour second minute"
-DURATION = Kind("a time", "s", "10 s", _TIMES)
-PAUSE = DURATION._replace(accepted="zero or positive")
-INSTANT = Kind("a time", "s", "10 s", _TIMES, "of any sign")
-DEPTH = Kind("a length", "m", "0.1 mm", _LENGTHS, "of any sign")
-PUSH = Kind("a force", "N", "10 N", FORCE.usual, "of any sign")
-SPEED = Kind("a velocity", "m/s", "0.1 m/s", VELOCITY.usual, "of any sign")
-LINE_PUSH = Kind("a force per length", "N/m", "5 N/m", "N/m N/mm kN/m", "of any sign")
-PUSH_PRESSURE = Kind("a pressure", "Pa", "0.3 MPa", "Pa kPa MPa GPa bar psi", "of any sign")
-FREQUENCY = Kind("a frequency", "Hz", "10 Hz", "Hz kHz mHz hertz")
-ADHESION = Kind("an energy per area", "J/m^2", "50 mJ/m^2", "J/m^2 mJ/m^2 N/m mN/m")
-
-PRESSURE = Kind("a pressure", "Pa", "0.3 MPa", "Pa kPa MPa GPa bar psi")
-LINE_LOAD = Kind("a force per length", "N/m", "1 N/mm", "N/m N/mm kN/m")
-CONDUCTIVITY = Kind("a thermal conductivity", "W/(m*K)", "0.2 W/(m*K)", "W/(m*K) W/m/K mW/m/K")
-HEAT_CAPACITY = Kind("a heat capacity per volume", "J/(m^3*K)", "2e6 J/(m^3*K)", "J/(m^3*K) J/m^3/K MJ/m^3/K")
-MASS = Kind("a mass", "kg", "5 kg", "kg g t")
-STIFFNESS = Kind("a stiffness", "N/m", "5 kN/m", "N/m N/mm kN/m", "zero or positive")
-DAMPING = Kind("a damping", "N*s/m", "20 N*s/m", "N*s/m N*s/mm kN*s/m", "zero or positive")
-CONDUCTANCE = Kind("a thermal conductance", "W/K", "1.2 W/K", "W/K kW/K mW/K")
-CAPACITY = Kind("a heat capacity", "J/K", "1 kJ/K", "J/K kJ/K")
-LINE_MASS = Kind("a mass per length", "kg/m", "28 kg/m", "kg/m t/m g/m")
-LOADED_MASS = LINE_MASS._replace(example="120 kg/m", accepted="zero or positive")  # an empty belt has none
-AREA_STIFFNESS = Kind("a stiffness per area", "Pa/m", "80 MPa/m", "Pa/m MPa/m N/m^3 N/mm^3")
-WAVE_NUMBER = Kind("a wave number", "1/m", "1e3 1/m", "1/m 1/mm 1/um rad/m")
 
 _LARGEST = 1e100  # in SI units: products of such numbers stay within float64
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 
-
-def quantity(name: str, text: Any, kind: Kind) -> float:
-    """The SI value of a text with a unit; of most kinds it must be positive.
-
-    Number and unit are read apart from each other, so that "-35 degC" is a temperature and not a difference of two.
-    Raises `InputError`, naming the argument, for a bare number, an unknown unit, a unit of another kind, or a value
-    that is not finite or of a sign that the kind does not take (a temperature: not above absolute zero).
-    """
-    if not isinstance(text, str):
-        raise InputError(
-            f'{name} must be {kind.name} with its unit, as a text such as "{kind.example}", got {_toml(text)}.'
-        )
-    match = _NUMBER.fullmatch(text)
-    if match is None:
-        raise InputError(f'{name} must be a number and a unit, such as "{kind.example}", got "{text}".')
-    number, unit = float(match[1]), match[2]
-    if not unit:
-        raise InputError(
-            f'{name} must be {kind.name} with its unit, such as "{kind.example}", got "{text}" without one.'
-        )
-    value = number_in(name, number, unit, kind)
-    refused = {"positive": value <= 0, "zero or positive": value < 0}.get(kind.accepted, False)
-    if not math.isfinite(value) or refused:
-        accepted = "above absolute zero" if kind is TEMPERATURE else kind.accepted
-        raise InputError(f'{name} must be {accepted} and finite, got "{text}".')
-    if value and not 1 / _LARGEST < abs(value) < _LARGEST:
-        raise InputError(f'{name} must be between {1 / _LARGEST:g} and {_LARGEST:g} {kind.unit}, got "{text}".')
-    return value
+# The usual units of each SI unit, converted exactly and without loading pint, which knows all others.
+USUAL = {
+    "m": {"m": "1", "mm": "1e-3", "um": "1e-6", "µm": "1e-6", "nm": "1e-9", "cm": "1e-2", "km": "1e3"},
+    "N": {"N": "1", "mN": "1e-3", "uN": "1e-6", "kN": "1e3", "MN": "1e6"},
+    "m/s": {"m/s": "1", "mm/s": "1e-3", "um/s": "1e-6", "nm/s": "1e-9", "cm/s": "1e-2", "km/h": "1/3.6"},
+    "K": {"K": "1", "degC": "1"},
+    "s": {"s": "1", "ms": "1e-3", "us": "1e-6", "min": "60", "h": "3600", "day": "86400"},
+    "N/m": {"N/m": "1", "N/mm": "1e3", "kN/m": "1e3"},
+    "Pa": {"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9", "bar": "1e5"},
+    "Hz": {"Hz": "1", "kHz": "1e3", "mHz": "1e-3"},
+    "J/m^2": {"J/m^2": "1", "mJ/m^2": "1e-3", "N/m": "1", "mN/m": "1e-3"},
+    "W/(m*K)": {"W/(m*K)": "1", "W/(m K)": "1", "W/m/K": "1", "mW/m/K": "1e-3"},
+    "J/(m^3*K)": {"J/(m^3*K)": "1", "J/(m^3 K)": "1", "J/m^3/K": "1", "MJ/(m^3 K)": "1e6", "MJ/m^3/K": "1e6"},
+    "kg": {"kg": "1", "g": "1e-3", "t": "1e3"},
+    "N*s/m": {"N*s/m": "1", "N*s/mm": "1e3", "kN*s/m": "1e3"},
+    "W/K": {"W/K": "1", "kW/K": "1e3", "mW/K": "1e-3"},
+    "J/K": {"J/K": "1", "kJ/K": "1e3"},
+    "kg/m": {"kg/m": "1", "t/m": "1e3", "g/m": "1e-3"},
+    "Pa/m": {"Pa/m": "1", "MPa/m": "1e6", "N/m^3": "1", "N/mm^3": "1e9"},
+    "1/m": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6", "rad/m": "1"},
+}
+_ZERO = {"degC": Decimal("273.15")}  # where a unit's scale begins
 
 
-def number_in(name: str, number: float, unit: str, kind: Kind) -> float:
-    """The SI value of `number`, given in `unit`. Raises `InputError` as `quantity` does, but takes any sign."""
+class Quantity(float):
+    """A number in SI units, read from a text with its unit."""
+
+    what: ClassVar[str]  # in words, such as "a length"
+    unit: ClassVar[str]  # SI
+    example: ClassVar[str]
+    sign: ClassVar[str] = "positive"  # or "zero or positive", or "" for either sign
+
+    def __init_subclass__(cls, **own: str):
+        for name, value in own.items():
+            setattr(cls, name, value)
+
+    @classmethod
+    def read(cls, text: Any) -> Self:
+        """The quantity that a text stands for.
+
+        Number and unit are read apart from each other, so that "-35 degC" is a temperature and not a difference of two.
+        Raises `InputError`, which says what is accepted, for a bare number, an unknown unit, a unit of another
+        quantity, or a value that is not finite or of the wrong sign.
+        """
+        if not isinstance(text, str):
+            raise InputError(f'must be {cls.what} with its unit, as a text such as "{cls.example}", got {shown(text)}.')
+        match = _NUMBER.fullmatch(text)
+        if match is None or not match[2]:
+            lacking = "" if match is None else " without one"
+            raise InputError(f'must be {cls.what} with its unit, such as "{cls.example}", got {shown(text)}{lacking}.')
+        value = cls.convert(match[1], match[2])
+        refused = {"": False, "zero or positive": value < 0}.get(cls.sign, value <= 0)
+        if not math.isfinite(value) or refused:
+            raise InputError(f'must be {cls.sign or "of either sign"} and finite, got "{text}".')
+        if value and not 1 / _LARGEST < abs(value) < _LARGEST:
+            raise InputError(f'must be between {1 / _LARGEST:g} and {_LARGEST:g} {cls.unit}, got "{text}".')
+        return cls(value)
+
+    @classmethod
+    def convert(cls, number: str, unit: str) -> float:
+        """The SI value of a number given in `unit`. Raises `InputError` for a unit that is none of this quantity."""
+        factor = USUAL.get(cls.unit, {}).get(unit)
+        if factor is None:
+            return _by_pint(float(number), unit, cls)
+        if not math.isfinite(float(number)):
+            return math.inf
+        times, _, over = factor.partition("/")
+        exact = Decimal(number if float(number) else 0) * Decimal(times) / Decimal(over or 1)
+        return float(exact + _ZERO.get(unit, 0))
+
+
+# fmt: off
+class Length(Quantity, what="a length", unit="m", example="5 mm"): ...
+class Depth(Length, example="0.1 mm", sign=""): ...
+class Force(Quantity, what="a force", unit="N", example="10 N"): ...
+class Push(Force, sign=""): ...
+class LineLoad(Quantity, what="a force per length", unit="N/m", example="1 N/mm"): ...
+class LinePush(LineLoad, sign=""): ...
+class Pressure(Quantity, what="a pressure", unit="Pa", example="0.3 MPa"): ...
+class PushPressure(Pressure, sign=""): ...
+class Velocity(Quantity, what="a velocity", unit="m/s", example="0.1 m/s"): ...
+class Speed(Velocity, sign=""): ...
+class Temperature(Quantity, what="a temperature", unit="K", example="20 degC", sign="above absolute zero"): ...
+class Duration(Quantity, what="a time", unit="s", example="10 s"): ...
+class Pause(Duration, sign="zero or positive"): ...
+class Instant(Duration, sign=""): ...
+class Frequency(Quantity, what="a frequency", unit="Hz", example="10 Hz"): ...
+class WaveNumber(Quantity, what="a wave number", unit="1/m", example="1e3 1/m"): ...
+class SurfaceEnergy(Quantity, what="an energy per area", unit="J/m^2", example="50 mJ/m^2"): ...
+class Mass(Quantity, what="a mass", unit="kg", example="5 kg"): ...
+class LineMass(Quantity, what="a mass per length", unit="kg/m", example="28 kg/m"): ...
+class LoadedMass(LineMass, example="120 kg/m", sign="zero or positive"): ...
+class Stiffness(Quantity, what="a stiffness", unit="N/m", example="5 kN/m", sign="zero or positive"): ...
+class AreaStiffness(Quantity, what="a stiffness per area", unit="Pa/m", example="80 MPa/m"): ...
+class Damping(Quantity, what="a damping", unit="N*s/m", example="20 N*s/m", sign="zero or positive"): ...
+class Conductivity(Quantity, what="a thermal conductivity", unit="W/(m*K)", example="0.2 W/(m*K)"): ...
+class VolumeCapacity(Quantity, what="a heat capacity per volume", unit="J/(m^3*K)", example="2e6 J/(m^3*K)"): ...
+class Conductance(Quantity, what="a thermal conductance", unit="W/K", example="1.2 W/K"): ...
+class HeatCapacity(Quantity, what="a heat capacity", unit="J/K", example="1 kJ/K"): ...
+# fmt: on
+
+
+def shown(value: Any) -> str:
+    """A value as TOML writes it."""
+    if isinstance(value, str):
+        return f'"{value}"'
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def _by_pint(number: float, unit: str, kind: type[Quantity]) -> float:
     registry = _registry()
+    usual = USUAL.get(kind.unit, {})
     try:
         parsed = registry.parse_units(unit)
     except Exception as error:  # pint lets its tokenizer's errors through, of many types
-        hint = closest(unit, kind.usual.split()) or f' Write it as in "{kind.example}".'
-        raise InputError(f"{name} has a unit that is not known: {unit!r}.{hint}") from error
+        known = f" Usual units are {', '.join(usual)}." if usual else ""
+        hint = closest(unit, usual) or known
+        raise InputError(f'has a unit that is not known, "{unit}"; write it as in "{kind.example}".{hint}') from error
     wanted = registry.parse_units(kind.unit)
     if not _alike(parsed.dimensionality, wanted.dimensionality) or str(parsed).startswith("delta_"):
-        raise InputError(f'{name} must be {kind.name}, such as "{kind.example}", got the unit {unit!r} ({parsed}).')
+        raise InputError(f'must be {kind.what}, such as "{kind.example}", got the unit "{unit}" ({parsed}).')
     try:
         return float(registry.Quantity(number, parsed).to(wanted).magnitude)
     except (OverflowError, ArithmeticError):
@@ -106,12 +144,7 @@ def _alike(first: Any, second: Any) -> bool:
         return False
 
 
-@functools.cache
 def _registry() -> Any:
-    import pint
+    from ..io.units import registry
 
-    return pint.UnitRegistry()
-
-
-def _toml(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else repr(value)
+    return registry()

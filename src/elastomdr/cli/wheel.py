@@ -1,115 +1,84 @@
-"""The scene file of `elastomdr traction`: a wheel or ball that rolls with a creep, or brakes with a slip.
-
-`friction` is a plain number, or the name of a table mu(v, T, p) as `elastomdr friction` writes it. Under a cylinder a
-[structure] carries the load and a [layer] of the material, the tread, is sheared; a body of revolution rolls on a
-half-space of the material.
-"""
+"""Scenes of `elastomdr traction`: a wheel or a ball that rolls with a creepage, or brakes with a slip."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
-from ..errors import InputError
-from .indenter import read_indenter
-from .keys import Keys, number, numbers, one, one_or_more, positive_number, text
-from .scene import Scene, _numerics, _on_axes, _points, _velocity, in_file, read_material, read_toml
-from .units import AREA_STIFFNESS, FORCE, LENGTH, TEMPERATURE
+import elastomdr as em
 
-_KEYS = ("title", "material", "temperature", "friction", "indenter", "structure", "layer", "contact", "numerics")
-
-
-def read_wheel(path: str) -> Scene:
-    """Reads a scene file. Raises `InputError`, in one line that begins with the file's name, for whatever is wrong."""
-    with in_file(path):
-        return _scene(Path(path), read_toml(Path(path)))
+from .indenter import AnyShape, Cylinder, OfRevolution
+from .scene import Contact, Scene, body, load, on_axes
+from .schema import Several, Sweep, Table, given, path_from
+from .units import AreaStiffness, Force, Length, Velocity
 
 
-def _scene(path: Path, content: dict[str, Any]) -> Scene:
-    top = Keys(content, "", _KEYS)
-    title = top.get("title", text) if "title" in top else None
-    for table in ("indenter", "contact"):
-        if table not in top:
-            raise InputError(
-                f"[{table}] is missing: a scene has a material, a friction, an [indenter] and a [contact], and for a "
-                "wheel a [structure] and a [layer]."
-            )
-    arguments = _contact(content["contact"]) | _numerics(content.get("numerics", {}))
-    if "temperature" in top:
-        arguments["temperature"] = top.get("temperature", one_or_more(TEMPERATURE))
-    shape = read_indenter(content["indenter"], path.parent)
-    material, tread = _bodies(top, content, shape, path.parent, arguments)
-    arguments |= {"friction": top.get("friction", _friction(path.parent))} | tread
-    return Scene(path, title, material, shape, _on_axes(arguments))
+class TractionContact(Contact):
+    """How the body is pressed on, how fast it rolls and how much it slips."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("slip", "creepage")
+    load: Annotated[Several[Force], "normal force"]
+    velocity: Annotated[Sweep[Velocity], "with a slip that of the road, with a creepage that of rolling"]
+    slip: Annotated[Sweep[float] | None, "velocity of slip over that of the road, below 1"] = None
+    creepage: Annotated[Sweep[float] | None, "velocity of slip over the rolling velocity, in place of the slip"] = None
 
 
-def _contact(content: Any) -> dict[str, Any]:
-    keys = Keys(content, "contact", ("load", "velocity", "slip", "creep"))
-    given = [name for name in ("slip", "creep") if name in keys]
-    if len(given) != 1:
-        got = "both" if given else "neither"
-        raise InputError(
-            "[contact] must have either a slip, over the velocity of the road, or a creep, over that of the rolling "
-            f"body, such as slip = {{ from = 0.002, to = 0.99, points = 40 }}, got {got}."
+class _Traction(Scene):
+    """Traction of a body that rolls."""
+
+    call: ClassVar[str] = "traction"
+    friction: Annotated[float | str, "Coulomb's coefficient, or a table mu(v, T, p) as elastomdr friction writes it"]
+    indenter: Annotated[AnyShape, "the body"]
+    contact: Annotated[TractionContact, "how it is pressed on and moved"]
+
+    def rolling(self, folder: Path) -> dict[str, Any]:
+        """The arguments but for the material."""
+        friction: Any = self.friction
+        if isinstance(friction, str):
+            with path_from("friction"):
+                friction = em.load_friction(folder / friction)
+        found = given(self, "temperature") | self.numerics.chosen()
+        found |= given(self.contact, "load") | self.contact.arguments()
+        return {"shape": body(self.indenter, folder), "friction": friction} | on_axes(found)
+
+
+class Traction(_Traction):
+    """Traction of a ball on a half-space."""
+
+    indenter: Annotated[OfRevolution, "the ball"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        return self.rolling(folder) | {"material": load(folder, "material", self.material)}
+
+
+class Structure(Table):
+    """What carries the load of a wheel."""
+
+    stiffness: Annotated[AreaStiffness, "of the structure, per area of the contact"]
+
+
+class Tread(Table):
+    """What is sheared: a layer of the material."""
+
+    thickness: Annotated[Length, "thickness"]
+
+
+class WheelTraction(_Traction):
+    """Traction of a wheel."""
+
+    mark: ClassVar[str] = "structure"
+    indenter: Annotated[Cylinder, "the wheel"]
+    structure: Annotated[Structure, "what carries the load"]
+    layer: Annotated[Tread, "the tread, which is sheared"]
+
+    @classmethod
+    def fits(cls, content: dict[str, Any]) -> bool:
+        """Whether the body is a cylinder."""
+        shape = content.get("indenter")
+        return isinstance(shape, dict) and shape.get("shape") == "cylinder"
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        rubber = load(folder, "material", self.material)
+        carries = em.Foundation(
+            self.structure.stiffness, [], [], name=f"{rubber.name or 'tread'} on an elastic structure"
         )
-    return {
-        "load": keys.get("load", one_or_more(FORCE)),
-        "velocity": keys.get("velocity", _velocity),
-        given[0]: keys.get(given[0], _parts),
-    }
-
-
-def _parts(name: str, value: Any) -> Any:
-    """A plain number, a list of them, or { from, to, points } on a logarithmic scale."""
-    import numpy as np
-
-    if isinstance(value, dict):
-        keys = Keys(value, name.strip("[").replace("] ", "."), ("from", "to", "points"))
-        first, last = keys.get("from", positive_number), keys.get("to", positive_number)
-        if not first < last:
-            raise InputError(f"{name} must go from a smaller to a larger value, got from {first:g} to {last:g}.")
-        return np.geomspace(first, last, keys.get("points", _points))
-    if isinstance(value, list):
-        if not value:
-            raise InputError(f"{name} must be a number or a list of them, got an empty list.")
-        values = numbers(name, value)
-        return values if len(values) > 1 else values[0]
-    return number(name, value)
-
-
-def _friction(folder: Path) -> Any:
-    def read(name: str, value: Any) -> Any:
-        if not isinstance(value, str):
-            return number(name, value)
-        from .. import load_friction
-
-        try:
-            return load_friction(folder / text(name, value))
-        except InputError as error:
-            raise InputError(f"{name}: {error}") from error
-
-    return read
-
-
-def _bodies(
-    top: Keys, content: dict[str, Any], shape: Any, folder: Path, arguments: dict[str, Any]
-) -> tuple[Any, dict[str, Any]]:
-    """What carries the load, and what is sheared where that is another."""
-    from .. import Cylinder, Foundation
-    from .. import layer as on_layer
-
-    if not isinstance(shape, Cylinder):
-        for table in ("structure", "layer"):
-            if table in top:
-                raise InputError(f"[{table}] goes with a cylinder, a wheel; a {shape.label} rolls on a half-space.")
-        return read_material(top, None, shape, folder, arguments), {}
-    for table in ("structure", "layer"):
-        if table not in top:
-            raise InputError(
-                f"[{table}] is missing: under a wheel a [structure] with its stiffness, such as "
-                '"80 MPa/m", carries the load, and a [layer] of the material with its thickness, the tread, is sheared.'
-            )
-    stiffness = Keys(content["structure"], "structure", ("stiffness",)).get("stiffness", one(AREA_STIFFNESS))
-    thickness = Keys(content["layer"], "layer", ("thickness",)).get("thickness", one(LENGTH))
-    tread = read_material(top, None, None, folder, arguments)
-    return Foundation(stiffness, [], [], name=f"{tread.name or 'tread'} on an elastic structure"), {
-        "tangential": on_layer(tread, thickness, tangential=True)
-    }
+        sheared = em.springs(rubber, self.layer.thickness, tangential=True)
+        return self.rolling(folder) | {"material": carries, "tangential": sheared}

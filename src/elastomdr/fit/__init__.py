@@ -1,16 +1,14 @@
-"""From the laboratory to a material: reading DMA, master curves, Prony series, measured friction, calibration."""
+"""From the laboratory to a material: master curves, Prony series, measured friction, calibration."""
 
 import importlib
 from typing import Any
 
 _HOMES = {
-    "data": ("Dma", "FitWarning", "dma", "relaxation", "join"),
-    "reading.dma_file": ("read_dma",),
+    ".io.data": ("Dma", "FitWarning", "dma", "relaxation", "join"),
     "master": ("MasterCurve", "master_curve"),
     "series": ("PronyFit", "prony"),
     "pipeline": ("MaterialFit", "material"),
     "cards": ("abaqus_card", "ansys_card", "plain_card"),
-    "reading.friction_file": ("MeasuredFriction", "read_friction"),
     "grosch": ("FrictionMaster", "friction_master"),
     "calibration": ("Calibration", "calibrate"),
 }

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import as_float64, positive
-from .data import FitWarning
+from ..io.data import FitWarning
 from .findings import TWO_SIGMA
 from .joint import AtReference, Joint, curve
 from .spectrum import LOSS, RELAXATION, STORAGE

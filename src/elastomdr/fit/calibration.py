@@ -4,11 +4,14 @@ Least squares with Gaussian priors; Jacobians through the contact solution (unde
 differences (on a rough surface, whose friction is found by a search over batches and levels of sampling).
 """
 
+from __future__ import annotations
+
+import dataclasses
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
@@ -16,18 +19,25 @@ from jaxtyping import Bool, Float
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
+from .._compiled import keep_compiled_code
 from .._runtime import as_float64, positive, require
-from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError, closest
+from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError, ModelWarning, closest
 from ..mapping.spectrum import AbstractSpectrum
-from ..mapping.synthesis import PER_WAVE, PERIODS, line_count
+from ..mapping.synthesis import PER_WAVE, line_count
 from ..material.prony import Prony
-from ..scenes.rough import is_rough
+from ..material.tabulated import needs_series
+from ..models import Line
+from ..scenes.choice import is_rough, of_rough
+from ..scenes.line_bound import missed
 from .compiled import with_jacobian
 from .findings import TWO_SIGMA, AbstractFindings
 from .parameters import MEANINGS, Change, applied, check
 
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Motion, Surface
+
 _WIDTH = 1.0  # standard deviation of the prior of a parameter, about its start, where none is given
-_UNLEARNED = 0.7  # posterior over prior standard deviation above which the data say little
+_UNLEARNED = 0.7  # posterior over prior standard deviation above which the data determine little
 _STEPS = 0.05, 0.0125  # of a parameter, in differences: across the ripples of few random lines, then within one
 _EXACTLY, _ROUGHLY = 1e-8, 1e-3  # change of parameters and of the sum of squares at which the search ends
 _LEAST = 0.2  # part of a parameter in the least known direction from which it is named
@@ -38,7 +48,7 @@ class Calibration(AbstractFindings):
     """A calibrated material and shape, the parameters that make them, and how well they are known."""
 
     material: Prony
-    shape: Any  # the indenter or surface, with the parameters that act on it
+    shape: Indenter | Surface  # the indenter or surface, with the parameters that act on it
     parameters: dict[str, float]
     std: dict[
         str, float
@@ -57,7 +67,7 @@ class Calibration(AbstractFindings):
 
     @property
     def weakest(self) -> tuple[dict[str, float], float]:
-        """The direction in which the data say least, and its standard deviation with the data over that without.
+        """The direction that the data determine least, and its standard deviation with the data over that without.
 
         Parameters are in units of their priors; the direction has length 1. Along it the parameters may be exchanged
         for each other with the least effect on what is computed: only another kind of measurement can decide it.
@@ -83,31 +93,48 @@ class Calibration(AbstractFindings):
 
 def calibrate(
     material: Prony,
-    shape: Any,
+    shape: Indenter | Surface,
     *,
-    velocity: Any,
-    measured: Any,
+    velocity: ArrayLike,
+    measured: ArrayLike,
     parameters: Sequence[str] | Mapping[str, float],
-    quantity: str = "friction",
-    error: Any = None,
+    quantity: Motion = "friction",
+    error: ArrayLike | None = None,
     widths: Mapping[str, float] | None = None,
     change: Change | None = None,
-    **scene: Any,
+    **scene: Any,  # of either verb
 ) -> Calibration:
-    """The parameters with which computed friction (or `quantity="rolling"` resistance) comes closest to `measured`.
+    """The parameters with which computed friction, or rolling resistance, comes closest to measurements.
 
-    `parameters` are names from `elastomdr.fit.parameters.MEANINGS`, or a dict of names and starting values (0 where
-    none is given; the cutoff starts at the shortest relaxation time). Other names are yours if `change(material, shape,
-    values)` returns the material and the shape that they make. `scene` holds the other arguments of `em.friction`:
-    load, pressure, temperature, average, rtol. `error` is the standard deviation of a measurement, one number or one
-    per point; estimated from the residuals where it is not given. Each parameter has a Gaussian prior about its start,
-    of standard deviation 1 or as in `widths`: one that ends as uncertain as it began was not in the data, and a warning
-    says so; `weakest` names what the data decide least. Jacobians are exact (`jax.jacfwd` through the contact
-    solution), on rough surfaces central differences. There `samples`, which must be the same for all cutoffs, is by
-    default enough for a cutoff one standard deviation of the prior above its start (ten times, at most). Under an
-    indenter a first call mostly compiles; calls with other measurements of the same scene use its program. Raises
-    `InputError` for unknown names, measurements that do not match, or a start where the contact has no answer.
+    Each parameter has a Gaussian prior about its start. One that ends as uncertain as it began is not determined by the
+    data, and a warning says so; `weakest` names what the data determine least.
+
+    Args:
+        material: the material to begin with, a `Prony`.
+        shape: the indenter or surface to begin with.
+        velocity: sliding velocities [m/s].
+        measured: measured coefficients, of the shape that the scene has.
+        parameters: names from `elastomdr.fit.parameters.MEANINGS`, or a dict of names and starting values (0 where none
+            is given; the cutoff starts at the shortest relaxation time).
+        quantity: "friction", or "rolling" for the resistance.
+        error: standard deviation of a measurement, one number or one per point; by default estimated from the
+            residuals.
+        widths: standard deviations of the priors by parameter, 1 where none is given.
+        change: `change(material, shape, values)` returns the material and the shape that parameters of your own make.
+        scene: other arguments of `em.friction`: load, pressure, temperature, model, rtol.
+
+    Returns:
+        A `Calibration` with the material, the shape and the uncertainty of each parameter.
+
+    Raises:
+        InputError: for unknown names, measurements that do not match, and a start where the contact has no answer.
+
+    Jacobians are exact under an indenter, where a first call mostly compiles and calls with other measurements of the
+    same scene use its program. On rough surfaces they are central differences; the samples of `em.Line`, which must be
+    the same for all cutoffs, are then by default enough for a cutoff one standard deviation of the prior above its
+    start.
     """
+    needs_series("material", material, "a calibration")
     if not isinstance(material, Prony):
         raise InputError(f"material must be a Prony, got {type(material).__name__}.")
     if quantity not in ("friction", "rolling"):
@@ -117,7 +144,7 @@ def calibrate(
     names = list(start)
     spread = np.array([float((widths or {}).get(name, _WIDTH)) for name in names])
     positive("widths", spread)
-    data = as_float64("measured", measured)
+    data = np.asarray(as_float64("measured", measured))
     require("measured", data, "finite", np.isfinite)
     if data.size < len(names):
         raise InputError(f"measured must have as many points as there are parameters, {len(names)}, got {data.size}.")
@@ -127,9 +154,15 @@ def calibrate(
     scene = dict(scene, velocity=velocity)
     if isinstance(shape, AbstractSpectrum):
         finer = 10.0 ** min(spread[names.index("q_high")], 1.0) if "q_high" in names else 1.0
-        scene = {"samples": line_count(shape, scene.get("periods", PERIODS), PER_WAVE * finer)} | scene
+        model = of_rough(scene.get("model"), shape, scene.get("pressure"))
+        if isinstance(model, Line) and model.samples is None:
+            model = dataclasses.replace(model, samples=line_count(shape, model.periods, PER_WAVE * finer))
+        if isinstance(model, Line) and scene.get("pressure") is not None and (text := missed(shape, model)) is not None:
+            warnings.warn(text, ModelWarning, stacklevel=2)
+        scene["model"] = model
     compute = _computer(material, shape, quantity, names, change, scene)
     rough = is_rough(shape)
+    keep_compiled_code()
     with jax.enable_x64(True):
         constants = (quantity, names, material, shape, scene) if change is None else None
         value, *jacobians = _by_differences(compute, names) if rough else with_jacobian(compute, constants)
@@ -225,6 +258,7 @@ def _by_differences(compute: Any, names: list[str]) -> tuple[Any, ...]:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", ConvergenceWarning)
                 warnings.simplefilter("ignore", ExtrapolationWarning)
+                warnings.simplefilter("ignore", ModelWarning)
                 last[key] = np.asarray(compute(p))
         return last[key]
 
@@ -265,9 +299,12 @@ def _judge(names: list[str], std: Any, spread: Any, covariance: Any, used: Any, 
         yield f"{int((~used).sum())} of {used.size} points have no computed answer and count for nothing."
     for i, name in enumerate(names):
         if std[i] > _UNLEARNED * spread[i]:
-            yield f"{name} is hardly in the data: its uncertainty, {std[i]:.2g}, is that of the prior, {spread[i]:.2g}."
+            yield (
+                f"{name} is hardly determined by the data: its uncertainty, {std[i]:.2g}, is that of the prior, "
+                f"{spread[i]:.2g}."
+            )
     matrix = covariance / np.outer(std, std)
     for i in range(len(names)):
         for j in range(i):
             if abs(matrix[i, j]) > 0.98:
-                yield f"{names[j]} and {names[i]} cannot be told apart (correlation {matrix[i, j]:.3f})."
+                yield f"{names[j]} and {names[i]} cannot be separated (correlation {matrix[i, j]:.3f})."

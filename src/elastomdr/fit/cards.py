@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.shift import VFT, WLF, Arrhenius
+from ..material.tabulated import needs_series
 
 _FLOOR = 1e-6  # equilibrium part that stands for zero where a program wants the sum of the parts below 1
 _NO_TABLE = "only at this temperature: the shift law of the material has no place in this card"
@@ -21,11 +22,19 @@ _INCOMPRESSIBLE = 0.499  # Poisson's ratio above which bulk parts are left out
 
 
 def abaqus_card(material: Prony) -> str:
-    """Abaqus keywords *ELASTIC or *HYPERELASTIC, *VISCOELASTIC and *TRS, of the material at its reference temperature.
+    """Abaqus keywords *ELASTIC or *HYPERELASTIC, *VISCOELASTIC and *TRS for a material at its reference temperature.
 
     Parts are relative to the instantaneous modulus. A constant Poisson's ratio below 0.5 gives shear and bulk the same
-    parts; an incompressible material gets none in bulk and a neo-Hookean law. Raises `InputError` for a parallel
-    dashpot.
+    parts; an incompressible material gets none in bulk and a neo-Hookean law.
+
+    Args:
+        material: the material, a `Prony`.
+
+    Returns:
+        The lines of the card.
+
+    Raises:
+        InputError: for a parallel dashpot, and for a constant bulk modulus.
     """
     name, glassy, parts, notes = _parts(material)
     lines = [f"** {note}" for note in notes] + [f"*MATERIAL, NAME={name}"]
@@ -53,7 +62,18 @@ def abaqus_card(material: Prony) -> str:
 
 
 def ansys_card(material: Prony, number: int = 1) -> str:
-    """Mechanical APDL commands MP, TB,PRONY and TB,SHIFT for material `number`; otherwise as `abaqus_card`."""
+    """Mechanical APDL commands MP, TB,PRONY and TB,SHIFT for a material at its reference temperature.
+
+    Args:
+        material: the material, a `Prony`.
+        number: number of the material in the model.
+
+    Returns:
+        The lines of the card.
+
+    Raises:
+        InputError: as `abaqus_card`.
+    """
     name, glassy, parts, notes = _parts(material)
     poisson = _poisson(material)
     young = glassy if material.kind == "tensile" else 2 * (1 + poisson) * glassy
@@ -78,7 +98,15 @@ def ansys_card(material: Prony, number: int = 1) -> str:
 
 
 def plain_card(material: Prony) -> str:
-    """Relaxation times and moduli as a comma-separated table, with the rest of the material in header lines."""
+    """Relaxation times and moduli as a comma-separated table, with the rest of the material in header lines.
+
+    Args:
+        material: the material, a `Prony`.
+
+    Returns:
+        The lines of the table.
+    """
+    needs_series("material", material, "a table of relaxation times")
     symbol = "G" if material.kind == "shear" else "E"
     lines = [f"# {note}" for note in (material.name or "unnamed", *_describe(material))]
     lines.append(f"# {symbol}(t) = {symbol}_inf + sum_k {symbol}_k exp(-t/tau_k)")
@@ -90,6 +118,7 @@ def plain_card(material: Prony) -> str:
 
 def _parts(material: Prony) -> tuple[str, float, np.ndarray, list[str]]:
     """Name, instantaneous modulus as given, relative parts, and notes for a card."""
+    needs_series("material", material, "a card of Prony terms")
     if not isinstance(material, Prony):
         raise InputError(f"material must be a Prony, got {type(material).__name__}.")
     if float(material.viscosity) > 0:

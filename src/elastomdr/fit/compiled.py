@@ -10,6 +10,8 @@ from typing import Any
 import jax
 import numpy as np
 
+from ..models import Model
+
 _MOST = 8  # programs that are kept
 _PROGRAMS: dict[Any, Any] = {}  # the least recently used one first
 
@@ -45,14 +47,14 @@ def _program(compute: Callable[[Any], Any], key: Any) -> Any:
 
 
 def _key(constants: Any) -> Any:
-    """What is the same for the same constants; None where there is anything but numbers and texts among them."""
+    """What is the same for the same constants; None where anything but numbers, texts and models is in them."""
     leaves, structure = jax.tree.flatten(constants)
     parts = []
     for leaf in leaves:
         if isinstance(leaf, (np.ndarray, np.generic, jax.Array)):
             array = np.asarray(leaf)
             parts.append((array.shape, array.dtype.str, array.tobytes()))
-        elif isinstance(leaf, (bool, int, float, str)):
+        elif isinstance(leaf, (bool, int, float, str, Model)):
             parts.append((type(leaf), leaf))
         else:
             return None

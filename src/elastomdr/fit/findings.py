@@ -1,4 +1,4 @@
-"""What all results of a fit can say in words, and how shift factors are said."""
+"""What all results of a fit print in words, shift factors among it."""
 
 import abc
 from collections.abc import Iterator, Mapping, Sequence

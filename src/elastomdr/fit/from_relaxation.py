@@ -1,4 +1,4 @@
-"""What relaxation says of the loss modulus, which makes friction: a smooth estimate for the series, and its range.
+"""The loss modulus, which makes friction, from relaxation: a smooth estimate for the series, and its range.
 
 Few exponentials that meet G(t) exactly may have a loss modulus that is several per cent off, too small near the fast
 end above all: relaxation from t_0 on has lost what relaxes within t_0, and that is still a part of the loss at angular
@@ -18,9 +18,9 @@ from .terms import Data
 _LN10 = float(np.log(10.0))
 _EARLY = 0.1  # times 1/t, the largest angular frequency that relaxation from t on says something of
 _PER_DECADE = 6  # estimates of the loss modulus
-_KNOWN = 0.03  # half a 95 % interval of ln(loss modulus) up to which relaxation is said to determine it,
+_KNOWN = 0.03  # half a 95 % interval of ln(loss modulus) up to which relaxation determines it,
 _BEST = 1.5  # or times the smallest such interval, where it is known nearly as well as anywhere,
-_LEAST_KNOWN = 0.06  # but never a wider one: noisier data would be said to determine more
+_LEAST_KNOWN = 0.06  # but never a wider one: noisier data would seem to determine more
 _SHORTEST = 0.5  # decades; over fewer, what seems to be known is where errors happen to cancel
 _WIDE = 0.5  # decades between neighbouring dynamic points from which the loss modulus between them may be unknown
 _WIDEST = 0.5  # standard deviation of ln(loss modulus) above which an estimate is worth nothing

@@ -1,8 +1,10 @@
 """Master curves of measured friction: mu(v, T) over v a_T (K. A. Grosch, Proc. R. Soc. Lond. A 274 (1963) 21-39)."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -17,6 +19,12 @@ from .posterior import Posterior, Prior, infer, one_thread
 from .reference import locate
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
 from .spectrum import STORAGE, Points
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike, Style
+    from ..material.shift import WLF, Arrhenius
 
 _KNOTS = 2.5  # per decade of velocity
 _MARGIN = 2.0  # decades of the curve beyond the data, on either side
@@ -62,16 +70,16 @@ class FrictionMaster(AbstractFindings):
     _anchor: float  # log10 a of the reference in the frame of the fit
 
     @property
-    def wlf(self) -> Any:
+    def wlf(self) -> WLF | None:
         """The WLF law (`em.WLF`) about the reference temperature; None where it could not be fitted."""
         return self.laws["WLF"].law if "WLF" in self.laws else None
 
     @property
-    def arrhenius(self) -> Any:
+    def arrhenius(self) -> Arrhenius | None:
         """The Arrhenius law (`em.Arrhenius`) about the reference temperature; None where it could not be fitted."""
         return self.laws["Arrhenius"].law if "Arrhenius" in self.laws else None
 
-    def curve(self, velocity: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def curve(self, velocity: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Friction coefficient with its 95 % interval (value, low, high) at reduced velocities [m/s] of any shape.
 
         NaN beyond the measured reduced velocities.
@@ -88,11 +96,12 @@ class FrictionMaster(AbstractFindings):
         parts = (value, value - TWO_SIGMA * std, value + TWO_SIGMA * std)
         return tuple(part.reshape(velocity.shape) for part in parts)  # type: ignore[return-value]
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draws the shifted friction with its curve on `ax`, or on a new figure; returns matplotlib Axes."""
-        from ..results.fit_figure import draw_friction_master
+    def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
+        """Draws the shifted friction with its curve on `ax`, or on a new figure, in a style of
+        `Result.plot`; returns matplotlib Axes."""
+        from .figures import draw_friction_master
 
-        return draw_friction_master(self, ax)
+        return draw_friction_master(self, ax, style)
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the shifts, as pairs of a name and a text."""
@@ -110,23 +119,41 @@ class FrictionMaster(AbstractFindings):
 
 @one_thread
 def friction_master(
-    velocity: Any, temperature: Any, mu: Any, reference: Any = None, *, error: Any = None, tolerance: float = 1.5
+    velocity: ArrayLike,
+    temperature: ArrayLike,
+    mu: ArrayLike,
+    reference: float | None = None,
+    *,
+    error: ArrayLike | Literal["relative"] | None = None,
+    tolerance: float = 1.5,
 ) -> FrictionMaster:
-    """Shifts measured friction mu(v, T) along log v to one smooth curve at the temperature `reference` [K].
+    """Shifts measured friction mu(v, T) along log v to one smooth curve at one reference temperature.
 
-    `velocity` [m/s], `temperature` [K] and `mu` broadcast against each other, one entry per measured point;
-    temperatures with no gap above `tolerance` [K] are one curve. `reference` defaults to the measured temperature
-    nearest to 20 degC. `error` is the standard deviation of a measured mu, one number or one per point; where it is not
-    given it is estimated, of one size for all points, or in proportion to the friction with `error="relative"`. Raises
-    `InputError` for fewer than two temperatures or eight points.
+    Args:
+        velocity: sliding velocities [m/s], one entry per measured point; arguments broadcast.
+        temperature: temperatures [K].
+        mu: measured friction coefficients.
+        reference: reference temperature [K]; by default the measured temperature nearest to 20 degC.
+        error: standard deviation of a measured mu, one number or one per point. By default it is estimated, of one size
+            for all points, or in proportion to the friction with "relative".
+        tolerance: temperatures with no gap above it [K] are one curve.
+
+    Returns:
+        A `FrictionMaster` with shifts, their uncertainties and the curve.
+
+    Raises:
+        InputError: for fewer than two temperatures or eight points, and for a reference outside the measured
+            temperatures.
+
+    Source: Grosch 1963.
     """
     arrays = {name: as_float64(name, value) for name, value in
               (("velocity", velocity), ("temperature", temperature), ("mu", mu))}  # fmt: skip
     try:
         v, t, friction = (array.ravel() for array in np.broadcast_arrays(*arrays.values()))
-    except ValueError as error:
+    except ValueError as problem:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise InputError(f"velocity, temperature and mu must match in shape, got {shapes}.") from error
+        raise InputError(f"velocity, temperature and mu must match in shape, got {shapes}.") from problem
     positive("velocity", v)
     positive("temperature", t)
     require("mu", friction, "finite", np.isfinite)
@@ -150,7 +177,9 @@ def friction_master(
     known = error is not None and not isinstance(error, str)
     size = np.ones(friction.size)
     if known:
-        size = _broadcast(as_float64("error", error), np.broadcast_shapes(*(a.shape for a in arrays.values())))
+        size = _broadcast(
+            np.asarray(as_float64("error", error)), np.broadcast_shapes(*(a.shape for a in arrays.values()))
+        )
         positive("error", size)
     posterior, spline, anchor = _infer(points, kelvin, size, known)
     if error is not None and not known:

@@ -5,13 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from .data import Dma
+from ..io.data import Dma, untold
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
 
 _HOTTEST = 1500.0  # above which no DMA is run [K]
 _ALIKE = 1.3  # neighbours per independent point below which they count as independent
 _BIN = 4.0  # widest range of temperatures that still counts as one isotherm, where they run without a gap [K]
-_NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
 
 
 class Isotherms(NamedTuple):
@@ -30,7 +29,7 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
     """
     every = np.concatenate([dma.temperature, dma.time_temperature])
     if not np.isfinite(every).all():
-        rates = np.concatenate([dma.frequency, 1 / dma.time])
+        rates = np.concatenate([dma.omega, 1 / dma.time])
         raise InputError(f"temperature is not in the data: {untold(rates[~np.isfinite(every)])}")
     if every.max() > _HOTTEST:
         raise InputError(
@@ -38,17 +37,17 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
         )
     if every.size < 5:
         raise InputError(f"dma must have five points at least, got {every.size}.")
-    rates = np.concatenate([dma.frequency, 1 / dma.time])
+    rates = np.concatenate([dma.omega, 1 / dma.time])
     if rates.max() < 1.5 * rates.min():
         raise InputError(
             f"dma must span a range of frequencies (or times), got {rates.min():.4g} to {rates.max():.4g} rad/s only: "
             "a sweep of strain or temperature at one frequency has no master curve."
         )
     number, mean = group(every, tolerance)
-    n = dma.frequency.size
+    n = dma.omega.size
     frequency, time = number[:n], number[n:]
-    rate = np.log(dma.frequency)
-    apart = every - mean[number]
+    rate = np.log(dma.omega)
+    offset = every - mean[number]
     points = Points(
         np.repeat([STORAGE, LOSS, RELAXATION], [n, n, dma.time.size]),
         np.concatenate([rate, rate, -np.log(dma.time)]),
@@ -56,7 +55,7 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
         np.concatenate([frequency, frequency, time]),
         np.zeros(2 * n + dma.time.size),
     )
-    return Isotherms(points, mean, np.concatenate([apart[:n], apart[:n], apart[n:]]))
+    return Isotherms(points, mean, np.concatenate([offset[:n], offset[:n], offset[n:]]))
 
 
 def group(temperature: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -123,14 +122,3 @@ def _correlation(points: Points, residuals: np.ndarray) -> float:
     pairs = [(residuals[at][1:] @ residuals[at][:-1], residuals[at] @ residuals[at]) for at in curves(points)]
     values = [both / max(one, 1e-300) for (both, one), at in zip(pairs, curves(points), strict=True) if at.size >= 5]
     return float(np.mean(values)) if values else 0.0
-
-
-def untold(rates: np.ndarray) -> str:
-    """What to do about points, of these frequencies or times, whose temperature is not known."""
-    if np.unique(np.log(rates).round(3)).size < _NEW * rates.size:
-        return (
-            "frequencies (or times) repeat, as in several isotherms; give each its own temperature, in a column, in a "
-            "line 'T = -20 degC' above its block, or in Python as join(read_dma(file, temperature=253.15), ...) from a "
-            "file each."
-        )
-    return "give it, with read_dma(..., temperature=293.15) or --temperature 20degC."

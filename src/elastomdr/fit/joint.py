@@ -1,15 +1,15 @@
-"""The joint fit of all isotherms, and what it says at any reference temperature."""
+"""The joint fit of all isotherms, and its shift factors at any reference temperature."""
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
+from .fast_end import hidden, skewed
 from .isotherms import Isotherms, alike, own_noise
 from .laws import LawFit, fit_laws
 from .reference import Place, locate
 from .shifting import LN10, Shifts, guess_shifts, join
-from .unseen import hidden, skewed
 
 _GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
@@ -66,8 +66,8 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     gain = (shifts.posterior.evidence - plain.posterior.evidence) / max(1.0, misfit) ** 2
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
     here, there = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
-    apart = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
-    choice = Doubt(np.sqrt(weight) * apart, 0.0, (np.inf, np.inf))
+    difference = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
+    choice = Doubt(np.sqrt(weight) * difference, 0.0, (np.inf, np.inf))
     return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain, float(weight))
 
 
@@ -78,8 +78,8 @@ def without_vertical(joint: Joint) -> Joint:
     x, lifted = (s.horizontal(s.posterior.mean)[0] for s in (plain, joint.shifts))
     plain = join(plain.points, plain.temperature, x, False, temper, near=plain)
     x = plain.horizontal(plain.posterior.mean)[0]
-    apart = (lifted - lifted[plain.anchor]) - (x - x[plain.anchor])
-    choice = Doubt(np.sqrt(1 - joint.weight) * apart, 0.0, (np.inf, np.inf), of_law=False)
+    difference = (lifted - lifted[plain.anchor]) - (x - x[plain.anchor])
+    choice = Doubt(np.sqrt(1 - joint.weight) * difference, 0.0, (np.inf, np.inf), of_law=False)
     return Joint(plain, (choice, *_gaps(plain)), temper, _misfit(plain), plain, 1.0)
 
 
@@ -117,9 +117,9 @@ def curve(
     answer = shifts.predict(p, channel, at_anchor)
     jacobian = LN10 * answer.by_rate[:, None] * (weights @ by_x) - reference.level
     reduced = shifts.points.log_rate + LN10 * (x[shifts.points.isotherm] + shifts.points.offset)
-    unseen = hidden(shifts.points, reduced, shifts.log_times)
+    unmeasured = hidden(shifts.points, reduced, shifts.log_times)
     std = np.sqrt(np.diag(shifts.posterior.covariance)[shifts.spectrum])
-    jacobian[:, shifts.spectrum] += answer.by_neighbours * np.where(unseen, skewed(std), 1.0)
+    jacobian[:, shifts.spectrum] += answer.by_neighbours * np.where(unmeasured, skewed(std), 1.0)
     jacobian[:, shifts.equilibrium] += answer.by_equilibrium
     jacobian[:, shifts.places] += answer.by_place
     variance = np.einsum("ij,jk,ik->i", jacobian, shifts.posterior.covariance, jacobian)

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..io.data import describe_list
 from .agree import relaxation_excess
-from .data import describe_list
 from .level import SlowEnd
 from .repeats import contradicting_repeats
 from .spectrum import CHANNELS, RELAXATION, Points
@@ -20,7 +20,6 @@ _WORTH_SAYING = 0.01  # scatter below which a misfit is of no consequence
 _FAR = 0.3  # half a 95 % interval of an extrapolated shift above which it is no longer of much use [decades]
 _NAMED = 6  # outliers that a warning names one by one
 _POOR = 0.1  # relative residual of a series worth a warning
-_AS_READ = "storage and loss modulus look misread (columns or units), which is to be put right first"
 _CHOICE = 0.1  # what the choice of shift model may move before it is worth saying [decades]
 
 
@@ -51,9 +50,6 @@ def _disagree(master: "MasterCurve") -> Iterator[str]:
 def _simple(master: "MasterCurve") -> Iterator[str]:
     misfit, worst = master.joint.misfit, max(master.noise.values())
     if misfit > _NOT_SIMPLE and worst > _WORTH_SAYING and master.temperature.size > 1:
-        if master.dma.doubtful:
-            yield f"No shift makes the isotherms one curve ({100 * worst:.2g} % in the worst modulus): {_AS_READ}."
-            return
         yield (
             f"Not thermorheologically simple: the isotherms scatter {misfit:.1f} times as much about one common "
             f"curve as "
@@ -65,7 +61,7 @@ def _ambiguous(master: "MasterCurve") -> Iterator[str]:
     celsius = master.temperature[master.ambiguous] - 273.15
     if celsius.size:
         yield (
-            f"Horizontal and vertical shift cannot be told apart at {describe_list(celsius, 'degC')}: the "
+            f"Horizontal and vertical shift cannot be separated at {describe_list(celsius, 'degC')}: the "
             f"isotherms are "
             "too flat or too much alike there. Their log10 a_T rests on the prior for the vertical shift; see the "
             "intervals, and compare vertical=False (--no-vertical)."
@@ -78,13 +74,13 @@ def _choice(master: "MasterCurve") -> Iterator[str]:
     if moved.max() > _CHOICE:
         celsius = master.temperature[moved.argmax()] - 273.15
         yield (
-            f"Whether there are vertical shifts is not for these data to say, and moves log10 a_T by about "
+            "These data leave open whether there are vertical shifts, which moves log10 a_T by about "
             f"{moved.max():.2g} decades (at {celsius:.4g} degC); the intervals contain that."
         )
 
 
 def _gaps(master: "MasterCurve") -> Iterator[str]:
-    rates = np.concatenate([master.frequency, 1 / master.time])
+    rates = np.concatenate([master.omega, 1 / master.time])
     number = np.concatenate([master.isotherm, master.time_isotherm])
     celsius = master.temperature - 273.15
     lonely = []
@@ -141,13 +137,11 @@ def judge_series(
     data: Data,
     contradiction: bool,
     excess: float | None,
-    doubtful: bool,
     converged: bool,
 ) -> Iterator[str]:
     """Warnings on what a series does not meet; single outliers are not held against it.
 
-    `contradiction` is that of storage and loss modulus, `excess` that of relaxation and both; `doubtful` says that
-    columns or units look wrong.
+    `contradiction` is that of storage and loss modulus, `excess` that of relaxation and both.
     """
     if not converged:
         yield "The refinement of the times did not converge: look at the figure before using the series."
@@ -158,20 +152,18 @@ def judge_series(
         size = float(np.sqrt((data.weights * residuals**2)[at].sum() / data.weights[at].sum()))
         if size <= _POOR:
             continue
-        said = f"The {key} modulus is met to {100 * size:.2g} % rms only"
+        met = f"The {key} modulus is met to {100 * size:.2g} % rms only"
         if excess is not None:
             yield (
-                f"{said}: relaxation and dynamic moduli contradict each other, by a factor of "
+                f"{met}: relaxation and dynamic moduli contradict each other, by a factor of "
                 f"{max(excess, 1 / excess):.2g}."
             )
-        elif doubtful:
-            yield f"{said}: {_AS_READ}."
         elif contradiction:
-            yield f"{said}: storage and loss modulus contradict each other, no passive material comes closer to both."
+            yield f"{met}: storage and loss modulus contradict each other, no passive material comes closer to both."
         elif size > 1.5 * data.noise[channel]:
-            yield f"{said}; more terms may help (terms=...)."
+            yield f"{met}; more terms may help (terms=...)."
         else:
-            yield f"{said}, by which the data scatter."
+            yield f"{met}, by which the data scatter."
 
 
 def judge_level(level: float, end: SlowEnd, interval: tuple[float, float]) -> Iterator[str]:

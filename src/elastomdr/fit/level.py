@@ -1,4 +1,4 @@
-"""What the slow end of the data says of the equilibrium modulus: how far the modulus may still fall below the window.
+"""The equilibrium modulus from the slow end of the data: how far the modulus may still fall below the window.
 
 Relaxation slower than the data shows at their slow end: it makes loss there, and keeps the modulus falling. A power
 law, as of a fractional element (spring-pot) beside a spring, carries the end on (omega: lowest angular frequency,

@@ -1,49 +1,61 @@
 """Time-temperature superposition: isotherms become one master curve, with the uncertainty of every shift."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from .._runtime import positive, scalar, significant
 from ..errors import InputError
-from .apart import told_apart
+from ..io.data import Dma, without_copies
+from ..material.tabulated import TabulatedModulus
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
-from .data import Dma, without_copies
+from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import isotherms
 from .joint import AtReference, Joint, about, fit_jointly, without_vertical
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
+from .separable import separable
 from .shifting import LN10
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
+from .swapped import refuse_swapped
+from .tabulate import tabulate
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike, Kind, LawName, Number, Style
+    from ..material.shift import VFT, WLF, Arrhenius
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MasterCurve(AbstractFindings):
     """Isotherms shifted to one reference temperature: b_T M(omega; T) = M(omega a_T; T_ref).
 
-    One entry per isotherm in `temperature`, `log10_a`, `log10_b`, their standard deviations and `ambiguous`; one per
-    measured point in `frequency` and what follows. A standard deviation covers noise, the freedom of the vertical
-    shift and the choice whether there is any; `warnings` says in words what cannot be relied on.
+    There is one entry per isotherm in `temperature`, `log10_a`, `log10_b`, their standard deviations and `ambiguous`,
+    and one per measured point in `omega` and the fields after it. A standard deviation covers noise, the freedom of the
+    vertical shift and the choice whether there is any. `warnings` says in words what cannot be relied on.
     """
 
     reference: float  # T_ref [K]
-    kind: str  # "shear" or "tensile"
+    kind: Kind
     temperature: Float[np.ndarray, " n"]  # mean temperature of each isotherm, ascending [K]
     log10_a: Float[np.ndarray, " n"]  # horizontal shift, 0 at the reference temperature [decades]
     log10_a_std: Float[np.ndarray, " n"]
     log10_b: Float[np.ndarray, " n"]  # vertical shift, 0 at the reference temperature
     log10_b_std: Float[np.ndarray, " n"]
     covariance: Float[np.ndarray, "n n"]  # of log10_a
-    ambiguous: Bool[np.ndarray, " n"]  # where horizontal and vertical shift cannot be told apart
+    ambiguous: Bool[np.ndarray, " n"]  # where horizontal and vertical shift cannot be separated
     laws: dict[str, LawFit]  # "WLF", "Arrhenius", "VFT": those that could be fitted
-    frequency: Float[np.ndarray, " m"]  # reduced angular frequency omega a_T [rad/s]
+    omega: Float[np.ndarray, " m"]  # reduced angular frequency omega a_T [rad/s]
     storage: Float[np.ndarray, " m"]  # b_T times storage modulus [Pa]
     loss: Float[np.ndarray, " m"]  # b_T times loss modulus [Pa]
     isotherm: Int[np.ndarray, " m"]  # number of the isotherm of each point
@@ -59,17 +71,17 @@ class MasterCurve(AbstractFindings):
     state: AtReference
 
     @property
-    def wlf(self) -> Any:
+    def wlf(self) -> WLF | None:
         """The WLF law (`em.WLF`) about the reference temperature; None where it could not be fitted."""
         return self._law("WLF")
 
     @property
-    def arrhenius(self) -> Any:
+    def arrhenius(self) -> Arrhenius | None:
         """The Arrhenius law (`em.Arrhenius`) about the reference temperature; None where it could not be fitted."""
         return self._law("Arrhenius")
 
     @property
-    def vft(self) -> Any:
+    def vft(self) -> VFT | None:
         """The VFT law (`em.VFT`) about the reference temperature; None where it could not be fitted."""
         return self._law("VFT")
 
@@ -89,8 +101,36 @@ class MasterCurve(AbstractFindings):
     @property
     def window(self) -> tuple[float, float]:
         """Lowest and highest reduced angular frequency of the data; for relaxation, 1/t [rad/s]."""
-        rates = np.concatenate([self.frequency, 1 / self.time])
+        rates = np.concatenate([self.omega, 1 / self.time])
         return float(rates.min()), float(rates.max())
+
+    @property
+    def measured_at(self) -> tuple[float, float]:
+        """Lowest and highest temperature of the data, at least 1 K apart, rounded as a material has them [K]."""
+        ends = self.temperature.min(), self.temperature.max()
+        cold, warm = (round(float(x), TEMPERATURE_DIGITS) for x in ends)
+        return (cold, warm) if cold < warm else (cold - 0.5, warm + 0.5)
+
+    def tabulated(
+        self, *, per_decade: int = 8, law: LawName = "auto", poisson: Number = 0.5, name: str = "", citation: str = ""
+    ) -> TabulatedModulus:
+        """The shifted data as a material for steady models of surfaces, averaged in bands of log omega.
+
+        Args:
+            per_decade: bands per decade of frequency, from 1 to 100. A band without data is left out.
+            law: the shift law, as for `em.fit.material`: "auto", "WLF", "Arrhenius", "VFT", "table" or "none".
+            poisson: Poisson's ratio of the material, constant.
+            name: what tables and figures call it.
+            citation: where the data come from.
+
+        Returns:
+            A table of moduli of the kind of the data. Its `interpolation_error` is that of the cubics between the
+            bands; how far the data scatter about it is its misfit (`elastomdr.material.validity.misfit`).
+
+        Raises `InputError` for relaxation data, or fewer than three bands with data.
+        """
+        check_law(law)
+        return tabulate(self, per_decade, shift_law(self, law)[1], poisson, name, citation)
 
     def at_reference(self, temperature: float) -> "MasterCurve":
         """The same master curve about another reference temperature [K]."""
@@ -103,11 +143,11 @@ class MasterCurve(AbstractFindings):
         """The same isotherms shifted along the frequency only.
 
         As `master_curve(..., vertical=False)` does, but the uncertainty contains what vertical shifts would change, and
-        `ambiguous` says still where they cannot be told apart.
+        `ambiguous` says still where they cannot be separated.
         """
         return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous)
 
-    def band(self, omega: Any) -> Band:
+    def band(self, omega: ArrayLike) -> Band:
         """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
 
         The intervals contain the uncertainty of the shifts. Outside `window` the curve is an extrapolation: `inside`
@@ -116,15 +156,16 @@ class MasterCurve(AbstractFindings):
         """
         return dynamic_band(self.joint, self.state, self.window, omega)
 
-    def relaxation_band(self, time: Any) -> RelaxationBand:
+    def relaxation_band(self, time: ArrayLike) -> RelaxationBand:
         """The smooth relaxation modulus with its 95 % interval, at times [s] of any shape; otherwise as `band`."""
         return relaxation_band(self.joint, self.state, self.window, time)
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draws the shifted data with curve and band on `ax`, or on a new figure; returns matplotlib Axes."""
-        from ..results.fit_figure import draw_master
+    def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
+        """Draws the shifted data with curve and band on `ax`, or on a new figure, in a style of
+        `Result.plot`; returns matplotlib Axes."""
+        from .figures import draw_master
 
-        return draw_master(self, ax)
+        return draw_master(self, ax, style)
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the shifts, as pairs of a name and a text."""
@@ -134,7 +175,7 @@ class MasterCurve(AbstractFindings):
         yield "reduced window", f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades"
         yield "scatter", ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.noise.items())
         vertical = [
-            f"   log10 b_T {y:7.4f} +- {TWO_SIGMA * std:.4f}{'  (not told apart)' * bool(mark)}"
+            f"   log10 b_T {y:7.4f} +- {TWO_SIGMA * std:.4f}{'  (not separable)' * bool(mark)}"
             for y, std, mark in zip(self.log10_b, self.log10_b_std, self.ambiguous, strict=True)
         ]
         yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical)
@@ -143,25 +184,40 @@ class MasterCurve(AbstractFindings):
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the shifted data, one row per point, with the shifts in header lines that start with "# "."""
-        from ..results.table import write_files
+        from ..files import write_files
         from .tables import master_csv
 
         write_files({Path(path): master_csv(self).encode()})
 
 
 @one_thread
-def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tolerance: float = 1.5) -> MasterCurve:
-    """Shifts all isotherms of `dma` jointly to the temperature `reference` [K].
+def master_curve(
+    dma: Dma, reference: float | None = None, vertical: bool = True, *, tolerance: float = 1.5
+) -> MasterCurve:
+    """Shifts all isotherms jointly to one reference temperature.
 
     Storage and loss modulus (and relaxation, where there is any) of every isotherm share one non-negative smooth
-    spectrum; horizontal shifts fall with temperature; vertical shifts are those of entropy elasticity, none, or what
-    lies between, with a free part as wide as the data ask for (`vertical=False`: none). `reference` defaults to the
-    measured temperature nearest to 20 degC; outside the data it is reached by a shift law, whose uncertainty enters.
-    Temperatures with no gap above `tolerance` [K] are one isotherm. Raises `InputError` for anything but a `Dma` with
-    temperatures, or a reference that is no temperature or further outside than the law can carry the data.
+    spectrum, and horizontal shifts fall with temperature.
+
+    Args:
+        dma: the measurement, with temperatures.
+        reference: reference temperature [K]; by default the measured temperature nearest to 20 degC. Outside the data
+            it is reached by a shift law, whose uncertainty enters.
+        vertical: vertical shifts between none and those of entropy elasticity, with a free part as wide as the data
+            need; False for none.
+        tolerance: temperatures with no gap above it [K] are one isotherm.
+
+    Returns:
+        A `MasterCurve` with shifts, laws, uncertainties and warnings.
+
+    Raises:
+        InputError: for anything but a `Dma` with temperatures, or a reference that is no temperature or further outside
+            than the law can carry the data.
+
+    Source: `docs/fitting.md`.
     """
     if not isinstance(dma, Dma):
-        raise InputError(f"dma must be a Dma, as em.fit.read_dma returns it, got {type(dma).__name__}.")
+        raise InputError(f"dma must be a Dma, as em.read_dma returns it, got {type(dma).__name__}.")
     if not isinstance(vertical, (bool, np.bool_)):
         raise InputError(f"vertical must be True or False, got {vertical!r}.")
     tolerance = float(scalar("tolerance", tolerance))
@@ -170,6 +226,7 @@ def master_curve(dma: Dma, reference: Any = None, vertical: bool = True, *, tole
         reference = float(scalar("reference", reference))
         positive("reference", reference)
     sorted_dma = isotherms(dma, tolerance)
+    refuse_swapped(dma)
     if (once := without_copies(dma)) is not dma:
         dma, sorted_dma = once, isotherms(once, tolerance)
     if reference is None:
@@ -192,9 +249,9 @@ def _assemble(dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | 
         log10_b=state.ln_b / LN10,
         log10_b_std=state.ln_b_std / LN10,
         covariance=state.covariance,
-        ambiguous=~told_apart(joint) if ambiguous is None else ambiguous,
+        ambiguous=~separable(joint) if ambiguous is None else ambiguous,
         laws=state.laws,
-        frequency=np.exp(reduced[at[STORAGE]]),
+        omega=np.exp(reduced[at[STORAGE]]),
         storage=lifted[at[STORAGE]],
         loss=lifted[at[LOSS]],
         isotherm=points.isotherm[at[STORAGE]],

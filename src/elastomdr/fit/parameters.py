@@ -5,6 +5,7 @@ surface act on its spectrum C(q): `q_high` moves where it ends, C below stays as
 its last power law), `heights` scales all heights, `length` scales the length that turns a pressure into a line load.
 """
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -15,6 +16,7 @@ from ..errors import InputError
 from ..mapping.spectrum import AbstractSpectrum
 from ..material.prony import Prony
 from ..material.shift import WLF
+from ..models import Line, as_model
 
 MEANINGS = {
     "modulus": "log10 of a factor on all moduli",
@@ -26,7 +28,7 @@ MEANINGS = {
     "c2": "log10 of a factor on the WLF constant c2",
     "q_high": "log10 of a factor on the upper cutoff of the surface's spectrum",
     "heights": "log10 of a factor on the heights of the surface",
-    "length": "log10 of a factor on equivalent_length, the length that turns a pressure into a line load",
+    "length": "log10 of a factor on equivalent_length of em.Line, the length that turns a pressure into a line load",
     "offset": "a constant added to the computed coefficient, such as adhesion",
     "gain": "log10 of a factor on the computed coefficient",
 }
@@ -41,11 +43,13 @@ def check(names: Mapping[str, Any], material: Prony, shape: Any, scene: Mapping[
         raise InputError(f"parameters c1 and c2 need a material with a WLF law, got {material.shift!r}.")
     if {"q_high", "heights"} & names.keys() and not isinstance(shape, AbstractSpectrum):
         raise InputError(f"parameters q_high and heights need a surface with a spectrum, got {shape!r}.")
-    if "length" in names and not isinstance(scene.get("equivalent_length"), (int, float)):
-        raise InputError(
-            f"parameter length needs a number [m] as equivalent_length to start from, got "
-            f"{scene.get('equivalent_length')!r}."
-        )
+    if "length" in names:
+        model = as_model(scene.get("model"))
+        if not isinstance(model, Line) or not isinstance(model.equivalent_length, (int, float)):
+            raise InputError(
+                "parameter length needs a number [m] to start from, in model=em.Line(equivalent_length=...), got "
+                f"model={model!r}."
+            )
 
 
 def applied(
@@ -60,7 +64,10 @@ def applied(
     if "heights" in values:
         shape = shape.raised(10.0 ** values["heights"])
     if "length" in values:
-        scene["equivalent_length"] *= 10.0 ** values["length"]
+        model = as_model(scene["model"])
+        assert isinstance(model, Line)
+        length = model.equivalent_length * 10.0 ** values["length"]
+        scene["model"] = dataclasses.replace(model, equivalent_length=length)
     return _of_material(material, values), shape, scene
 
 

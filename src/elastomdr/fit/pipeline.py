@@ -1,45 +1,52 @@
 """From measured isotherms to a material in one call, and the files that come of it."""
 
+from __future__ import annotations
+
 import os
 import re
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import __version__
-from ..errors import InputError
+from ..io.data import Dma
 from ..material.library import save_material
 from ..material.prony import Prony
-from ..material.shift import ShiftTable
+from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range
-from .as_used import as_used
 from .cards import abaqus_card, ansys_card, plain_card
-from .data import Dma
+from .chosen_law import check_law, rounded, shift_law
 from .findings import TWO_SIGMA, AbstractFindings
 from .master import MasterCurve, master_curve
-from .series import TEMPERATURE_DIGITS, PronyFit, prony
+from .misfit import misfit, with_misfit
+from .series import PronyFit, prony
 from .tables import master_csv, prony_csv, shifts_csv
+from .tabulate import tabulate
 
-LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
-_DIGITS = 8  # of a law in the material: what follows is rounding, and differs between machines
+if TYPE_CHECKING:
+    from .._types import LawName
+
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
-_MISSED = 0.1  # relative residual as used above which the material without vertical shifts is told beside it
+_MISSED = 0.1  # misfit above which a warning names the material without vertical shifts as well
 _UNLIKELY = 0.01  # chance that there are no vertical shifts below which the data have decided that there are
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MaterialFit(AbstractFindings):
-    """A material with the master curve and the series that it comes from."""
+    """A material, with the master curve and the series that it comes from.
+
+    `misfit` has the rms relative residuals of the material, with its shift law, about the data as measured.
+    """
 
     material: Prony
     master: MasterCurve
     prony: PronyFit
     law: str  # of `LAWS`
-    as_used: dict[str, float]  # rms relative residual of the material, with its shift law, to the data as measured
+    misfit: dict[str, float]  # rms relative residual of the material, with its shift law, to the data as measured
     warnings: tuple[str, ...]
     citation: str
     description: str
@@ -51,13 +58,25 @@ class MaterialFit(AbstractFindings):
         yield from ((name, text) for name, text in self.master.findings() if name != "warning")
         yield "shift law", f"{self.law} in the material" if self.law != "none" else "none in the material"
         yield from ((name, text) for name, text in self.prony.findings() if name != "warning")
-        if self.as_used:
-            parts = ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.as_used.items())
-            yield "as used", f"material and shift law against the data as measured: {parts} rms"
+        if self.misfit:
+            parts = ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.misfit.items())
+            yield "misfit", f"of material and shift law against the data as measured: {parts} rms"
         for text in self.warnings:
             yield "warning", text
 
-    def info(self) -> dict[str, Any]:
+    def tabulated(self, *, per_decade: int = 8) -> TabulatedModulus:
+        """The data themselves as a material for surfaces, with the shift law of this fit; see `MasterCurve.tabulated`.
+
+        Args:
+            per_decade: bands per decade of frequency.
+
+        Returns:
+            A table of moduli, of the name, citation, Poisson's ratio and shift law of `material`.
+        """
+        own = self.material
+        return tabulate(self.master, per_decade, own.shift, own.poisson, own.name, own.citation)
+
+    def info(self) -> dict[str, Any]:  # texts, numbers and tables
         """What a material file holds beside the numbers: description, range, sources with the quality of the fit."""
         master, fit = self.master, self.prony
         fitted = {"citation": f"{self.citation}, fitted by elastomdr {__version__} (em.fit)", "grade": "fitted here"}
@@ -65,7 +84,7 @@ class MaterialFit(AbstractFindings):
         own = {"storage": fit.storage_residual, "loss": fit.loss_residual, "relaxation": fit.relaxation_residual}
         for name in ("storage", "loss"):  # of this material against the data, not of the series against shifted ones
             of = name if fit.storage.size else "relaxation"
-            moduli[f"{name}_residual"] = _round(self.as_used.get(f"{of} modulus", own[of]), 2)
+            moduli[f"{name}_residual"] = rounded(self.misfit.get(f"{of} modulus", own[of]), 2)
         sources = {
             "moduli": moduli,
             "shift": fitted | {"note": self._shift_note()},
@@ -86,7 +105,7 @@ class MaterialFit(AbstractFindings):
         parts = [f"{fit.terms} terms over {np.log10(fit.window[1] / fit.window[0]):.1f} decades."]
         if not fit.storage.size:
             parts.append(f"From relaxation; both residuals are of the relaxation modulus. Loss: {fit.loss_known}.")
-        if self.as_used:
+        if self.misfit:
             parts.append(f"Residuals are of the data as measured, by this file with its shift law; {self._own()}.")
         return " ".join([*parts, *self.warnings])
 
@@ -108,7 +127,7 @@ class MaterialFit(AbstractFindings):
 
     def files(self, stem: str | None = None) -> dict[str, bytes]:
         """File name to content: the material, its cards, tables and figures. Cards that do not exist are left out."""
-        from ..results.fit_figure import figures
+        from .figures import figures
 
         stem = self.material.name if stem is None else stem
         with tempfile.TemporaryDirectory() as folder:
@@ -128,7 +147,7 @@ class MaterialFit(AbstractFindings):
 
     def save(self, folder: str | os.PathLike[str], stem: str | None = None) -> list[Path]:
         """Writes all `files` into a folder that is there; all of them or none. Returns their paths."""
-        from ..results.table import write_files
+        from ..files import write_files
 
         paths = {Path(folder) / name: content for name, content in self.files(stem).items()}
         write_files(paths)
@@ -137,35 +156,50 @@ class MaterialFit(AbstractFindings):
 
 def material(
     dma: Dma,
-    reference: Any = None,
+    reference: float | None = None,
     *,
     vertical: bool | None = None,
     terms: int | None = None,
     equilibrium: bool | None = None,
     balance: float | None = None,
     poisson: float | None = None,
-    law: str = "auto",
+    law: LawName = "auto",
     name: str = "",
     citation: str = "",
     description: str = "",
 ) -> MaterialFit:
     """A material from measured isotherms: `master_curve`, then `prony`, then a shift law.
 
-    `law` is "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
-    within 0.1 decades of the shift factors, or within what they are known to, a table otherwise. A material has
-    no vertical shift, and `as_used` says how close it comes to the data as measured. Where vertical shifts are large,
-    and it is not for the data to say whether there are any, isotherms are shifted a second time without, and the
-    material that comes closer to the data is the answer (`vertical=None`; True or False settle it). Other arguments as
-    for `master_curve` and `prony`; `citation` is the source of the data. Raises `InputError` as they do.
+    A material has no vertical shift, and `misfit` says how close it comes to the data as measured. Where vertical
+    shifts are large and the data leave open whether there are any, isotherms are shifted a second time without, and the
+    material that comes closer to the data is the answer.
+
+    Args:
+        dma: the measurement, with temperatures.
+        reference: reference temperature [K]; by default the measured temperature nearest to 20 degC.
+        vertical: True or False with or without vertical shifts; None to choose as above.
+        terms: number of terms of the series, as for `prony`.
+        equilibrium: whether there is an equilibrium modulus, as for `prony`.
+        balance: weight of the storage modulus, as for `prony`.
+        poisson: Poisson's ratio of the material.
+        law: "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
+            within 0.1 decades of the shift factors, or within their uncertainty, and a table otherwise.
+        name: name of the material.
+        citation: source of the data.
+        description: a line about the material.
+
+    Returns:
+        A `MaterialFit`; `save(folder)` writes the material, tables, cards and figures.
+
+    Raises:
+        InputError: as `master_curve` and `prony`, and for a law that is none of these.
     """
-    if law not in LAWS:
-        raise InputError(f"law must be one of {', '.join(LAWS)}, got {law!r}.")
+    check_law(law)
     name = name or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem).strip("-.").lower() or "rubber"
     citation = citation or f"Measured data: {dma.source or 'arrays'}"
 
     def fitted(master: MasterCurve) -> MaterialFit:
-        chosen = _choose(master) if law == "auto" else law
-        shift = None if chosen == "none" else _table(master) if chosen == "table" else _law(master, chosen)
+        chosen, shift = shift_law(master, law)
         fit = prony(
             master,
             terms=terms,
@@ -177,8 +211,10 @@ def material(
             citation=citation,
         )
         texts = (*dma.warnings, *master.warnings, *fit.warnings)
-        said = description or f"Fitted to {dma.summary()}"
-        return MaterialFit(fit.material, master, fit, chosen, as_used(fit.material, dma), texts, citation, said)
+        about = description or f"Fitted to {dma.summary()}"
+        return MaterialFit(
+            with_misfit(fit.material, dma), master, fit, chosen, misfit(fit.material, dma), texts, citation, about
+        )
 
     lifted = fitted(master_curve(dma, reference, True if vertical is None else vertical))
     size, celsius = _lift(lifted.master)
@@ -187,9 +223,9 @@ def material(
     there = _decided(lifted.master)
     flat = lifted.master.without_vertical() if vertical is None and not there else None
     # A series is hardly closer to the data than the smooth curve through them: where that is worse, none is made.
-    promising = flat is not None and _squares(flat.noise) < _squares(lifted.as_used)
+    promising = flat is not None and _squares(flat.noise) < _squares(lifted.misfit)
     plain = fitted(flat) if flat is not None and promising else lifted
-    if _squares(plain.as_used) < _squares(lifted.as_used):
+    if _squares(plain.misfit) < _squares(lifted.misfit):
         return replace(plain, warnings=(*plain.warnings, _said(plain, lifted)))
     text = (
         f"Vertical shifts reach {100 * size:.2g} % (at {celsius:.3g} degC), and a material file has none: "
@@ -197,7 +233,7 @@ def material(
     )
     if there:
         text += " The data leave no doubt of them: without, shift factors would make up for what is none of theirs."
-    if there and vertical is None and max(lifted.as_used.values(), default=0.0) > _MISSED:
+    if there and vertical is None and max(lifted.misfit.values(), default=0.0) > _MISSED:
         text += _instead(lifted, fitted(lifted.master.without_vertical()))
     elif vertical or there:
         text += " vertical=False (--no-vertical) fits a material that has none from the start."
@@ -207,14 +243,14 @@ def material(
 def _misses(fit: MaterialFit) -> Iterator[str]:
     """A warning where the material, by its shift law, is far from data that its series is close to."""
     own = {f"{name} modulus": getattr(fit.prony, f"{name}_residual") for name in ("storage", "loss", "relaxation")}
-    if any(size > max(_MISSED, 2 * own[name]) for name, size in fit.as_used.items()):
+    if any(size > max(_MISSED, 2 * own[name]) for name, size in fit.misfit.items()):
         law = fit.master.laws.get(fit.law)
-        said = (
+        remedy = (
             f" {fit.law} misses the shift factors by {law.rms:.2g} decades rms; --law table keeps them." if law else ""
         )
         yield (
             f"Material and shift law miss the data as measured: {_met(fit)} % rms ({_names(fit)}), while the series "
-            f"meets the shifted data.{said}"
+            f"meets the shifted data.{remedy}"
         )
 
 
@@ -227,7 +263,7 @@ def _lift(master: MasterCurve) -> tuple[float, float]:
 
 
 def _decided(master: MasterCurve) -> bool:
-    """Whether the data themselves say that there are vertical shifts, and tell them from horizontal ones.
+    """Whether the data decide that there are vertical shifts, and separate them from horizontal ones.
 
     Then shift factors found without any are wrong: they make up for a change of level, as that of entropy elasticity in
     a melt. A material of the right shift factors has its loss tangent where it belongs at every temperature, and only
@@ -265,41 +301,8 @@ def _moved(one: MaterialFit, other: MaterialFit) -> float:
 
 
 def _met(fit: MaterialFit) -> str:
-    return ", ".join(f"{100 * size:.2g}" for size in fit.as_used.values())
+    return ", ".join(f"{100 * size:.2g}" for size in fit.misfit.values())
 
 
 def _names(fit: MaterialFit) -> str:
-    return ", ".join(name.removesuffix(" modulus") for name in fit.as_used)
-
-
-def _choose(master: MasterCurve) -> str:
-    if master.temperature.size < 2:
-        return "none"
-    if master.temperature.size == 2:
-        return "Arrhenius"
-    return "WLF" if master.laws["WLF"].holds else "table"
-
-
-def _law(master: MasterCurve, name: str) -> Any:
-    if name not in master.laws:
-        raise InputError(
-            f"law must be one that these data allow ({', '.join([*master.laws, 'none'])}), got {name!r}: there are "
-            f"{master.temperature.size} temperatures."
-        )
-    law = master.laws[name].law
-    return type(law)(*(_round(float(getattr(law, field)), _DIGITS) for field in law.__dataclass_fields__))
-
-
-def _table(master: MasterCurve) -> ShiftTable:
-    """The shift factors as a table, with the reference temperature as one of its entries."""
-    if master.temperature.size < 2:
-        raise InputError("law must be 'none' for data of one temperature, got 'table'.")
-    away = np.abs(master.temperature - master.reference) > 0.5
-    temperature = np.append(master.temperature[away], master.reference).round(TEMPERATURE_DIGITS)
-    log10_a = np.append(master.log10_a[away], 0.0).round(_DIGITS)
-    order = np.argsort(temperature)
-    return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))
-
-
-def _round(value: float, digits: int) -> float:
-    return float(f"{value:.{digits - 1}e}")
+    return ", ".join(name.removesuffix(" modulus") for name in fit.misfit)

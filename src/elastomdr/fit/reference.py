@@ -65,14 +65,14 @@ def locate(temperature: np.ndarray, log10_a: np.ndarray, covariance: np.ndarray,
         off = [value - one.value(parameters, temperature) for one, parameters in ((arrhenius, q), (form, p))]
         worse = off[0] @ precision @ off[0] - off[1] @ precision @ off[1] - 2.0  # Akaike: a parameter costs 2
         chance = 1 / (1 + np.exp(np.clip(worse / 2, -50, 50)))
-        apart = bend(arrhenius, q) - bend(form, p)
+        difference = bend(arrhenius, q) - bend(form, p)
     else:
         pole = temperature[0] - _USUAL_POLE
         rise = 1 / (np.append(temperature, reference) - pole)
-        apart = (value[1] - value[0]) * (rise[2] - near @ rise[:2]) / (rise[1] - rise[0]) - bend(form, p)
+        difference = (value[1] - value[0]) * (rise[2] - near @ rise[:2]) / (rise[1] - rise[0]) - bend(form, p)
         chance = 1.0
     steps = distance / float(np.diff(temperature).mean())  # the law's own error grows as isotherms are away
-    variance = (own * steps) ** 2 * (1 + float(by_value @ by_value)) + chance * apart**2
+    variance = (own * steps) ** 2 * (1 + float(by_value @ by_value)) + chance * difference**2
     step = weights - np.eye(n)[centre]
     half = 1.96 * float(np.sqrt(max(step @ covariance @ step, 0.0) + variance))
     pole = float(temperature[0]) - float(np.exp(p[1])) - POLE if n > 2 else 0.0

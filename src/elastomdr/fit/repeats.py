@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .data import Dma, describe_list
+from ..io.data import Dma, describe_list
 
 _SAME_RATE = 0.01  # of ln(omega), within which two frequencies are one,
 _SAME_PLACE = 0.3  # and two temperatures [K]: modulus may change by a tenth per kelvin
 _FEWEST = 3  # repeated points of an isotherm that say anything
-_APART = 0.04  # mean ln of the ratio of last to first above which they differ, and beyond
+_DIFFERENT = 0.04  # mean ln of the ratio of last to first above which they differ, and beyond
 _SURE = 3.0  # so many of its standard errors
 
 
@@ -20,7 +20,7 @@ def contradicting_repeats(dma: Dma, isotherm: np.ndarray, temperature: np.ndarra
     first: dict[tuple[int, int], list[int]] = {}
     ratios: dict[int, list[np.ndarray]] = {}
     level = np.log(np.stack([dma.storage, dma.loss]))
-    for i, key in enumerate(zip(isotherm, np.round(np.log(dma.frequency) / _SAME_RATE), strict=True)):
+    for i, key in enumerate(zip(isotherm, np.round(np.log(dma.omega) / _SAME_RATE), strict=True)):
         place = int(key[0]), int(key[1])
         known = first.setdefault(place, [])
         met = next((j for j in known if abs(dma.temperature[i] - dma.temperature[j]) <= _SAME_PLACE), None)
@@ -33,9 +33,9 @@ def contradicting_repeats(dma: Dma, isotherm: np.ndarray, temperature: np.ndarra
         if len(each) < _FEWEST:
             continue
         mean, error = np.mean(each, axis=0), np.std(each, axis=0, ddof=1) / np.sqrt(len(each))
-        apart = np.abs(mean) > np.maximum(_APART, _SURE * error)
-        if apart.any():
-            found[float(temperature[number] - 273.15)] = float(np.abs(np.expm1(mean[apart])).max())
+        differs = np.abs(mean) > np.maximum(_DIFFERENT, _SURE * error)
+        if differs.any():
+            found[float(temperature[number] - 273.15)] = float(np.abs(np.expm1(mean[differs])).max())
     if found:
         yield (
             f"Points are repeated at {describe_list(sorted(found), 'degC')}, and differ from those before by "

@@ -1,22 +1,24 @@
 """Prony series from dynamic moduli, relaxation, or both: what `em.fit.prony` does and returns."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
 
 from .._runtime import positive, scalar, significant
 from ..errors import InputError
+from ..io.data import KINDS, lists
 from ..material.prony import Prony
-from ..material.validity import Range
+from ..material.validity import Range, misfit_bands
 from .agree import relaxation_excess
 from .balance import weigh
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
-from .data import KINDS, lists
 from .findings import TWO_SIGMA, AbstractFindings
 from .from_relaxation import known_range, known_to, with_loss
 from .isotherms import alike
@@ -29,7 +31,12 @@ from .shifting import join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
 from .terms import Data, check_terms, choose_terms
 
-TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike, Kind, Style
+    from ..material.shift import AbstractShift
+
 _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
     "where it is known, as poisson=0.4 (--poisson 0.4)."
@@ -38,10 +45,11 @@ _INCOMPRESSIBLE = (
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PronyFit(AbstractFindings):
-    """A Prony series through data, how far it is from them, and how well each number is known.
+    """A Prony series through data, its distance from them, and the uncertainty of each number.
 
-    Residuals are relative, prediction over data minus one; standard deviations follow from the scatter of the data
-    about the series, and their likeness between neighbours. `kind` says whether moduli are of shear or tension.
+    Residuals are relative, prediction over data minus one. Standard deviations follow from the scatter of the data
+    about the series, and from how much neighbouring residuals resemble each other. `kind` says whether moduli are of
+    shear or tension.
     """
 
     material: Prony
@@ -59,7 +67,7 @@ class PronyFit(AbstractFindings):
     loss: Float[np.ndarray, " m"]  # [Pa]
     time: Float[np.ndarray, " k"]  # [s]
     relaxation: Float[np.ndarray, " k"]  # [Pa]
-    kind: str
+    kind: Kind
     warnings: tuple[str, ...]
     converged: bool
     asked: int | None  # number of terms asked for; None: the data chose. Terms without a modulus are left out
@@ -77,19 +85,15 @@ class PronyFit(AbstractFindings):
         rates = np.concatenate([self.omega, 1 / self.time])
         return float(rates.min()), float(rates.max())
 
-    def moduli_at(self, omega: Any) -> tuple[np.ndarray, np.ndarray]:
+    def moduli_at(self, omega: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Storage and loss modulus [Pa] of the series, in the data's own kind, at omega [rad/s] of any shape."""
-        x = np.asarray(omega, dtype=float)[..., None] * np.asarray(self.material.times)
-        moduli = np.asarray(self.material.moduli)
-        storage, loss = (x / (x + 1 / x) * moduli).sum(axis=-1), (moduli / (x + 1 / x)).sum(axis=-1)
-        return float(self.material.equilibrium) + storage, loss
+        return np.asarray(self.material.storage(omega)), np.asarray(self.material.loss(omega))
 
-    def relaxation_at(self, time: Any) -> np.ndarray:
+    def relaxation_at(self, time: ArrayLike) -> np.ndarray:
         """Relaxation modulus [Pa] of the series, in the data's own kind, at times [s] of any shape."""
-        decay = np.exp(-np.asarray(time, dtype=float)[..., None] / np.asarray(self.material.times))
-        return float(self.material.equilibrium) + (np.asarray(self.material.moduli) * decay).sum(axis=-1)
+        return np.asarray(self.material.relaxation(time))
 
-    def band(self, omega: Any) -> Band:
+    def band(self, omega: ArrayLike) -> Band:
         """Storage and loss modulus of the series with 95 % intervals, at angular frequencies [rad/s], any shape.
 
         The intervals are those of a smooth spectrum through the same data (with the uncertainty of the shifts, where
@@ -98,7 +102,7 @@ class PronyFit(AbstractFindings):
         """
         return dynamic_band(self.joint, self._state, self.window, omega, self.moduli_at)
 
-    def relaxation_band(self, time: Any) -> RelaxationBand:
+    def relaxation_band(self, time: ArrayLike) -> RelaxationBand:
         """Relaxation modulus of the series with its 95 % interval, at times [s] of any shape; otherwise as `band`."""
         return relaxation_band(self.joint, self._state, self.window, time, self.relaxation_at)
 
@@ -111,7 +115,7 @@ class PronyFit(AbstractFindings):
     @property
     def loss_known(self) -> str:
         """How well relaxation determines the loss modulus within the material's range; "" where it was measured."""
-        limits = None if self.loss.size or self.material.range is None else self.material.range.frequency
+        limits = None if self.loss.size or self.material.range is None else self.material.range.omega
         if limits is None:
             return ""
         return known_to(self.joint, self._state, self.window, limits, lambda w: self.moduli_at(w)[1])
@@ -122,16 +126,17 @@ class PronyFit(AbstractFindings):
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the series, one row per term, with residuals and warnings in header lines that start with "# "."""
-        from ..results.table import write_files
+        from ..files import write_files
         from .tables import prony_csv
 
         write_files({Path(path): prony_csv(self).encode()})
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draws data, series and band against frequency on `ax`, or on a new figure; returns matplotlib Axes."""
-        from ..results.fit_figure import draw_prony
+    def plot(self, ax: Axes | None = None, style: Style | None = None) -> Axes:
+        """Draws data, series and band against frequency on `ax`, or on a new figure, in a style of
+        `Result.plot`; returns matplotlib Axes."""
+        from .figures import draw_prony
 
-        return draw_prony(self, ax)
+        return draw_prony(self, ax, style)
 
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the series, as pairs of a name and a text."""
@@ -155,36 +160,53 @@ class PronyFit(AbstractFindings):
 
 @one_thread
 def prony(
-    omega: Any = None,
-    storage: Any = None,
-    loss: Any = None,
+    omega: ArrayLike | MasterCurve | None = None,
+    storage: ArrayLike | None = None,
+    loss: ArrayLike | None = None,
     *,
-    time: Any = None,
-    relaxation: Any = None,
+    time: ArrayLike | None = None,
+    relaxation: ArrayLike | None = None,
     terms: int | None = None,
     equilibrium: bool | None = None,
     balance: float | None = None,
-    kind: str | None = None,
+    kind: Kind | None = None,
     poisson: float | None = None,
-    shift: Any = None,
+    shift: AbstractShift | None = None,
     name: str = "",
     citation: str = "",
 ) -> PronyFit:
     """The Prony series that comes closest, relatively, to storage and loss moduli, to relaxation, or to both.
 
-    `omega` [rad/s], `storage` and `loss` [Pa] are lists of one length; `time` [s] and `relaxation` [Pa] likewise; or
-    `omega` is a `MasterCurve`, which brings all of them. Moduli are not negative, so that the series is passive; times
-    are refined, and may lie beyond the data. The number of terms (`terms`) and whether there is an equilibrium modulus
-    (`equilibrium`) are chosen by the Akaike information criterion where they are not given, with at most one and a
-    half terms per decade. `balance` is how many times more exactly the storage modulus is to be met than the loss
-    modulus; by itself it follows their scatter, and is 20 where they contradict each other. `kind` ("shear" unless
-    the master curve says otherwise), `poisson`, `shift`, `name` and `citation` go into the material; where `poisson` is
-    not given it is 0.5, with a warning for tensile moduli. Raises `InputError` for lists that do not match, values that
-    are not positive, too few points.
+    Moduli are not negative, so that the series is passive; times are refined, and may lie outside the data.
+
+    Args:
+        omega: angular frequencies [rad/s], shape (n,); or a `MasterCurve`, which brings all data.
+        storage: storage moduli [Pa], shape (n,).
+        loss: loss moduli [Pa], shape (n,).
+        time: times of relaxation data [s], shape (m,).
+        relaxation: relaxation moduli [Pa], shape (m,).
+        terms: number of terms; by default chosen by the Akaike information criterion, at most one and a half per
+            decade.
+        equilibrium: whether there is an equilibrium modulus; by default chosen likewise.
+        balance: how many times more exactly the storage modulus is to be met than the loss modulus; by default this
+            follows their scatter, and is 20 where they contradict each other.
+        kind: "shear" or "tensile"; by default what the master curve says, or shear.
+        poisson: Poisson's ratio of the material; by default 0.5, with a warning for tensile moduli.
+        shift: shift law of the material.
+        name: name of the material.
+        citation: source of the material.
+
+    Returns:
+        A `PronyFit`, whose `material` is the series.
+
+    Raises:
+        InputError: for lists that do not match, values that are not positive, and too few points.
+
+    Source: `docs/fitting.md`.
     """
     master = omega if isinstance(omega, MasterCurve) else None
     if master is not None:
-        omega, storage, loss = master.frequency, master.storage, master.loss
+        omega, storage, loss = master.omega, master.storage, master.loss
         time, relaxation = master.time, master.relaxation
         kind = master.kind if kind is None else kind
     kind = "shear" if kind is None else kind
@@ -231,10 +253,11 @@ def prony(
     limits = known_range(
         points, joint, state, lambda w: (moduli / (w[:, None] * times + 1 / (w[:, None] * times))).sum(1)
     )
+    measured_at = None if master is None else master.measured_at
     material = Prony(
         level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
         name=name, citation=citation,
-        range=Range(limits, _temperatures(master)),
+        range=Range(limits, measured_at, misfit=misfit_bands(omega, parts["storage"], parts["loss"])),
     )  # fmt: skip
     end = slow_end(points, noise)
     at = np.array([np.log(end.rate)]), np.array([STORAGE if end.kind == "storage" else RELAXATION])
@@ -265,7 +288,6 @@ def prony(
                 data,
                 contradiction,
                 relaxation_excess(joint),
-                master is not None and master.dma.doubtful,
                 found.posterior.converged,
             ),
             *judge_level(level, end, interval),
@@ -277,13 +299,6 @@ def prony(
         joint=joint,
         master=master,
     )
-
-
-def _temperatures(master: MasterCurve | None) -> tuple[float, float] | None:
-    if master is None:
-        return None
-    cold, warm = (round(float(x), TEMPERATURE_DIGITS) for x in (master.temperature.min(), master.temperature.max()))
-    return (cold, warm) if cold < warm else (cold - 0.5, warm + 0.5)
 
 
 def _smooth(points: Points) -> Joint:

@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .fast_end import early
 from .posterior import GAIN, SETTLED, Posterior, Prior, infer
 from .spectrum import LOSS, PER_DECADE, Points, Prediction, nodes, predict
-from .unseen import early
 
 LN10 = float(np.log(10.0))
 _ENTROPY = (0.5, 0.75)  # mean and width of s
@@ -106,9 +106,9 @@ def from_slopes(log_slopes: np.ndarray, temperature: np.ndarray, anchor: int) ->
 
 def slope_priors(slopes: np.ndarray, temperature: np.ndarray, usual: tuple[float, float] = (0.0, 0.0)) -> list[Prior]:
     """What is expected of ln slopes: their size, and that they change slowly; `slopes` picks them from the unknowns."""
-    apart = np.sqrt(np.diff(0.5 * (temperature[1:] + temperature[:-1])) / 10.0)
-    change = np.diff(slopes, axis=0) / apart[:, None]
-    return [Prior(slopes, 1.5, None, _SLOPE), Prior(change, 0.2, _CHANGE, 10.0 * _BEND * apart, usual=usual)]
+    gap = np.sqrt(np.diff(0.5 * (temperature[1:] + temperature[:-1])) / 10.0)
+    change = np.diff(slopes, axis=0) / gap[:, None]
+    return [Prior(slopes, 1.5, None, _SLOPE), Prior(change, 0.2, _CHANGE, 10.0 * _BEND * gap, usual=usual)]
 
 
 def first_slopes(guess: np.ndarray, temperature: np.ndarray) -> np.ndarray:
@@ -181,13 +181,13 @@ def join(
     return shifts._replace(posterior=posterior)
 
 
-def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float, unseen: list[Prior]) -> list[Prior]:
+def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float, fast: list[Prior]) -> list[Prior]:
     """The first of them is that of the spectrum's smoothness, `roughness` its width to begin with."""
     n, k = start.size, shifts.log_times.size
     every = np.eye(n)
     second = np.zeros((k - 2, n))
     second[:, :k] = np.diff(np.eye(k), 2, axis=0)
-    hidden = sum(prior.rows.shape[0] for prior in unseen)  # the first times, of which little is seen
+    hidden = sum(prior.rows.shape[0] for prior in fast)  # the first times, of which little is seen
     second = second[max(hidden - 1, 0) :]
     slopes, entropy = every[shifts.slopes], shifts.slopes.stop
     blind = not (shifts.points.channel == LOSS).any()
@@ -203,7 +203,7 @@ def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float,
         Prior(every[[entropy]], _ENTROPY[1] if vertical else _FIXED, None, _ENTROPY[0] if vertical else 0.0),
         Prior(every[shifts.places], near, (near, far) if blind else None),
         Prior(free, 0.01 if vertical else _FIXED, _FREE if vertical else None),
-        *unseen,
+        *fast,
     ]
 
 
@@ -253,9 +253,9 @@ def guess_shifts(points: Points, temperature: np.ndarray) -> np.ndarray:
     return guess
 
 
-def _pair(points: Points, cold: int, warm: int, apart: float) -> float:
+def _pair(points: Points, cold: int, warm: int, gap: float) -> float:
     """log10(a_cold/a_warm) by least squares of polynomials in ln omega, one per channel, over a grid of shifts."""
-    grid = np.arange(-0.5, max(4.0, 0.6 * apart), 0.05)
+    grid = np.arange(-0.5, max(4.0, 0.6 * gap), 0.05)
     at = (points.isotherm == cold) | (points.isotherm == warm)
     rate, value, channel = points.log_rate[at], points.log_value[at], points.channel[at]
     is_cold = points.isotherm[at] == cold
@@ -274,6 +274,6 @@ def _pair(points: Points, cold: int, warm: int, apart: float) -> float:
     solution = np.linalg.solve(normal, right[..., None])[..., 0]
     error = ((design @ solution[..., None])[..., 0] - value) ** 2
     misfit = error.sum(axis=1) + (ridge * solution**2).sum(axis=1)
-    usual = 0.06 * apart  # decades per kelvin, where the data say nothing
+    usual = 0.06 * gap  # decades per kelvin, where the data say nothing
     penalty = value.size * np.log(misfit / value.size + 1e-6) + ((grid - usual) / 2.0) ** 2
     return float(grid[np.argmin(penalty)])

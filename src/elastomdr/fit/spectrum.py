@@ -34,7 +34,7 @@ class Points(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """ln of the predicted values; derivatives, computed when asked for, by ln H_k, ln G_eq, ln(omega) and ln tau_k."""
+    """ln of the predicted values; derivatives, computed on demand, by ln H_k, ln G_eq, ln(omega) and ln tau_k."""
 
     log_value: np.ndarray  # (points,)
     heights: np.ndarray  # (times,): H_k

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
+from ..files import csv_text
 from .findings import PLUS_MINUS
 
 if TYPE_CHECKING:
@@ -17,10 +18,10 @@ def master_csv(master: "MasterCurve") -> str:
     """Shifted data, one row per point, as comma-separated text with the shifts in header lines."""
     symbol = "G" if master.kind == "shear" else "E"
     columns: Mapping[str, Any]
-    if master.frequency.size:
-        order = np.argsort(master.frequency, kind="stable")
+    if master.omega.size:
+        order = np.argsort(master.omega, kind="stable")
         columns = {
-            "reduced angular frequency [rad/s]": master.frequency[order],
+            "reduced angular frequency [rad/s]": master.omega[order],
             f"storage modulus {symbol}' times b_T [Pa]": master.storage[order],
             f"loss modulus {symbol}'' times b_T [Pa]": master.loss[order],
             "isotherm [K]": master.temperature[master.isotherm[order]],
@@ -44,7 +45,7 @@ def shifts_csv(master: "MasterCurve") -> str:
         "standard deviation of log10 a_T [-]": master.log10_a_std,
         "log10 b_T [-]": master.log10_b,
         "standard deviation of log10 b_T [-]": master.log10_b_std,
-        "told apart": ~master.ambiguous,
+        "separable": ~master.ambiguous,
     }
     return _csv("shift factors", [("reference", f"{master.reference:.10g} K"), ("source", master.source)], columns)
 
@@ -63,19 +64,10 @@ def prony_csv(fit: "PronyFit") -> str:
 
 
 def _csv(what: str, findings: Iterable[tuple[str, str]], columns: Mapping[str, Any]) -> str:
-    lines = [
-        f"# elastomdr {__version__}: {what}",
-        "# units: SI, in brackets in the column titles",
-        f"# intervals: {PLUS_MINUS}; a column of standard deviations holds one of them",
+    header = [
+        f"elastomdr {__version__}: {what}",
+        "units: SI, in brackets in the column titles",
+        f"intervals: {PLUS_MINUS}; a column of standard deviations holds one of them",
+        *(f"{name.strip()}: {text}" for name, text in findings),
     ]
-    lines += [f"# {' '.join(f'{name.strip()}: {text}'.split())}" for name, text in findings]
-    rows = zip(*(list(column) for column in columns.values()), strict=True)
-    lines.append(",".join(columns))
-    lines += [",".join(_cell(value) for value in row) for row in rows]
-    return "\n".join(lines) + "\n"
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, (float, np.floating)):
-        return "" if np.isnan(value) else repr(float(value))
-    return str(value)
+    return csv_text(header, columns)

@@ -31,7 +31,7 @@ class Data(NamedTuple):
     noise: np.ndarray  # standard deviation of ln(value) per channel
     weights: np.ndarray  # per point: 1, less for an outlier, more where several points are gathered in one
     alike: float  # number of neighbours that count as one
-    measured: int | None = None  # only so many points, the first ones, are data; the others guide, and inform nobody
+    measured: int | None = None  # only so many points, the first ones, are data; the others guide the fit
 
 
 class Terms(NamedTuple):

@@ -21,8 +21,8 @@ from jaxtyping import Bool, Float
 
 from .._runtime import Array
 from ..material.relaxation import Relaxation
+from .decay import phi1, phi2
 from .modes import Modes, to_branches, to_modes
-from .step import phi1, phi2
 
 _MOST = 100  # iterations in search of an instant
 _NEWTON = 8  # of them per one that halves the bracket whatever Newton's method says

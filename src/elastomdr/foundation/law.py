@@ -1,18 +1,25 @@
 """The foundation: what each element of the line does, and how a half-space or a thin layer becomes one."""
 
-from typing import Any
+from __future__ import annotations
 
-import equinox as eqx
+from typing import TYPE_CHECKING, Any, ClassVar, overload
+
 import numpy as np
-from jaxtyping import Float
 
-from .._runtime import Array, as_float64, in_float64, is_traced, positive, scalar
+from .._runtime import Array, as_float64, is_traced, numpy_unless_traced, positive, scalar
+from .._trees import fill, same, static
 from ..errors import InputError
 from ..mapping.radok import layer_operator, normal_operator, tangential_operator
 from ..material.prony import Prony
 from ..material.relaxation import AbstractRelaxation, Relaxation, checked, scaled, series
 from ..material.shift import AbstractShift
+from ..material.tabulated import AbstractTable, TabulatedModulus, described, needs_series
 from ..material.validity import Range, as_range, shared
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from .._types import ArrayLike, Number, RangeLike, Solid
 
 
 class Foundation(AbstractRelaxation):
@@ -28,38 +35,32 @@ class Foundation(AbstractRelaxation):
     times: Float[Array, " n"]  # tau_k, ascending [s]
     viscosity: Float[Array, ""]  # eta [Pa s, or Pa s/m]
     shift: AbstractShift | None
-    per_area: bool | None = eqx.field(static=True)
-    name: str = eqx.field(static=True)
-    range: Range | None = eqx.field(static=True)  # where the numbers hold; None: not known
+    per_area: bool | None = static()
+    name: str = static()
+    range: Range | None = static()  # where the numbers hold; None: not known
 
     def __init__(
         self,
-        equilibrium: Any,
-        moduli: Any,
-        times: Any,
-        viscosity: Any = 0.0,
+        equilibrium: Number,
+        moduli: ArrayLike,
+        times: ArrayLike,
+        viscosity: Number = 0.0,
         *,
         shift: AbstractShift | None = None,
         per_area: bool | None = None,
         name: str = "",
-        range: Any = None,
+        range: RangeLike | None = None,
     ):
         law = checked(equilibrium, moduli, times, viscosity)
-        self.equilibrium, self.moduli, self.times, self.viscosity = (
-            law.equilibrium,
-            law.moduli,
-            law.times,
-            law.viscosity,
-        )
-        self.shift, self.per_area, self.name, self.range = shift, per_area, name, as_range(range)
+        fill(self, **vars(law), shift=shift, per_area=per_area, name=name, range=as_range(range))
 
     @classmethod
-    def kelvin(cls, stiffness: Any, viscosity: Any) -> "Foundation":
+    def kelvin(cls, stiffness: Number, viscosity: Number) -> "Foundation":
         """Kelvin elements: a spring and a dashpot in parallel."""
         return cls(stiffness, np.zeros(0), np.zeros(0), viscosity)
 
     @classmethod
-    def maxwell(cls, stiffness: Any, time: Any) -> "Foundation":
+    def maxwell(cls, stiffness: Number, time: Number) -> "Foundation":
         """Maxwell elements: a spring and a dashpot in series."""
         return cls(0.0, as_float64("stiffness", stiffness)[None], as_float64("time", time)[None])
 
@@ -80,15 +81,43 @@ class Foundation(AbstractRelaxation):
         return Relaxation(self.equilibrium, self.moduli, self.times, self.viscosity)
 
 
-@in_float64
-def half_space(material: Prony, other: Prony | None = None, *, tangential: bool = False) -> Foundation:
+class TabulatedFoundation(AbstractTable):
+    """A half-space by a table of E*(omega), for steady models of surfaces; `em.half_space(tabulated)` makes it.
+
+    It answers what such models ask of a `Foundation`: `complex_modulus`, `shift`, `range`, `name`, `per_area`.
+    """
+
+    omega: Float[Array, " n"]
+    storage_table: Float[Array, " n"]  # Re E* [Pa]
+    loss_table: Float[Array, " n"]  # Im E* [Pa]
+    shift: AbstractShift | None
+    name: str = static()
+    range: Range | None = static()  # where the numbers hold; None: not known
+    per_area: ClassVar[bool] = False
+
+    def __repr__(self) -> str:
+        label = f"{self.name!r}, " if self.name else ""
+        return f"TabulatedFoundation({label}{described(self)})"
+
+
+@overload
+def half_space(material: Prony, other: Prony | None = None, *, tangential: bool = False) -> Foundation: ...
+@overload
+def half_space(material: TabulatedModulus, other: None = None, *, tangential: bool = False) -> TabulatedFoundation: ...
+@numpy_unless_traced
+def half_space(
+    material: Prony | TabulatedModulus, other: Prony | None = None, *, tangential: bool = False
+) -> Foundation | TabulatedFoundation:
     """The foundation of a half-space by Radok's equations, exact; with `other`, of two half-spaces in contact.
 
     Two bodies carry the same pressure: their creep functions add, so that two viscoelastic ones give n_1 + n_2
-    branches (twice that for constant bulk moduli). `tangential` gives G* in place of E*. Source: Radok 1957;
-    Popov & Hess 2015, ch. 7. Raises `InputError` for two materials with different shift laws, unless they are already
-    at their temperature (`material.at(T)`).
+    branches (twice that for constant bulk moduli). `tangential` gives G* in place of E*. A `TabulatedModulus` gives the
+    table of E* = 2G/(1 - nu) = E/(1 - nu^2), for steady models of surfaces; no second body is taken with it. Source:
+    Radok 1957; Popov & Hess 2015, ch. 7. Raises `InputError` for two materials with different shift laws, unless they
+    are already at their temperature (`material.at(T)`).
     """
+    if other is None and isinstance(material, TabulatedModulus):
+        return _half_space_of_table(material, tangential)
     operator = tangential_operator if tangential else normal_operator
     law, shift, name = operator(_material("material", material)), material.shift, material.name
     known = material.range
@@ -103,8 +132,8 @@ def half_space(material: Prony, other: Prony | None = None, *, tangential: bool 
     return _foundation(law, shift, False, name, known)
 
 
-@in_float64
-def layer(material: Prony, thickness: Any, *, bonded: bool = True, tangential: bool = False) -> Foundation:
+@numpy_unless_traced
+def springs(material: Solid, thickness: Number, *, bonded: bool = True, tangential: bool = False) -> Foundation:
     """The foundation of a thin layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
 
     Holds where the contact is much wider than the layer is thick. `tangential` gives that of simple shear, G(t) over
@@ -117,12 +146,23 @@ def layer(material: Prony, thickness: Any, *, bonded: bool = True, tangential: b
     if tangential and not bonded:
         raise InputError("bonded must be True with tangential: a layer that slips on its base is not sheared.")
     own = _material("material", material)
-    law = scaled(own.law() if tangential else layer_operator(own, bonded), 1 / thickness)
+    law = scaled(own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness)
     return _foundation(law, material.shift, True, material.name, material.range)
 
 
+def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
+    """What steady models of surfaces compute with: a foundation as it is, or the half-space of a bare material.
+
+    They need the complex modulus only, so that a table of it will do. Raises `InputError` for anything else.
+    """
+    if isinstance(material, TabulatedFoundation):
+        return material
+    return half_space(material) if isinstance(material, TabulatedModulus) else as_foundation(material)
+
+
 def as_foundation(material: Any) -> Foundation:
-    """A foundation as it is, or the half-space of a bare material."""
+    """A foundation as it is, or the half-space of a bare material; raises `InputError` for a table of moduli."""
+    needs_series("material", material, "smooth bodies, lines and histories in time")
     if isinstance(material, Foundation):
         return material
     if isinstance(material, Prony):
@@ -137,15 +177,21 @@ def _foundation(
 ) -> Foundation:
     if not is_traced(law):
         law = Relaxation(*(np.asarray(x) for x in (law.equilibrium, law.moduli, law.times, law.viscosity)))
-    blank = Foundation(1.0, np.zeros(0), np.zeros(0), shift=shift, per_area=per_area, name=name, range=known)
-    return eqx.tree_at(
-        lambda f: (f.equilibrium, f.moduli, f.times, f.viscosity),
-        blank,
-        (law.equilibrium, law.moduli, law.times, law.viscosity),
+    foundation = object.__new__(Foundation)  # its numbers were checked when the material was made
+    fill(foundation, **vars(law), shift=shift, per_area=per_area, name=name, range=known)
+    return foundation
+
+
+def _half_space_of_table(material: TabulatedModulus, tangential: bool) -> TabulatedFoundation:
+    nu, shear = material.poisson, material.shear()
+    factor = 4 / (2 - nu) if tangential else 2 / (1 - nu)
+    return TabulatedFoundation(
+        shear.omega, shear.storage_table * factor, shear.loss_table * factor, shear.shift, shear.name, shear.range
     )
 
 
 def _material(name: str, material: Any) -> Prony:
+    needs_series(name, material, "a layer or two bodies in contact")
     if not isinstance(material, Prony):
         raise InputError(f"{name} must be an em.Prony, or one made by em.load_material(...), got {material!r}.")
     return material
@@ -157,4 +203,4 @@ def same_shift(first: AbstractShift | None, second: AbstractShift | None) -> boo
         return first is second
     if is_traced(first, second):
         return first is second
-    return bool(eqx.tree_equal(first, second))
+    return bool(same(first, second))

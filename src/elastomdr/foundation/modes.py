@@ -12,14 +12,16 @@ i /= j, since a dissipation and an energy that are quadratic have common modes. 
 here: no equation is solved. Source of the modes: Gross 1953 (see `material.relaxation`).
 """
 
-from typing import Any, NamedTuple
+from __future__ import annotations
 
-import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Float
+from typing import TYPE_CHECKING, NamedTuple
 
-from .._runtime import Array, in_float64, is_traced
+from .._arrays import xp
+from .._runtime import Array, is_traced, numpy_unless_traced
 from ..material.relaxation import Relaxation, kelvin_and_gaps
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _NEAREST = 1e-60  # of 1 - tau/lambda, where a branch without strength makes the two coincide
 
@@ -34,10 +36,9 @@ class Modes(NamedTuple):
     instantaneous: Float[Array, ""]  # J_0 [1/Pa]
 
 
-@in_float64
+@numpy_unless_traced
 def recovery_modes(law: Relaxation) -> Modes:
     """The modes of a law, to full relative accuracy; exact. NumPy arrays unless the law is traced."""
-    xp: Any = jnp if is_traced(law) else np
     chain, gaps = kelvin_and_gaps(law)
     there = xp.asarray(chain.compliances) > 0
     rate = xp.where(there, 1 / xp.where(there, chain.times, 1.0), 0.0)
@@ -54,13 +55,13 @@ def recovery_modes(law: Relaxation) -> Modes:
 def to_branches(law: Relaxation, modes: Modes, m: Float[Array, " j *n"]) -> Float[Array, " k *n"]:
     """Forces f_k of an element that recovers freely, from its modes: f_k = -sum_j E_k tau_k Y_jk m_j/lambda_j."""
     weights = -(law.moduli * law.times)[:, None] * (modes.rate[:, None] * modes.shape).T
-    return jnp.tensordot(weights, m, axes=1)
+    return xp.tensordot(weights, m, axes=1)
 
 
 def to_modes(law: Relaxation, modes: Modes, u: Float[Array, "*n"], f: Float[Array, " k *n"]) -> Float[Array, " j *n"]:
     """Modes of an element that carries no force, from its displacement and branch forces."""
-    lagging = jnp.expand_dims(law.moduli * law.times, tuple(range(1, f.ndim))) * u
-    lagging = lagging - jnp.expand_dims(law.times, tuple(range(1, f.ndim))) * f  # E_k tau_k y_k
+    lagging = xp.expand_dims(law.moduli * law.times, tuple(range(1, f.ndim))) * u
+    lagging = lagging - xp.expand_dims(law.times, tuple(range(1, f.ndim))) * f  # E_k tau_k y_k
     present = modes.gain > 0
-    share = jnp.where(present, 1 / jnp.where(present, modes.norm, 1.0), 0.0)[:, None]
-    return jnp.tensordot(share * modes.shape, lagging, axes=1) + jnp.tensordot(share * law.viscosity, u[None], axes=1)
+    share = xp.where(present, 1 / xp.where(present, modes.norm, 1.0), 0.0)[:, None]
+    return xp.tensordot(share * modes.shape, lagging, axes=1) + xp.tensordot(share * law.viscosity, u[None], axes=1)

@@ -22,6 +22,7 @@ from jaxtyping import Float
 from .._runtime import Array
 from ..errors import InputError
 from ..material.relaxation import AbstractRelaxation
+from .decay import phi1, phi2
 
 _WRITTEN_OUT = 32  # branches up to which sums over them are
 _SETTLED = 80.0  # z = h K/eta from which exp(-z/2) is below rounding: the dashpot has settled within the step
@@ -218,6 +219,7 @@ class ContactStep(diffrax.AbstractSolver):
     term_structure: ClassVar = RigidSurface
     interpolation_cls: ClassVar[Callable[..., diffrax.LocalLinearInterpolation]] = diffrax.LocalLinearInterpolation
 
+    # `Any` below: terms, instants and jumps are typed by diffrax.AbstractSolver.
     def order(self, terms: Any) -> int:
         return 2
 
@@ -267,21 +269,6 @@ def _signorini(static: Array, viscosity: Array, y: Array, decay: Array, h: Array
     early = jnp.exp(-jnp.minimum(y, z)) * phi1(jnp.abs(z - y)) / phi1(z)
     late = decay / (1 - jnp.minimum(y * lag, 0.5))  # beyond 0.5 nothing is left of the branch
     return jnp.where(settled, late, early), stiffness
-
-
-def phi1(y: Array) -> Array:
-    """(1 - exp(-y))/y for y >= 0."""
-    safe = jnp.where(y > 0, y, 1.0)
-    return jnp.where(y > 0, -jnp.expm1(-safe) / safe, 1 - 0.5 * y)
-
-
-def phi2(y: Array) -> Array:
-    """(1 - phi1(y))/y for y >= 0, by its series where the difference would lose digits."""
-    small, large = jnp.where(y < 1, y, 1.0), jnp.where(y < 1, 1.0, y)  # not min and max: at y = 1 they halve slopes
-    series = jnp.ones_like(y)
-    for k in range(19, 2, -1):
-        series = 1 - small / k * series
-    return jnp.where(y < 1, 0.5 * series, (1 - phi1(large)) / large)
 
 
 def over_branches(parts: Float[Array, "k n"]) -> Float[Array, " n"]:

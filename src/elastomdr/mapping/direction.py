@@ -9,15 +9,20 @@ converges exponentially: as a function of log v a relaxation spectrum is analyti
 the contact changes much with the velocity, as under a cone at high contrast, the strip is narrower and steps must be.
 """
 
+from __future__ import annotations
+
+import functools
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from .._runtime import Array, is_traced
+from .._arrays import xp
+from .._runtime import Array, numpy_unless_traced
 from ..material.relaxation import Relaxation
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 STENCIL = 14  # points of local Lagrange interpolation in log v
 _STEEPEST = 4.05  # power of a profile up to which the validity map says how far the average is off
@@ -34,6 +39,7 @@ class Directions(NamedTuple):
     tail: float  # bound on the part of mu left out
 
 
+@functools.lru_cache(64)
 def directions(rtol: float, level: int = 0) -> Directions:
     """Trapezoidal rule in t; the number of steps is a multiple of four, so that every second node is a rule too.
 
@@ -98,16 +104,16 @@ def shared_grid(velocity: Float[np.ndarray, " points"], rtol: float) -> SharedGr
     )  # fmt: skip
 
 
+@numpy_unless_traced
 def quadrature_error(mu: Array, half: Array, quarter: Array, tail: float, power: int = 2) -> Array:
     """Error of the average, from the rules with twice and four times the step.
 
     The rule converges exponentially: the error of step h is C q^4, with 2 h it is C q^2, with 4 h C q. The last change
     is C q^2, its ratio to the one before q. A `power` of 1 allows for a strip that is narrower than it seemed so far.
     """
-    numpy: Any = jnp if is_traced(mu, half, quarter) else np
-    scale = numpy.where(mu > 0, mu, 1.0)
-    last, before = (numpy.minimum(numpy.abs(x - y) / scale, 1.0) for x, y in ((half, mu), (quarter, half)))
-    return mu * (last * numpy.minimum(last / numpy.maximum(before, 1e-300), 1.0) ** power + tail)
+    scale = xp.where(mu > 0, mu, 1.0)
+    last, before = (xp.minimum(xp.abs(x - y) / scale, 1.0) for x, y in ((half, mu), (quarter, half)))
+    return mu * (last * xp.minimum(last / xp.maximum(before, 1e-300), 1.0) ** power + tail)
 
 
 def interpolation_error(mu: Array, lower: Array) -> Array:
@@ -126,6 +132,7 @@ class Asymmetry(NamedTuple):
     sensitivity: Float[Array, " points"]  # relative change of exp(excess) by that of a friction coefficient, at most
 
 
+@numpy_unless_traced
 def asymmetry(average: Array, line: Array, leading: Array, trailing: Array, exponent: Array) -> Asymmetry:
     """Excess of the direction average over the half-space, from the asymmetry of the line's contact.
 
@@ -137,14 +144,13 @@ def asymmetry(average: Array, line: Array, leading: Array, trailing: Array, expo
     0, at low and at high velocity. An empirical rule, fitted to three-dimensional solutions with n = 1, 2 and 4 and
     contrasts up to 1000 (docs/accuracy.md), as are the two bounds, which are NaN for steeper profiles.
     """
-    numpy = jnp if is_traced(average, line, leading, trailing, exponent) else np
-    s = numpy.maximum((leading - trailing) / (leading + trailing), 1e-12)
-    ratio = average / numpy.where(line > 0, line, 1.0)
-    n = numpy.clip(exponent, 1.0, 4.0)
-    share = numpy.maximum(2 * ratio - 1, 1e-9) ** numpy.minimum(n - 1, 1.0)
-    factor = (0.28 - 0.225 * n + 0.096 * n**2) * s ** (1 + numpy.abs(n - 2) / 4)
-    excess = numpy.where(line > 0, factor * share, 0.0)
-    known = numpy.where(exponent <= _STEEPEST, 1.0, numpy.nan)
+    s = xp.maximum((leading - trailing) / (leading + trailing), 1e-12)
+    ratio = average / xp.where(line > 0, line, 1.0)
+    n = xp.clip(exponent, 1.0, 4.0)
+    share = xp.maximum(2 * ratio - 1, 1e-9) ** xp.minimum(n - 1, 1.0)
+    factor = (0.28 - 0.225 * n + 0.096 * n**2) * s ** (1 + xp.abs(n - 2) / 4)
+    excess = xp.where(line > 0, factor * share, 0.0)
+    known = xp.where(exponent <= _STEEPEST, 1.0, xp.nan)
     return Asymmetry(excess, known * (1.5 * excess + 0.1 * s), known * (0.5 * excess + 0.1 * s), 4 * factor)
 
 
@@ -159,6 +165,11 @@ def lagrange(place: np.ndarray, stencil: int) -> tuple[np.ndarray, np.ndarray]:
     offsets = np.arange(stencil)
     gaps = (place - left)[..., None] - offsets
     gaps = np.where(gaps == 0, 1e-300, gaps)
-    factorial = [math.factorial(j) * math.factorial(stencil - 1 - j) for j in offsets]
-    barycentric = (-1.0) ** offsets / np.array(factorial) / gaps
+    barycentric = _barycentric(stencil) / gaps
     return left[..., None] + offsets, barycentric / barycentric.sum(axis=-1, keepdims=True)
+
+
+@functools.cache
+def _barycentric(stencil: int) -> np.ndarray:
+    factorial = [math.factorial(j) * math.factorial(stencil - 1 - j) for j in range(stencil)]
+    return (-1.0) ** np.arange(stencil) / np.array(factorial)

@@ -4,24 +4,28 @@ Along each line the rigid body moves in x. The size of the contact is one number
 leading edge of the central line. A line enters contact at a = entry(A).
 """
 
+from __future__ import annotations
+
 import abc
 import functools
 import math
+from typing import TYPE_CHECKING
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
+from .._arrays import xp
 from .._runtime import Array
+from .._trees import Tree, static
 from .shapes import AbstractShape, Cylinder
 
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
-class AbstractLines(eqx.Module):
+
+class AbstractLines(Tree):
     """Lines j = 0 ... count-1, with their weights in the total force."""
 
-    shape: eqx.AbstractVar[AbstractShape]
+    shape: AbstractShape
 
     @property
     @abc.abstractmethod
@@ -58,7 +62,7 @@ class AbstractLines(eqx.Module):
 
     def exponent(self, size: Float[Array, " points"]) -> Float[Array, " points"]:
         """a g'(a)/g(a) on the central line: 1 for a cone, 2 for a paraboloid."""
-        entry, central = self.entry(size)[:1], jnp.zeros((1, 1), int)
+        entry, central = self.entry(size)[:1], xp.zeros((1, 1), int)
         return (entry * self.slope(entry, size, central) / self.profile(entry, size, central))[0]
 
 
@@ -76,7 +80,7 @@ class SingleLine(AbstractLines):
 
     def weight(self, size: Array) -> Array:
         length = self.shape.length if isinstance(self.shape, Cylinder) else 1.0
-        return jnp.full((1, 1), length)
+        return xp.full((1, 1), length)
 
     def profile(self, x: Array, size: Array, line: Array) -> Array:
         return self.shape._profile(x)
@@ -85,7 +89,7 @@ class SingleLine(AbstractLines):
         return self.shape._slope(x)
 
     def summation_error(self, parts: Array) -> Array:
-        return jnp.zeros_like(parts[0])
+        return xp.zeros_like(parts[0])
 
     def refined(self, strips: int) -> "SingleLine":
         return self
@@ -102,35 +106,34 @@ class Strips(AbstractLines):
     """
 
     shape: AbstractShape
-    strips: int = eqx.field(static=True, default=16)  # over the half-width
+    strips: int = static(default=16)  # over the half-width
 
     @property
     def count(self) -> int:
         return self.strips
 
     def entry(self, size: Array) -> Array:
-        return size * jnp.cos(_angles(self.strips)[0])[:, None]
+        return size * xp.cos(_angles(self.strips)[0])[:, None]
 
     def weight(self, size: Array) -> Array:
         angle, weight = _angles(self.strips)
-        return 2 * size * (jnp.cos(angle) * weight)[:, None]
+        return 2 * size * (xp.cos(angle) * weight)[:, None]
 
     def profile(self, x: Array, size: Array, line: Array) -> Array:
-        y = size * jnp.sin(jnp.asarray(_angles(self.strips)[0])[line])
-        return self.shape._height(jnp.hypot(x, y)) - self.shape._height(y)
+        y = size * xp.sin(xp.asarray(_angles(self.strips)[0])[line])
+        return self.shape._height(xp.hypot(x, y)) - self.shape._height(y)
 
     def slope(self, x: Array, size: Array, line: Array) -> Array:
-        r = jnp.hypot(x, size * jnp.sin(jnp.asarray(_angles(self.strips)[0])[line]))
-        _, steepness = jax.jvp(self.shape._height, (r,), (jnp.ones_like(r),))
-        return steepness * x / r
+        r = xp.hypot(x, size * xp.sin(xp.asarray(_angles(self.strips)[0])[line]))
+        return self.shape._steepness(r) * x / r
 
     def summation_error(self, parts: Array) -> Array:
         # Gauss' rule with n points misses about the 2n-th Legendre coefficient c of the integrand. It is reached from
         # c_n/2 and c_n by the law that joins them, c_2n = c_n^2/c_n/2 for a power and less for an exponential. Against
         # 96 strips of spheres, cones and power laws on three rubbers that was up to 3 times too small, hence the 4.
-        size = jnp.abs(jnp.asarray(_to_legendre(self.strips)) @ parts)
-        half, last = jnp.max(size[self.strips // 2 - 2 : self.strips // 2], axis=0), jnp.max(size[-2:], axis=0)
-        return 4 * last * jnp.minimum(last / jnp.where(half > 0, half, 1.0), 1.0)
+        size = xp.abs(xp.asarray(_to_legendre(self.strips)) @ parts)
+        half, last = xp.max(size[self.strips // 2 - 2 : self.strips // 2], axis=0), xp.max(size[-2:], axis=0)
+        return 4 * last * xp.minimum(last / xp.where(half > 0, half, 1.0), 1.0)
 
     def refined(self, strips: int) -> "Strips":
         return Strips(self.shape, strips)

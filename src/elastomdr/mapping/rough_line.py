@@ -1,20 +1,27 @@
 """A rough line: heights at even spacing, periodic, joined by a cubic spline."""
 
-from typing import Any, ClassVar
+from __future__ import annotations
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar
+
 import numpy as np
-from jaxtyping import Float
 
-from .._runtime import Array, argmax, as_float64, ascending, in_float64, is_traced, require
+from .._arrays import compiled, fixed, xp
+from .._runtime import Array, argmax, as_float64, ascending, in_float64, is_traced, numpy_unless_traced, require
+from .._trees import Tree, fill, replaced
 from ..errors import InputError
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike
 
 _EVEN = 1e-6  # unevenness of x, relative to its spacing, that counts as rounding
 
 
-class RoughLine(eqx.Module):
+class RoughLine(Tree):
     """A rigid rough line h(x), periodic with n dx; heights [m] count positive into the rubber.
 
     Its depth is how far its highest point stands below the undeformed surface, its load the mean load per length [N/m].
@@ -28,8 +35,8 @@ class RoughLine(eqx.Module):
     spacing: Float[Array, ""]  # dx [m]
     label: ClassVar[str] = "rough line"
 
-    @in_float64
-    def __init__(self, x: Any, height: Any, *, resample: bool = False):
+    @numpy_unless_traced
+    def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
         x, height = as_float64("x", x), as_float64("height", height)
         if x.ndim != 1 or x.shape != height.shape or x.shape[0] < 4:
             raise InputError(
@@ -51,9 +58,8 @@ class RoughLine(eqx.Module):
                     f"x must be evenly spaced, got steps that differ by up to {100 * worst:.2g} % from their mean; "
                     "resample=True takes the heights at even places, by linear interpolation."
                 )
-            height = (jnp if is_traced(height) else np).interp(even, x, height)
-        self.height = height
-        self.spacing = np.asarray(spacing)
+            height = xp.interp(even, x, height)
+        fill(self, height=height, spacing=np.asarray(spacing))
 
     @property
     def count(self) -> int:
@@ -74,12 +80,12 @@ class RoughLine(eqx.Module):
     @in_float64
     def highest(self) -> Array:
         """The highest place of the spline [m], from which a depth counts; seldom one of the points."""
-        part, between = _summits(jax.lax.stop_gradient(jnp.asarray(self.height)))
+        part, between = _summits(fixed(xp.asarray(self.height)))
         place = argmax(between)
-        coefficients = spline_coefficients(jnp.asarray(self.height))
+        coefficients = spline_coefficients(xp.asarray(self.height))
         # Sums, not an index: its derivative would be taken outside of `in_float64`.
-        near = [(place + m) % self.count == jnp.arange(self.count) for m in (-1, 0, 1, 2)]
-        return _cubic(jnp.stack([jnp.sum(jnp.where(here, coefficients, 0.0)) for here in near]), part[place])
+        near = [(place + m) % self.count == xp.arange(self.count) for m in (-1, 0, 1, 2)]
+        return _cubic(xp.stack([xp.sum(xp.where(here, coefficients, 0.0)) for here in near]), part[place])
 
     @property
     def rms_height(self) -> Array:
@@ -90,14 +96,14 @@ class RoughLine(eqx.Module):
     @in_float64
     def rms_slope(self) -> Array:
         """Root of the mean square slope of the spline at its points."""
-        slope = spline(spline_coefficients(jnp.asarray(self.height)), jnp.zeros(()))[1] / self.spacing
-        return jnp.sqrt(jnp.mean(slope**2))
+        slope = spline(spline_coefficients(xp.asarray(self.height)), xp.zeros(()))[1] / self.spacing
+        return xp.sqrt(xp.mean(slope**2))
 
-    def plot(self, axes: Any = None) -> Any:
+    def plot(self, axes: Sequence[Axes] | None = None) -> tuple[Axes, Axes]:
         """The heights, and their spectrum, side by side; returns the two matplotlib Axes."""
-        from ..results.surface_figure import draw_surface
+        from ..results.plotting import draw_surface
 
-        return draw_surface(self, axes)
+        return draw_surface(self, axes=axes)
 
     @in_float64
     def finer(self, factor: int) -> "RoughLine":
@@ -105,21 +111,21 @@ class RoughLine(eqx.Module):
         return line_of_heights(self._finer(factor), self.spacing / factor)
 
     def _finer(self, factor: int) -> Float[Array, " m"]:
-        coefficients = spline_coefficients(jnp.asarray(self.height))
-        parts = [spline(coefficients, jnp.asarray(j / factor))[0] for j in range(factor)]
-        return jnp.stack(parts, axis=1).reshape(-1)
+        coefficients = spline_coefficients(xp.asarray(self.height))
+        parts = [spline(coefficients, xp.asarray(j / factor))[0] for j in range(factor)]
+        return xp.stack(parts, axis=1).reshape(-1)
 
 
-def line_of_heights(height: Array, spacing: Array) -> RoughLine:
+def line_of_heights(height: Array, spacing: Array | float) -> RoughLine:
     """A line from what needs no check: either may be traced."""
     blank = RoughLine(np.arange(4.0), np.zeros(4))
-    return eqx.tree_at(lambda line: (line.height, line.spacing), blank, (height, spacing))
+    return replaced(blank, height=height, spacing=spacing)
 
 
 def spline_coefficients(height: Float[Array, " n"]) -> Float[Array, " n"]:
     """B-spline coefficients c of the periodic cubic spline: (c_{i-1} + 4 c_i + c_{i+1})/6 = h_i."""
-    angle = 2 * jnp.pi * np.arange(height.shape[0] // 2 + 1) / height.shape[0]
-    return jnp.fft.irfft(jnp.fft.rfft(height) * 3 / (2 + jnp.cos(angle)), n=height.shape[0])
+    angle = 2 * xp.pi * np.arange(height.shape[0] // 2 + 1) / height.shape[0]
+    return xp.fft.irfft(xp.fft.rfft(height) * 3 / (2 + xp.cos(angle)), n=height.shape[0])
 
 
 def _cubic(c: Array, t: Array) -> Array:
@@ -128,19 +134,19 @@ def _cubic(c: Array, t: Array) -> Array:
     return (u**3 * c[0] + (4 - 6 * t**2 + 3 * t**3) * c[1] + (4 - 6 * u**2 + 3 * u**3) * c[2] + t**3 * c[3]) / 6
 
 
-@jax.jit
+@compiled()
 def _summits(height: Float[Array, " n"]) -> tuple[Array, Array]:
     """Where the spline is highest between each point and the next (0 to 1 of the way), and how high."""
     c = spline_coefficients(height)
-    c = jnp.stack([jnp.roll(c, 1 - m) for m in range(4)])
+    c = xp.stack([xp.roll(c, 1 - m) for m in range(4)])
     # 2 s'(t) = a t^2 + 2 b t + d: the root at which it falls through zero, in the form that loses no digits.
     a, b, d = c[3] - 3 * c[2] + 3 * c[1] - c[0], c[2] - 2 * c[1] + c[0], c[2] - c[0]
-    root = jnp.sqrt(jnp.maximum(b**2 - a * d, 0.0))
+    root = xp.sqrt(xp.maximum(b**2 - a * d, 0.0))
     below = root - b
-    t = jnp.where(below > 0, d / jnp.where(below > 0, below, 1.0), 0.0)
-    ends = jnp.stack([jnp.clip(t, 0.0, 1.0), jnp.zeros_like(t)])
+    t = xp.where(below > 0, d / xp.where(below > 0, below, 1.0), 0.0)
+    ends = xp.stack([xp.clip(t, 0.0, 1.0), xp.zeros_like(t)])
     heights = _cubic(c[:, None], ends)
-    return jnp.where(heights[0] > heights[1], ends[0], 0.0), jnp.max(heights, axis=0)
+    return xp.where(heights[0] > heights[1], ends[0], 0.0), xp.max(heights, axis=0)
 
 
 def spline(coefficients: Float[Array, " n"], shift: Array) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
@@ -149,16 +155,18 @@ def spline(coefficients: Float[Array, " n"], shift: Array) -> tuple[Float[Array,
     All places lie equally far between two points, so that the four weights are common to all of them.
     """
     n = coefficients.shape[0]
-    whole = jnp.floor(shift)
+    whole = xp.floor(shift)
     t = shift - whole
-    start = jnp.mod(whole.astype(jnp.int64) - 1, n)
-    wrapped = jnp.concatenate([coefficients, coefficients, coefficients[:3]])
+    start = xp.mod(whole.astype(xp.int64) - 1, n)
+    wrapped = xp.concatenate([coefficients, coefficients, coefficients[:3]])
     # Four slices, not four parts of one: so the compiled loop runs over whole vectors, five times as fast.
-    near = [jax.lax.dynamic_slice(wrapped, (start + m,), (n,)) for m in range(4)]
+    from jax.lax import dynamic_slice
+
+    near = [dynamic_slice(wrapped, (start + m,), (n,)) for m in range(4)]
     u = 1 - t
     value = (u**3 / 6, (4 - 6 * t**2 + 3 * t**3) / 6, (4 - 6 * u**2 + 3 * u**3) / 6, t**3 / 6)
     slope = (-(u**2) / 2, (3 * t**2 - 4 * t) / 2, (4 * u - 3 * u**2) / 2, t**2 / 2)
-    height, steepness = jnp.zeros(n), jnp.zeros(n)
+    height, steepness = xp.zeros(n), xp.zeros(n)
     for m in range(4):
         height, steepness = height + value[m] * near[m], steepness + slope[m] * near[m]
     return height, steepness

@@ -4,18 +4,23 @@ The MDR profile of a body f(r) is g(x) = |x| int_0^|x| f'(r)/sqrt(x^2 - r^2) dr 
 m.
 """
 
+from __future__ import annotations
+
 import abc
 import math
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-import equinox as eqx
-import jax.numpy as jnp
-from jaxtyping import Float
+from .._arrays import on_jax, xp
+from .._runtime import Array, as_float64, numpy_unless_traced, plain, positive, scalar, written
+from .._trees import Tree, fill, static
 
-from .._runtime import Array, as_float64, in_float64, plain, positive, scalar, written
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from .._types import ArrayLike, Number
 
 
-class AbstractShape(eqx.Module):
+class AbstractShape(Tree):
     """A rigid indenter, rising from its lowest point: `height(r)` in three dimensions, `profile_1d(x)` on the line."""
 
     label: ClassVar[str]  # what the shape is called in a sentence
@@ -27,6 +32,12 @@ class AbstractShape(eqx.Module):
     def _height(self, r: Array) -> Array:
         """f(r) for r >= 0."""
 
+    def _steepness(self, r: Array) -> Array:
+        """df/dr for r >= 0; a shape that gives its own is differentiated without JAX."""
+        import jax
+
+        return on_jax(lambda: jax.jvp(self._height, (r,), (jax.numpy.ones_like(r),))[1])
+
     @abc.abstractmethod
     def _profile(self, x: Array) -> Array:
         """g(x) for any sign of x."""
@@ -35,30 +46,30 @@ class AbstractShape(eqx.Module):
     def _slope(self, x: Array) -> Array:
         """dg/dx, odd in x."""
 
-    @in_float64
-    def height(self, r: Any) -> Array:
+    @numpy_unless_traced
+    def height(self, r: ArrayLike) -> Array:
         """Height f(r) [m] of the surface above its lowest point, at radii [m], any shape."""
-        return self._height(jnp.abs(jnp.asarray(as_float64("r", r))))
+        return self._height(xp.abs(as_float64("r", r)))
 
-    @in_float64
-    def profile_1d(self, x: Any) -> Array:
+    @numpy_unless_traced
+    def profile_1d(self, x: ArrayLike) -> Array:
         """MDR profile g(x) [m] at positions [m], any shape."""
-        return self._profile(jnp.asarray(as_float64("x", x)))
+        return self._profile(as_float64("x", x))
 
-    @in_float64
-    def slope_1d(self, x: Any) -> Array:
+    @numpy_unless_traced
+    def slope_1d(self, x: ArrayLike) -> Array:
         """Slope dg/dx of the MDR profile at positions [m], any shape."""
-        return self._slope(jnp.asarray(as_float64("x", x)))
+        return self._slope(as_float64("x", x))
 
     @property
-    def rolling_radius(self) -> Any:
+    def rolling_radius(self) -> Array | None:
         """Radius [m] about which the body rolls; None for a body that does not roll."""
         return None
 
     @property
-    def largest_contact(self) -> Any:
+    def largest_contact(self) -> Array | float:
         """Contact radius [m] that the shape cannot exceed."""
-        return jnp.inf
+        return math.inf
 
 
 class Paraboloid(AbstractShape):
@@ -67,12 +78,15 @@ class Paraboloid(AbstractShape):
     radius: Float[Array, ""]  # R [m]
     label: ClassVar[str] = "paraboloid"
 
-    def __init__(self, radius: Any):
-        self.radius = scalar("radius", radius)
+    def __init__(self, radius: Number):
+        fill(self, radius=scalar("radius", radius))
         positive("radius", self.radius)
 
     def _height(self, r: Array) -> Array:
         return r**2 / (2 * self.radius)
+
+    def _steepness(self, r: Array) -> Array:
+        return r / self.radius
 
     def _profile(self, x: Array) -> Array:
         return x**2 / self.radius
@@ -81,7 +95,7 @@ class Paraboloid(AbstractShape):
         return 2 * x / self.radius
 
     @property
-    def rolling_radius(self) -> Any:
+    def rolling_radius(self) -> Array | None:
         return self.radius
 
 
@@ -91,26 +105,29 @@ class Sphere(AbstractShape):
     radius: Float[Array, ""]  # R [m]
     label: ClassVar[str] = "sphere"
 
-    def __init__(self, radius: Any):
-        self.radius = scalar("radius", radius)
+    def __init__(self, radius: Number):
+        fill(self, radius=scalar("radius", radius))
         positive("radius", self.radius)
 
     def _height(self, r: Array) -> Array:
-        return r**2 / (self.radius + jnp.sqrt(self.radius**2 - r**2))
+        return r**2 / (self.radius + xp.sqrt(self.radius**2 - r**2))
+
+    def _steepness(self, r: Array) -> Array:
+        return r / xp.sqrt(self.radius**2 - r**2)
 
     def _profile(self, x: Array) -> Array:
-        return x * jnp.arctanh(x / self.radius)
+        return x * xp.arctanh(x / self.radius)
 
     def _slope(self, x: Array) -> Array:
         c = x / self.radius
-        return jnp.arctanh(c) + c / (1 - c**2)
+        return xp.arctanh(c) + c / (1 - c**2)
 
     @property
-    def rolling_radius(self) -> Any:
+    def rolling_radius(self) -> Array | None:
         return self.radius
 
     @property
-    def largest_contact(self) -> Any:
+    def largest_contact(self) -> Array | float:
         return self.radius
 
 
@@ -120,31 +137,33 @@ class Cone(AbstractShape):
     slope: Float[Array, ""]
     label: ClassVar[str] = "cone"
 
-    def __init__(self, slope: Any):
-        self.slope = scalar("slope", slope)
+    def __init__(self, slope: Number):
+        fill(self, slope=scalar("slope", slope))
         positive("slope", self.slope)
 
     def _height(self, r: Array) -> Array:
         return self.slope * r
 
+    def _steepness(self, r: Array) -> Array:
+        return self.slope * xp.ones_like(r)
+
     def _profile(self, x: Array) -> Array:
-        return 0.5 * math.pi * self.slope * jnp.abs(x)
+        return 0.5 * math.pi * self.slope * xp.abs(x)
 
     def _slope(self, x: Array) -> Array:
-        return 0.5 * math.pi * self.slope * jnp.sign(x)
+        return 0.5 * math.pi * self.slope * xp.sign(x)
 
 
 class PowerLaw(AbstractShape):
     """f = c r^n, g = kappa_n c |x|^n, kappa_n = sqrt(pi) n Gamma(n/2)/(2 Gamma((n+1)/2)); n > 0, c in m^(1-n)."""
 
     coefficient: Float[Array, ""]  # c [m^(1-n)]
-    exponent: float = eqx.field(static=True)  # n: it decides how the profile is integrated, so it is not differentiated
+    exponent: float = static()  # n: it decides how the profile is integrated, so it is not differentiated
     label: ClassVar[str] = "power law"
 
-    def __init__(self, exponent: Any, coefficient: Any):
-        self.exponent = plain("exponent", exponent)
+    def __init__(self, exponent: Number, coefficient: Number):
+        fill(self, exponent=plain("exponent", exponent), coefficient=scalar("coefficient", coefficient))
         positive("exponent", self.exponent)
-        self.coefficient = scalar("coefficient", coefficient)
         positive("coefficient", self.coefficient)
 
     @property
@@ -155,12 +174,15 @@ class PowerLaw(AbstractShape):
     def _height(self, r: Array) -> Array:
         return self.coefficient * r**self.exponent
 
+    def _steepness(self, r: Array) -> Array:
+        return self.coefficient * self.exponent * _power(r, self.exponent - 1)
+
     def _profile(self, x: Array) -> Array:
-        return self._kappa * self.coefficient * _power(jnp.abs(x), self.exponent)
+        return self._kappa * self.coefficient * _power(xp.abs(x), self.exponent)
 
     def _slope(self, x: Array) -> Array:
         n = self.exponent
-        return self._kappa * n * self.coefficient * _power(jnp.abs(x), n - 1) * jnp.sign(x)
+        return self._kappa * n * self.coefficient * _power(xp.abs(x), n - 1) * xp.sign(x)
 
 
 class FlatPunch(AbstractShape):
@@ -172,21 +194,24 @@ class FlatPunch(AbstractShape):
     radius: Float[Array, ""]  # [m]
     label: ClassVar[str] = "flat punch"
 
-    def __init__(self, radius: Any):
-        self.radius = scalar("radius", radius)
+    def __init__(self, radius: Number):
+        fill(self, radius=scalar("radius", radius))
         positive("radius", self.radius)
 
     def _height(self, r: Array) -> Array:
-        return jnp.where(r <= self.radius, 0.0, jnp.inf)
+        return xp.where(r <= self.radius, 0.0, xp.inf)
+
+    def _steepness(self, r: Array) -> Array:
+        return xp.zeros_like(r)
 
     def _profile(self, x: Array) -> Array:
-        return jnp.where(jnp.abs(x) <= self.radius, 0.0, jnp.inf)
+        return xp.where(xp.abs(x) <= self.radius, 0.0, xp.inf)
 
     def _slope(self, x: Array) -> Array:
-        return jnp.zeros_like(x)
+        return xp.zeros_like(x)
 
     @property
-    def largest_contact(self) -> Any:
+    def largest_contact(self) -> Array | float:
         return self.radius
 
 
@@ -197,13 +222,16 @@ class Cylinder(AbstractShape):
     length: Float[Array, ""]  # L, along the axis [m]
     label: ClassVar[str] = "cylinder on a layer"
 
-    def __init__(self, radius: Any, length: Any):
-        self.radius, self.length = scalar("radius", radius), scalar("length", length)
+    def __init__(self, radius: Number, length: Number):
+        fill(self, radius=scalar("radius", radius), length=scalar("length", length))
         positive("radius", self.radius)
         positive("length", self.length)
 
     def _height(self, r: Array) -> Array:
         return r**2 / (2 * self.radius)
+
+    def _steepness(self, r: Array) -> Array:
+        return r / self.radius
 
     def _profile(self, x: Array) -> Array:
         return x**2 / (2 * self.radius)
@@ -212,7 +240,7 @@ class Cylinder(AbstractShape):
         return x / self.radius
 
     @property
-    def rolling_radius(self) -> Any:
+    def rolling_radius(self) -> Array | None:
         return self.radius
 
 
@@ -220,4 +248,4 @@ def _power(x: Array, exponent: float) -> Array:
     """x^exponent for x >= 0, with a finite derivative at zero where a search direction passes through it."""
     if exponent == int(exponent) and exponent >= 0:
         return x ** int(exponent)
-    return jnp.where(x > 0, jnp.where(x > 0, x, 1.0) ** exponent, 0.0 if exponent > 0 else jnp.inf)
+    return xp.where(x > 0, xp.where(x > 0, x, 1.0) ** exponent, 0.0 if exponent > 0 else xp.inf)

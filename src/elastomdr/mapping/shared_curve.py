@@ -5,14 +5,19 @@ node, since directions are factors of the velocity; and the average, as smooth a
 the velocities asked for. Where a line solution costs much, `direction.shared_grid` does with fewer of them.
 """
 
+from __future__ import annotations
+
+import functools
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from .._runtime import Array
 from .direction import STENCIL, directions, lagrange, spacing
+
+if TYPE_CHECKING:
+    from jaxtyping import Float, Int
 
 _MARGIN = STENCIL // 2
 
@@ -33,23 +38,43 @@ class SharedCurve(NamedTuple):
 
 def shared_curve(velocity: Float[np.ndarray, " points"], rtol: float, level: int = 0) -> SharedCurve:
     """The grid for velocities [m/s] at one load, to a relative error of about `rtol`; `level` halves it as often."""
-    rule, step = directions(rtol, level), spacing(rtol) / 2**level
+    step, kernels = spacing(rtol) / 2**level, _kernels(rtol, level)
     place = np.log(velocity) / step
-    shift = np.log(rule.cosines) / step  # of the directions, down the grid
     first, last = math.floor(place.min()) - _MARGIN + 1, math.floor(place.max()) + _MARGIN
-    below = _MARGIN - 1 - math.floor(shift.min())  # nodes of the kernel below its own
+    index, local = lagrange(place - first, STENCIL)
+    coarse = np.pad(lagrange(place - first, STENCIL - 2)[1], ((0, 0), (1, 1)))
+    below = kernels.below
+    return SharedCurve(
+        np.exp(step * np.arange(first - below, last + _MARGIN + 1)),
+        kernels.whole, kernels.half, kernels.quarter, kernels.lower,
+        slice(below, below + last - first + 1), index, local, coarse,
+    )  # fmt: skip
+
+
+class _Kernels(NamedTuple):
+    """The part of a `SharedCurve` that is the same for all velocities."""
+
+    below: int  # nodes of a kernel below its own
+    whole: np.ndarray
+    half: np.ndarray
+    quarter: np.ndarray
+    lower: np.ndarray
+
+
+@functools.lru_cache(64)
+def _kernels(rtol: float, level: int) -> _Kernels:
+    rule, step = directions(rtol, level), spacing(rtol) / 2**level
+    shift = np.log(rule.cosines) / step  # of the directions, down the grid
+    below = _MARGIN - 1 - math.floor(shift.min())
     width = below + _MARGIN + 1
 
     def kernel(stencil: int, weights: np.ndarray) -> np.ndarray:
         index, local = lagrange(shift + below, stencil)
         return np.bincount(index.ravel(), (local * weights[:, None]).ravel(), width)
 
-    index, local = lagrange(place - first, STENCIL)
-    coarse = np.pad(lagrange(place - first, STENCIL - 2)[1], ((0, 0), (1, 1)))
-    return SharedCurve(
-        np.exp(step * np.arange(first - below, last + _MARGIN + 1)),
-        kernel(STENCIL, rule.weights), kernel(STENCIL, rule.half), kernel(STENCIL, rule.quarter),
-        kernel(STENCIL - 2, rule.weights), slice(below, below + last - first + 1), index, local, coarse,
+    return _Kernels(
+        below, kernel(STENCIL, rule.weights), kernel(STENCIL, rule.half), kernel(STENCIL, rule.quarter),
+        kernel(STENCIL - 2, rule.weights),
     )  # fmt: skip
 
 
@@ -79,8 +104,14 @@ def between_orders(
 
     Taken in the middle of the interval of each point and of both beside it, since it may vanish by chance at a point.
     """
-    (fine,), (coarse,) = (lagrange(np.array([_MARGIN - 0.5]), stencil)[1] for stencil in (STENCIL, STENCIL - 2))
     windows = np.lib.stride_tricks.sliding_window_view(values, STENCIL, axis=0)
-    off = np.abs(windows @ (fine - np.pad(coarse, 1))).max(axis=1)
+    off = np.abs(windows @ _orders_apart()).max(axis=1)
     padded = np.pad(off, 1, "edge")
     return np.max([padded[:-2], off, padded[2:]], axis=0)[near[:, 0]]
+
+
+@functools.cache
+def _orders_apart() -> np.ndarray:
+    """Weights of interpolation in the middle of an interval, less those of lower order."""
+    (fine,), (coarse,) = (lagrange(np.array([_MARGIN - 0.5]), stencil)[1] for stencil in (STENCIL, STENCIL - 2))
+    return fine - np.pad(coarse, 1)

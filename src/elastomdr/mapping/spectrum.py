@@ -10,15 +10,24 @@ two-sided: it keeps <h^2>, and its mean square slope is the full <|grad h|^2>, t
 ch. 10).
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
 
-import equinox as eqx
-import jax.numpy as jnp
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
 import numpy as np
-from jaxtyping import Float
 
-from .._runtime import ascending, in_float64, is_traced, positive, require, scalar
+from .._arrays import xp
+from .._runtime import as_float64, ascending, is_traced, numpy_unless_traced, positive, require, scalar
+from .._trees import Tree, fill, static
 from ..errors import InputError, closest
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+    from matplotlib.axes import Axes
+
+    from .._types import Array, ArrayLike, Convention, Number, Scalar
+    from ..mapping.rough_line import RoughLine
 
 CONVENTIONS = {
     "2d": "<h^2> = int C d^2q",
@@ -30,40 +39,40 @@ CONVENTIONS = {
 }
 
 
-class AbstractSpectrum(eqx.Module):
+class AbstractSpectrum(Tree):
     """An isotropic surface by its power spectrum, a power law between the points q."""
 
-    q: eqx.AbstractVar[Float[np.ndarray, " n"]]  # wave numbers, ascending [rad/m]
-    c: eqx.AbstractVar[Float[np.ndarray, " n"]]  # C, normalised by <h^2> = int C d^2q [m^4]
+    q: Float[np.ndarray, " n"]  # wave numbers, ascending [rad/m]
+    c: Float[np.ndarray, " n"]  # C, normalised by <h^2> = int C d^2q [m^4]
     label: ClassVar[str]
 
     @property
-    def q_low(self) -> Any:
+    def q_low(self) -> Scalar:
         """Lower cutoff [rad/m]."""
         return _plain(self.q[0])
 
     @property
-    def q_high(self) -> Any:
+    def q_high(self) -> Scalar:
         """Upper cutoff [rad/m]."""
         return _plain(self.q[-1])
 
     @property
-    def rms_height(self) -> Any:
+    def rms_height(self) -> Scalar:
         """Root of the mean square height [m]."""
         return _plain((2 * np.pi * self.moment(1)) ** 0.5)
 
     @property
-    def rms_slope(self) -> Any:
+    def rms_slope(self) -> Scalar:
         """Root of the mean of |grad h|^2; that of a straight cut is smaller by the root of 2."""
         return _plain((2 * np.pi * self.moment(3)) ** 0.5)
 
     @property
-    def full_contact_length(self) -> Any:
+    def full_contact_length(self) -> Scalar:
         """2 m_2/m_3, m_k = int q^k C dq [m]: with it p L is the line load whose friction in full contact is that of the
         surface, for a loss modulus that does not depend on frequency (each wave has 2/q)."""
         return _plain(2 * self.moment(2) / self.moment(3))
 
-    def at(self, q: Any) -> Float[np.ndarray, "..."]:
+    def at(self, q: ArrayLike) -> Float[np.ndarray, "..."]:
         """C(q) [m^4], zero outside the cutoffs."""
         q = np.asarray(q, dtype=np.float64)
         with np.errstate(divide="ignore"):
@@ -71,24 +80,24 @@ class AbstractSpectrum(eqx.Module):
         inside = (q >= self.q_low * (1 - 1e-12)) & (q <= self.q_high * (1 + 1e-12))
         return np.where(inside, value, 0.0)
 
-    def moment(self, power: float, low: Any = None, high: Any = None) -> Any:
+    def moment(self, power: float, low: ArrayLike | None = None, high: ArrayLike | None = None) -> Array:
         """int q^power C dq from `low` to `high` (default: the cutoffs), arrays of limits allowed."""
         low = self.q_low if low is None else low
         high = self.q_high if high is None else high
         return self._until(power, high) - self._until(power, low)
 
+    @numpy_unless_traced
     def _until(self, power: float, q: Any) -> Any:
-        numpy: Any = jnp if is_traced(self.q, self.c, q) else np
-        q = numpy.clip(numpy.asarray(q, dtype=np.float64), self.q_low, self.q_high)
-        start = numpy.log(self.q[:-1])
-        slope = numpy.diff(numpy.log(self.c)) / numpy.diff(numpy.log(self.q)) + power + 1
-        width = numpy.clip(numpy.log(q)[..., None] - start, 0.0, numpy.diff(numpy.log(self.q)))
-        flat = numpy.abs(slope * width) < 1e-9
-        safe = numpy.where(numpy.abs(slope) < 1e-12, 1.0, slope)
-        part = numpy.where(flat, width * (1 + 0.5 * slope * width), numpy.expm1(slope * width) / safe)
-        return numpy.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
+        q = xp.clip(xp.asarray(q, dtype=np.float64), self.q_low, self.q_high)
+        start = xp.log(self.q[:-1])
+        slope = xp.diff(xp.log(self.c)) / xp.diff(xp.log(self.q)) + power + 1
+        width = xp.clip(xp.log(q)[..., None] - start, 0.0, xp.diff(xp.log(self.q)))
+        flat = xp.abs(slope * width) < 1e-9
+        safe = xp.where(xp.abs(slope) < 1e-12, 1.0, slope)
+        part = xp.where(flat, width * (1 + 0.5 * slope * width), xp.expm1(slope * width) / safe)
+        return xp.sum(self.c[:-1] * self.q[:-1] ** (power + 1) * part, axis=-1)
 
-    def line(self, seed: int = 0, periods: int = 1, samples: int | None = None) -> Any:
+    def line(self, seed: int = 0, periods: int = 1, samples: int | None = None) -> RoughLine:
         """An `em.RoughLine` of this surface, for `em.slide` and `em.drive`, its phases from `seed`.
 
         As in `em.friction`: C_1D(q) = pi q C(q), over `periods` of the longest wave (where `em.friction` takes 4), in
@@ -98,7 +107,7 @@ class AbstractSpectrum(eqx.Module):
 
         return synthesise(self, seed, periods, samples)
 
-    def ended(self, q_high: Any) -> "Spectrum":
+    def ended(self, q_high: Number) -> "Spectrum":
         """The same spectrum up to `q_high` [rad/m]; beyond its last point it goes on as its last power law."""
         q_high = _plain(scalar("q_high", q_high))
         require("q_high", q_high, f"above q_low, {self.q_low:g} rad/m", lambda q: q > self.q_low)
@@ -109,17 +118,18 @@ class AbstractSpectrum(eqx.Module):
         kept = np.asarray(self.q) < q_high * (1 - 1e-12)
         return Spectrum(np.append(self.q[kept], q_high), np.append(self.c[kept], last), convention="2d")
 
-    def raised(self, factor: Any) -> "Spectrum":
+    def raised(self, factor: Number) -> "Spectrum":
         """The same surface with all heights times `factor`."""
         factor = _plain(scalar("factor", factor))
         positive("factor", factor)
         return Spectrum(self.q, self.c * factor**2, convention="2d")
 
-    def plot(self, axes: Any = None, seed: int = 0) -> Any:
+    def plot(self, axes: Sequence[Axes] | None = None, seed: int = 0) -> tuple[Axes, Axes]:
         """The line made from `seed`, and the spectrum, side by side; returns the two matplotlib Axes."""
-        from ..results.surface_figure import draw_surface
+        from ..results.plotting import draw_surface
+        from .synthesis import synthesise
 
-        return draw_surface(self, axes, seed)
+        return draw_surface(synthesise(self, seed), self, axes, f"Line of the method, seed {seed}")
 
     def words(self) -> str:
         """rms values and both cutoffs, in a few words."""
@@ -140,16 +150,22 @@ class SelfAffine(AbstractSpectrum):
 
     q: Float[np.ndarray, " n"]
     c: Float[np.ndarray, " n"]
-    hurst: Any
+    hurst: Scalar
     label: ClassVar[str] = "self-affine surface"
 
-    @in_float64
+    @numpy_unless_traced
     def __init__(
-        self, hurst: Any, rms_slope: Any = None, q_low: Any = None, q_high: Any = None, q_rolloff: Any = None,
-        *, rms_height: Any = None,
-    ):  # fmt: skip
-        self.hurst = _plain(scalar("hurst", hurst))
-        require("hurst", self.hurst, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
+        self,
+        hurst: Number,
+        rms_slope: Number | None = None,
+        q_low: Number | None = None,
+        q_high: Number | None = None,
+        q_rolloff: Number | None = None,
+        *,
+        rms_height: Number | None = None,
+    ):
+        hurst = _plain(scalar("hurst", hurst))
+        require("hurst", hurst, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
         if (rms_slope is None) == (rms_height is None):
             given = "neither" if rms_slope is None else "both"
             raise InputError(f"rms_slope or rms_height must be given, and only one of them, got {given}.")
@@ -162,15 +178,13 @@ class SelfAffine(AbstractSpectrum):
         name, wanted = ("rms_slope", rms_slope) if rms_height is None else ("rms_height", rms_height)
         value = scalar(name, wanted)
         positive(name, value)
-        traced = is_traced(self.hurst, low, knee, high, value)
+        traced = is_traced(hurst, low, knee, high, value)
         if not is_traced(low, knee, high) and not low <= knee < high:
             raise InputError(f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} and {high:g} rad/m.")
-        numpy: Any = jnp if traced else np
         whole = q_rolloff is None or (not is_traced(low, knee) and knee == low)
-        self.q = numpy.stack([low, high] if whole else [low, knee, high])
-        with np.errstate(all="ignore"):
-            self.c = numpy.where(self.q <= knee, 1.0, (self.q / knee) ** (-2 - 2 * self.hurst))
-            self.c = self.c * (value / getattr(self, name)) ** 2
+        q = xp.stack([low, high] if whole else [low, knee, high])
+        fill(self, hurst=hurst, q=q, c=xp.where(q <= knee, 1.0, (q / knee) ** (-2 - 2 * hurst)))
+        fill(self, c=self.c * (value / getattr(self, name)) ** 2)
         if not traced and not (np.isfinite(self.c) & (self.c > 0)).all():
             said = f"{name}={value:g} between {low:g} and {high:g} rad/m"
             raise InputError(f"{name} must be of a surface whose power spectrum double precision holds, got {said}.")
@@ -196,24 +210,30 @@ class Spectrum(AbstractSpectrum):
 
     q: Float[np.ndarray, " n"]
     c: Float[np.ndarray, " n"]
-    convention: str = eqx.field(static=True)
+    convention: str = static()
     label: ClassVar[str] = "surface by its spectrum"
 
-    def __init__(self, q: Any, c: Any, *, convention: str):
+    def __init__(self, q: ArrayLike, c: ArrayLike, *, convention: Convention):
         check_convention(convention)
-        q, c = np.array(q, dtype=np.float64), np.array(c, dtype=np.float64)
+        q, c = np.array(q, dtype=np.float64), as_float64("c", c)
+        if is_traced(c) and not convention.startswith("2d"):
+            raise InputError(f"c must be a plain list under JAX's transformations for convention={convention!r}.")
+        if c.ndim == 2:
+            raise InputError(
+                f"c must be the spectrum of an isotropic surface, a list as long as q, got a map of shape {c.shape}: "
+                "average it over directions, or give the heights to em.read_surface."
+            )
         if q.ndim != 1 or q.shape != c.shape or q.size < 2:
             raise InputError(f"q and c must be lists of the same length, two or more, got shapes {q.shape}, {c.shape}.")
         positive("q", q)
         ascending("q", q)
         positive("c", c)
-        self.convention = convention
-        self.q, self.c = q, c
         if convention == "2d/4pi^2":
-            self.c = c / (4 * np.pi**2)
+            c = c / (4 * np.pi**2)
         elif convention != "2d":
             factor = (0.5 if "one-sided" in convention else 1.0) / (2 * np.pi if "/2pi" in convention else 1.0)
-            self.q, self.c = _from_cut(q, factor * c)
+            q, c = _from_cut(q, np.asarray(factor * c))
+        fill(self, convention=convention, q=q, c=c)
 
     def __repr__(self) -> str:
         return f"Spectrum({self.q.size} points, convention={self.convention!r}, {self.words()})"
@@ -233,6 +253,8 @@ def _plain(value: Any) -> Any:
 
 def _from_cut(q: np.ndarray, cut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The two-dimensional spectrum of an isotropic surface from that of its cuts, at all points but the last."""
+    if q.size < 3:
+        raise InputError(f"q must have three points at least where c is the spectrum of a cut, got {q.size}.")
     slope = np.diff(cut) / np.diff(q)
     ratio = np.maximum(q[None, :] / q[:-1, None], 1.0)
     c = -(np.diff(np.arccosh(ratio), axis=1) @ slope) / np.pi

@@ -6,29 +6,28 @@ On a period L the waves are q_j = 2 pi j/L, and the wave j carries what the band
 
 so that the rms height is that of the surface whatever the period. Amplitudes are those of the spectrum, phases even
 between 0 and 2 pi: every seed has the same rms values. Source: Popov & Hess 2015, ch. 10.
-
-On a map of side L each wave (i, j) carries C(q) (2 pi/L)^2, q = 2 pi |(i, j)|/L, and the heights are then scaled to
-the rms slope of the surface, from which the sum over the waves of a square differs a little.
 """
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import is_traced
 from ..errors import InputError
+from ..models import whole_number
 from .rough_line import RoughLine, line_of_heights
-from .spectrum import AbstractSpectrum, as_spectrum
+
+if TYPE_CHECKING:
+    from .spectrum import AbstractSpectrum
 
 PER_WAVE = 8  # samples of the shortest wave
 PERIODS = 4  # longest waves in a period of the line
 MOST = 2**26  # samples of a line: half a gigabyte of heights
 
 
-def line_count(spectrum: AbstractSpectrum, periods: int, per_wave: float) -> int:
+def line_count(spectrum: "AbstractSpectrum", periods: int, per_wave: float) -> int:
     """Samples of a line, a power of two. Raises `InputError` beyond `MOST`."""
     needed = periods * per_wave * spectrum.q_high / spectrum.q_low
     if not needed <= MOST:
@@ -40,17 +39,13 @@ def line_count(spectrum: AbstractSpectrum, periods: int, per_wave: float) -> int
     return max(64, 2 ** math.ceil(math.log2(needed) - 1e-9))
 
 
-def whole_number(name: str, value: object, least: int, most: int = MOST) -> None:
-    """Raises `InputError` if a count of an ensemble is not one, or asks for a line that is never drawn."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
-        raise InputError(f"{name} must be a whole number, {least} to {most}, got {value!r}.")
-
-
-def synthesise(spectrum: AbstractSpectrum, seed: int, periods: int = PERIODS, samples: int | None = None) -> RoughLine:
+def synthesise(
+    spectrum: "AbstractSpectrum", seed: int, periods: int = PERIODS, samples: int | None = None
+) -> RoughLine:
     """One line of the ensemble, `periods` longest wavelengths long; the same numbers for the same seed."""
-    whole_number("periods", periods, 1)
+    whole_number("periods", periods, 1, MOST)
     if samples is not None:
-        whole_number("samples", samples, 64)
+        whole_number("samples", samples, 64, MOST)
     if samples is None and is_traced(spectrum.q):
         raise InputError(
             "samples must be given where JAX traces the cutoffs of a surface: how many a line needs depends on them."
@@ -66,34 +61,3 @@ def synthesise(spectrum: AbstractSpectrum, seed: int, periods: int = PERIODS, sa
     amplitude = numpy.where(some, numpy.sqrt(2 * numpy.where(some, share, 1.0)), 0.0)
     waves = numpy.pad(0.5 * n * amplitude * np.exp(1j * phase), (1, n // 2 - wave.shape[0]))
     return line_of_heights(numpy.fft.irfft(waves, n), length / n)
-
-
-def rough_map(
-    spectrum: AbstractSpectrum, seed: int = 0, *, periods: int = 2, points: int = 256
-) -> tuple[Float[np.ndarray, "points points"], float]:
-    """Heights [m] of a square cell of the surface, `periods` longest wavelengths wide, and its side [m].
-
-    For `em.reference.half_space_sliding`. Raises `InputError` where `points` do not give the shortest wave four.
-    """
-    spectrum = as_spectrum("spectrum", spectrum)
-    whole_number("periods", periods, 1)
-    whole_number("points", points, 8, 8192)
-    whole_number("seed", seed, 0)
-    side = 2 * np.pi * periods / spectrum.q_low
-    least = 4 * periods * spectrum.q_high / spectrum.q_low
-    if points % 4 or points < least * (1 - 1e-9):
-        raise InputError(
-            f"points must be a multiple of 4, at least {math.ceil(least)} for four on the shortest wave, got {points}."
-        )
-    along = np.fft.fftfreq(points, 1 / points)
-    q = 2 * np.pi / side * np.hypot(along[:, None], along[None, : points // 2 + 1])
-    power = spectrum.at(np.where(q > 0, q, np.inf)) * (2 * np.pi / side) ** 2
-    white = np.fft.rfft2(np.random.default_rng(seed).standard_normal((points, points)))
-    waves = np.sqrt(power) * white / np.maximum(np.abs(white), 1e-300)
-    height = np.fft.irfft2(waves, s=(points, points))
-    along = np.where(2 * np.abs(along) == points, 0.0, along)
-    slopes = [
-        np.fft.irfft2(2j * np.pi / side * k * waves, s=height.shape)
-        for k in (along[:, None], along[None, : points // 2 + 1])
-    ]
-    return height * (spectrum.rms_slope / np.sqrt(sum(np.mean(slope**2) for slope in slopes))), side

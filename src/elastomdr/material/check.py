@@ -6,12 +6,15 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from .format import read_document
+from .format import is_tabulated, read_document
 from .library import load_material, locate
 
 _MODULI = (1.0, 1e11)  # [Pa]
 _GLASSY = (1e4, 1e11)  # [Pa]
 _TIMES = (1e-15, 1e12)  # [s]
+_OMEGA = (1e-15, 1e20)  # [rad/s]
+_FALLS = 0.1  # relative, by which a measured storage modulus may fall with the frequency
+_ROUNDED = 0.01  # relative, by which a range may be wider than the table
 _TEMPERATURES = (100.0, 600.0)  # [K]
 
 
@@ -20,7 +23,9 @@ def check_material(name_or_path: str | os.PathLike[str]) -> list[str]:
 
     Looks at moduli, times and temperatures outside what a polymer in SI units has, storage and loss moduli below zero
     or a relaxation function that rises within the range of validity, a reference temperature or a shift law that does
-    not cover that range, and missing ranges, sources and grades. A file that does not load is a finding, not an error.
+    not cover that range, and missing ranges, sources and grades. Of a table of moduli it looks at a storage modulus
+    that falls with the frequency by more than a tenth, and a range that is wider than the table. A file that does not
+    load is a finding, not an error.
     """
     try:
         path = locate(name_or_path)
@@ -28,7 +33,11 @@ def check_material(name_or_path: str | os.PathLike[str]) -> list[str]:
         material = load_material(path)
     except InputError as error:
         return [str(error)]
-    findings = _numbers(document) + _passivity(material, document.get("range", {}))
+    limits = document.get("range", {})
+    if is_tabulated(document):
+        findings = _table(material, document, limits)
+    else:
+        findings = _numbers(document) + _not_positive(limits) + _passivity(material, limits)
     findings += _temperatures(material, document) + _sources(document)
     if document.get("name") != path.stem:
         findings.append(f"name is {document.get('name')!r}, but the file is called {path.name}")
@@ -49,22 +58,47 @@ def _numbers(document: dict[str, Any]) -> list[str]:
     return [finding for finding in findings if finding]
 
 
-def _passivity(material: Any, limits: dict[str, Any]) -> list[str]:
+def _table(material: Any, document: dict[str, Any], limits: dict[str, Any]) -> list[str]:
+    """Findings on a table of moduli, whose loss is positive since it has loaded."""
     findings = [
+        _outside(f"{key}[{k}]", value, accepted, unit)
+        for key, accepted, unit in (("omega", _OMEGA, "rad/s"), ("storage", _MODULI, "Pa"), ("loss", (0.0, 1e11), "Pa"))
+        for k, value in enumerate(document[key])
+    ]
+    storage = np.array(document["storage"])
+    fall = 1 - storage / np.maximum.accumulate(storage)
+    if fall.max() > _FALLS:
+        at = document["omega"][int(fall.argmax())]
+        findings.append(f"the storage modulus falls by {fall.max():.0%} up to {at:g} rad/s, but must rise with omega")
+    if not {"omega", "time"} & set(limits):
+        findings.append("omega (or time) is missing in [range]")
+    (low, high), ends = material.range.omega or (np.inf, 0.0), (document["omega"][0], document["omega"][-1])
+    if low < ends[0] * (1 - _ROUNDED) or high > ends[1] * (1 + _ROUNDED):
+        findings.append(f"the range is wider than the table, {ends[0]:g} to {ends[1]:g} rad/s")
+    findings += _not_positive(limits)
+    return [finding for finding in findings if finding]
+
+
+def _not_positive(limits: dict[str, Any]) -> list[str]:
+    return [
         f"{key} in [range] starts at {limits[key][0]:g}, which is not above 0"
-        for key in ("frequency", "time")
+        for key in ("omega", "time")
         if limits.get(key) and not limits[key][0] > 0
     ]
-    if findings:
+
+
+def _passivity(material: Any, limits: dict[str, Any]) -> list[str]:
+    findings: list[str] = []
+    if _not_positive(limits):
         return findings
-    if limits.get("frequency") == []:  # known nowhere, and passive everywhere
+    if limits.get("omega") == []:  # known nowhere, and passive everywhere
         omega = np.geomspace(1e-12, 1e12, 200)
-    elif "frequency" in limits:
-        omega = np.geomspace(limits["frequency"][0], limits["frequency"][1], 200)
+    elif "omega" in limits:
+        omega = np.geomspace(limits["omega"][0], limits["omega"][1], 200)
     elif "time" in limits:
         omega = 1 / np.geomspace(limits["time"][1], limits["time"][0], 200)
     else:
-        return ["frequency (or time) is missing in [range]"]
+        return ["omega (or time) is missing in [range]"]
     if (np.asarray(material.storage(omega)) < 0).any():
         findings.append("the storage modulus is negative within the range")
     if (np.asarray(material.loss(omega)) < 0).any():

@@ -1,16 +1,13 @@
 """The TOML format of a material file: its keys, their types and units, reading and writing; see materials/README.md."""
 
-import contextlib
-import os
 import sys
 import tomllib
-import uuid
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, closest
-from ..files import read_bytes
+from ..files import read_bytes, write_files
 
 GRADES = ("measured", "published fit", "fitted here", "illustrative")
 
@@ -33,18 +30,24 @@ _KEYS = {
     "viscosity": _NUMBER,
     "moduli": _NUMBERS,
     "times": _NUMBERS,
+    "omega": _NUMBERS,
+    "storage": _NUMBERS,
+    "loss": _NUMBERS,
     "shift": _TABLE,
     "range": _TABLE,
+    "misfit": _TABLE,
     "source": _TABLE,
 }
-_REQUIRED = ("kind", "equilibrium", "moduli", "times")
+_SERIES, _TABULATED = ("equilibrium", "moduli", "times"), ("omega", "storage", "loss")
+_NOT_TABULATED = ("bulk", "viscosity", *_SERIES)  # what has no place beside a table of moduli
 SHIFT_KEYS = {
     "WLF": {"c1": _NUMBER, "c2": _NUMBER, "reference": _NUMBER},
     "Arrhenius": {"energy": _NUMBER, "reference": _NUMBER},
     "VFT": {"b": _NUMBER, "t0": _NUMBER, "reference": _NUMBER},
     "table": {"temperature": _NUMBERS, "log10_a": _NUMBERS},
 }
-_RANGE_KEYS = {"frequency": _PAIR_OR_NONE, "time": _PAIR, "temperature": _PAIR}
+_RANGE_KEYS = {"omega": _PAIR_OR_NONE, "time": _PAIR, "temperature": _PAIR}
+_MISFIT_KEYS: dict[str, str] = dict.fromkeys(("omega", "storage_residual", "loss_residual"), _NUMBERS)
 _SOURCE_GROUPS: dict[str, str] = dict.fromkeys(("moduli", "shift", "poisson", "bulk", "range"), _TABLE)
 _SOURCE_KEYS = {
     "citation": _TEXT,
@@ -65,11 +68,13 @@ _COMMENTS = {
     "c1": "[1]",
     "c2": "[K]",
     "energy": "[J/mol]",
+    "storage": "storage moduli [Pa]",
+    "loss": "loss moduli [Pa]",
     "b": "[K]",
     "t0": "[K]",
     "reference": "[K]",
     "log10_a": "[1]",
-    "frequency": "at the reference temperature [rad/s]",
+    "omega": "at the reference temperature [rad/s]",
     "time": "at the reference temperature [s]",
     "temperature": "[K]",
     "storage_residual": "relative, root mean square [1]",
@@ -104,30 +109,28 @@ def write_document(document: Mapping[str, Any], path: Path) -> None:
     validate(path, document)
     # Texts hold no line breaks once written, so that every line starts with a key, a bracket or a list's entry.
     text = _HEADER + "".join(line + _comment(line) + "\n" for line in tomli_w.dumps(document).splitlines())
-    draft = path.with_name(f".{path.name}.{uuid.uuid4().hex}.tmp")
-    try:
-        with open(draft, "x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(draft, path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from error
-    finally:
-        with contextlib.suppress(OSError):
-            draft.unlink()
+    write_files({path: text.encode()})
+
+
+def is_tabulated(document: Mapping[str, Any]) -> bool:
+    """Whether a material file holds a table of storage and loss moduli, and no Prony series."""
+    return any(key in document for key in _TABULATED) and not any(key in document for key in _SERIES)
 
 
 def validate(path: Path, document: Mapping[str, Any]) -> None:
     """Raises `InputError` for unknown or missing keys and wrong types; the numbers' meaning is not looked at."""
-    _validate_table(path, "", document, _KEYS, _REQUIRED)
+    lists = _TABULATED if is_tabulated(document) else _SERIES
+    _validate_table(path, "", document, _KEYS, ("kind", *lists))
+    foreign = _NOT_TABULATED if lists is _TABULATED else _TABULATED
+    for key in foreign:
+        if key in document:
+            raise InputError(
+                f"{path}: {key} must be left out beside {lists[-1]}: a material is a series (equilibrium, moduli, "
+                "times) or a table (omega, storage, loss)."
+            )
     if "poisson" not in document and "bulk" not in document:
         raise InputError(f"{path}: key 'poisson' (or 'bulk') is missing.")
-    counts = len(document["moduli"]), len(document["times"])
-    if counts[0] != counts[1]:
-        raise InputError(
-            f"{path}: moduli and times must have the same length, got {counts[0]} and {counts[1]} entries."
-        )
+    _same_length(path, "", document, lists[1:] if lists is _SERIES else lists)
     if "shift" in document:
         shift = document["shift"]
         law = shift.get("law")
@@ -136,6 +139,9 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
             raise InputError(f"{path}: law in [shift] must be one of {', '.join(SHIFT_KEYS)}, got {law!r}.{hint}")
         _validate_table(path, "shift", shift, {"law": _TEXT, **SHIFT_KEYS[law]}, SHIFT_KEYS[law])
     _validate_table(path, "range", document.get("range", {}), _RANGE_KEYS)
+    if "misfit" in document:
+        _validate_table(path, "misfit", document["misfit"], _MISFIT_KEYS, _MISFIT_KEYS)
+        _same_length(path, " in [misfit]", document["misfit"], tuple(_MISFIT_KEYS))
     _validate_table(path, "source", document.get("source", {}), _SOURCE_GROUPS)
     for group, source in document.get("source", {}).items():
         _validate_table(path, f"source.{group}", source, _SOURCE_KEYS)
@@ -151,6 +157,17 @@ def brief(value: Any) -> str:
     """What was received, short enough for one line of an error message."""
     text = " ".join(repr(value).split())
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _same_length(path: Path, place: str, table: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+    counts = [len(table[key]) for key in keys]
+    if len(set(counts)) > 1:
+        raise InputError(f"{path}: {_listed(keys)}{place} must have the same length, got {_listed(counts)} entries.")
+
+
+def _listed(parts: Iterable[Any]) -> str:
+    *first, last = map(str, parts)
+    return f"{', '.join(first)} and {last}"
 
 
 def _validate_table(

@@ -12,13 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, closest
-from .format import SHIFT_KEYS, brief, read_document, write_document
+from .format import SHIFT_KEYS, brief, is_tabulated, read_document, write_document
 
 if TYPE_CHECKING:
     from .prony import Prony
+    from .tabulated import TabulatedModulus
 
 SEARCH_VARIABLE = "ELASTOMDR_MATERIALS"
 ENTRY_POINTS = "elastomdr.materials"
+_MISFIT = ("omega", "storage_residual", "loss_residual")
 
 
 def materials() -> list[str]:
@@ -26,8 +28,8 @@ def materials() -> list[str]:
     return sorted(_files())
 
 
-def load_material(name_or_path: str | os.PathLike[str]) -> "Prony":
-    """The material of a name in the library, or of a TOML file.
+def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedModulus":
+    """The material of a name in the library, or of a TOML file: a `Prony`, or a `TabulatedModulus`.
 
     A text that ends in .toml or holds a slash is a path. Raises `InputError`, one line that names the file, for an
     unknown name, an unreadable file, unknown or missing keys, and numbers without meaning.
@@ -36,17 +38,19 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony":
     document = read_document(path)
     from .prony import Prony
     from .shift import VFT, WLF, Arrhenius, ShiftTable
+    from .tabulated import TabulatedModulus
 
+    kind, keys = Prony, ("equilibrium", "moduli", "times")
+    if is_tabulated(document):
+        kind, keys = TabulatedModulus, ("omega", "storage", "loss")
     try:
         numbers = {key: document[key] for key in ("poisson", "bulk", "viscosity") if key in document}
         shift = document.get("shift")
         if shift is not None:
             laws = {"WLF": WLF, "Arrhenius": Arrhenius, "VFT": VFT, "table": ShiftTable}
             shift = laws[shift["law"]](**{key: value for key, value in shift.items() if key != "law"})
-        material = Prony(
-            document["equilibrium"],
-            document["moduli"],
-            document["times"],
+        material = kind(
+            *(document[key] for key in keys),
             kind=document["kind"],
             shift=shift,
             name=document.get("name", path.stem),
@@ -68,15 +72,21 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony":
 def material_info(name_or_path: str | os.PathLike[str]) -> dict[str, Any]:
     """What the file says about a material, without its lists: description, sources and grades, ranges, the path.
 
-    Adds `branches`, `glassy` (equilibrium plus all moduli [Pa]), `shortest_time` and `longest_time` [s]; loads no JAX.
-    Raises `InputError` like `load_material`, but does not judge the numbers.
+    Adds `branches`, `glassy` (equilibrium plus all moduli [Pa]), `shortest_time` and `longest_time` [s]; of a table of
+    moduli `points`, `lowest_omega` and `highest_omega` [rad/s] instead. Loads no JAX. Raises `InputError` like
+    `load_material`, but does not judge the numbers.
     """
     path = locate(name_or_path)
     document = read_document(path)
+    document.pop("misfit", None)
+    common = {"name": path.stem, "path": str(path)}
+    if is_tabulated(document):
+        omega, _, _ = (document.pop(key) for key in ("omega", "storage", "loss"))
+        ends = {"lowest_omega": min(omega, default=None), "highest_omega": max(omega, default=None)}
+        return {**common, **document, "points": len(omega), **ends}
     moduli, times = document.pop("moduli"), document.pop("times")
     return {
-        "name": path.stem,
-        "path": str(path),
+        **common,
         **document,
         "branches": len(times),
         "glassy": document["equilibrium"] + sum(moduli),
@@ -85,19 +95,22 @@ def material_info(name_or_path: str | os.PathLike[str]) -> dict[str, Any]:
     }
 
 
-def save_material(material: "Prony", path: str | os.PathLike[str], *, info: Mapping[str, Any] | None = None) -> None:
+def save_material(
+    material: "Prony | TabulatedModulus", path: str | os.PathLike[str], *, info: Mapping[str, Any] | None = None
+) -> None:
     """Writes a material as a TOML file that `load_material` reads back bit for bit.
 
-    `info` carries what a `Prony` does not: `description`, `reference_temperature`, `range` and `source`, as
+    `info` carries what the material does not: `description`, `reference_temperature`, `range` and `source`, as
     `material_info` returns them (its other entries are passed over); without it, the material's citation becomes the
-    source of the moduli. The file appears complete or not at all. Raises `InputError` for anything but a `Prony` with
-    concrete numbers, and where the file cannot be written.
+    source of the moduli. The file appears complete or not at all. Raises `InputError` for anything but a `Prony` or a
+    `TabulatedModulus` with concrete numbers, and where the file cannot be written.
     """
     from .._runtime import is_traced
     from .prony import Prony
+    from .tabulated import TabulatedModulus
 
-    if not isinstance(material, Prony):
-        raise InputError(f"material must be a Prony, got {brief(material)}.")
+    if not isinstance(material, (Prony, TabulatedModulus)):
+        raise InputError(f"material must be a Prony or a TabulatedModulus, got {brief(material)}.")
     if is_traced(material):
         raise InputError("material must hold concrete numbers to be saved, got values that JAX traces.")
     info = info or {}
@@ -114,13 +127,10 @@ def save_material(material: "Prony", path: str | os.PathLike[str], *, info: Mapp
         "kind": material.kind,
         "reference_temperature": reference,
         "poisson": None if material.poisson is None else float(material.poisson),
-        "bulk": None if material.bulk is None else float(material.bulk),
-        "equilibrium": float(material.equilibrium),
-        "viscosity": float(material.viscosity) or None,
-        "moduli": [float(value) for value in material.moduli],
-        "times": [float(value) for value in material.times],
+        **(_series(material) if isinstance(material, Prony) else _tabulated(material)),
         "shift": _shift_table(material.shift),
         "range": info.get("range", known.table() if known is not None and known.table() else None),
+        "misfit": _misfit_table(known),
         "source": info.get("source", cited or None),
     }
     write_document({key: value for key, value in document.items() if value is not None}, Path(path))
@@ -175,13 +185,39 @@ def _files() -> dict[str, list[Path]]:
     return files
 
 
+def _series(material: "Prony") -> dict[str, Any]:
+    return {
+        "bulk": None if material.bulk is None else float(material.bulk),
+        "equilibrium": float(material.equilibrium),
+        "viscosity": float(material.viscosity) or None,
+        "moduli": [float(value) for value in material.moduli],
+        "times": [float(value) for value in material.times],
+    }
+
+
+def _tabulated(material: "TabulatedModulus") -> dict[str, Any]:
+    lists = {"omega": material.omega, "storage": material.storage_table, "loss": material.loss_table}
+    return {key: [float(value) for value in values] for key, values in lists.items()}
+
+
+def _misfit_table(known: Any) -> dict[str, list[float]] | None:
+    if known is None or not known.misfit:
+        return None
+    return dict(zip(_MISFIT, map(list, zip(*known.misfit, strict=True)), strict=True))
+
+
 def _range(document: Mapping[str, Any]) -> Any:
     """Where the numbers hold, as the file says; what has no meaning there is for `check_material` to find."""
-    from .validity import as_range
+    from .validity import Range, as_range
 
     pairs = {key: pair for key, pair in document.get("range", {}).items() if not pair or pair[0] > 0}
     illustrative = document.get("source", {}).get("range", {}).get("grade") == "illustrative"
-    return as_range(pairs, illustrative) if pairs else None
+    known = as_range(pairs, illustrative) if pairs else None
+    rows = document.get("misfit")
+    misfit = tuple(zip(*(rows[key] for key in _MISFIT), strict=True)) if rows else ()
+    if any(not omega > 0 or storage < 0 or loss < 0 for omega, storage, loss in misfit):
+        raise InputError("omega in [misfit] must be positive, and both residuals zero or positive.")
+    return (known or Range(None, None))._replace(misfit=misfit) if misfit else known
 
 
 def _citation(source: Mapping[str, Mapping[str, Any]]) -> str:

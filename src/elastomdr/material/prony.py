@@ -2,25 +2,41 @@
 law.
 """
 
-from typing import Any, Literal
+from __future__ import annotations
 
-import equinox as eqx
+from typing import TYPE_CHECKING, Any, Literal, Unpack
+
 import numpy as np
-from jaxtyping import Float
 
-from .._runtime import Array, as_float64, in_float64, is_traced, not_negative, positive, require, scalar
+from .._runtime import Array, as_float64, is_traced, not_negative, numpy_unless_traced, positive, require, scalar
+from .._trees import fill, replaced, static
 from ..errors import InputError
-from .relaxation import AbstractRelaxation, KelvinChain, Relaxation, checked, scaled, to_kelvin, to_relaxation
-from .shift import AbstractShift
-from .validity import Range, as_range, with_range
+from .relaxation import (
+    AbstractRelaxation,
+    KelvinChain,
+    Relaxation,
+    checked,
+    scaled,
+    series,
+    spring,
+    to_kelvin,
+    to_relaxation,
+)
+from .shift import AbstractShift, shift_factor
+from .validity import Range, as_range
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from .._types import ArrayLike, DashpotProperties, Kind, Number, Properties, RangeLike
 
 
 class Prony(AbstractRelaxation):
     """Generalised Maxwell solid: M(t) = M_inf + sum_k M_k exp(-t/tau_k) + eta delta(t), M the shear or tensile modulus.
 
     Give either a constant Poisson's ratio (default 0.5, incompressible) or a constant bulk modulus. An equilibrium
-    modulus of zero makes it a liquid. `relaxation`, `creep`, `storage`, `loss`, `loss_tangent` and `complex_modulus`
-    speak of shear, whatever `kind` the moduli were given in. `range` says where the numbers hold, as a dict like the
+    modulus of zero makes it a liquid. All fields and methods speak of the `kind` of modulus that was given; `shear()`
+    and `tensile()` are the same material in the other kind. `range` says where the numbers hold, as a dict like the
     [range] of a material file: `em.friction` flags what lies beyond. Raises `InputError` for negative or NaN moduli,
     times that are not positive and ascending, a Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`.
     """
@@ -29,36 +45,30 @@ class Prony(AbstractRelaxation):
     moduli: Float[Array, " n"]  # M_k, as given [Pa]
     times: Float[Array, " n"]  # relaxation times tau_k, ascending [s]
     viscosity: Float[Array, ""]  # parallel dashpot, as given [Pa s]
-    poisson: Any  # constant Poisson's ratio, a scalar; None where `bulk` is given
-    bulk: Any  # constant bulk modulus, a scalar [Pa]; None where `poisson` is given
+    poisson: Array | None  # constant Poisson's ratio, a scalar; None where `bulk` is given
+    bulk: Array | None  # constant bulk modulus, a scalar [Pa]; None where `poisson` is given
     shift: AbstractShift | None
-    kind: Literal["shear", "tensile"] = eqx.field(static=True)
-    name: str = eqx.field(static=True)
-    citation: str = eqx.field(static=True)
-    range: Range | None = eqx.field(static=True)  # where the numbers hold; None: not known
+    kind: Literal["shear", "tensile"] = static()
+    name: str = static()
+    citation: str = static()
+    range: Range | None = static()  # where the numbers hold; None: not known
 
     def __init__(
         self,
-        equilibrium: Any,
-        moduli: Any,
-        times: Any,
+        equilibrium: Number,
+        moduli: ArrayLike,
+        times: ArrayLike,
         *,
-        kind: str = "shear",
-        poisson: Any = None,
-        bulk: Any = None,
-        viscosity: Any = 0.0,
+        kind: Kind = "shear",
+        poisson: Number | None = None,
+        bulk: Number | None = None,
+        viscosity: Number = 0.0,
         shift: AbstractShift | None = None,
         name: str = "",
         citation: str = "",
-        range: Any = None,
+        range: RangeLike | None = None,
     ):
         law = checked(equilibrium, moduli, times, viscosity)
-        self.equilibrium, self.moduli, self.times, self.viscosity = (
-            law.equilibrium,
-            law.moduli,
-            law.times,
-            law.viscosity,
-        )
         if kind not in ("shear", "tensile"):
             raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
         for argument, text in (("name", name), ("citation", citation)):
@@ -70,14 +80,14 @@ class Prony(AbstractRelaxation):
             )
         if shift is not None and not isinstance(shift, AbstractShift):
             raise InputError(f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}.")
-        self.poisson = self.bulk = None
         if bulk is not None:
-            self.bulk = scalar("bulk", bulk)
-            positive("bulk", self.bulk)
+            bulk = scalar("bulk", bulk)
+            positive("bulk", bulk)
         else:
-            self.poisson = scalar("poisson", 0.5 if poisson is None else poisson)
-            require("poisson", self.poisson, "above -1 and at most 0.5", lambda nu: (nu > -1) & (nu <= 0.5))
-        self.shift, self.kind, self.name, self.citation, self.range = shift, kind, name, citation, as_range(range)
+            poisson = scalar("poisson", 0.5 if poisson is None else poisson)
+            require("poisson", poisson, "above -1 and at most 0.5", lambda nu: (nu > -1) & (nu <= 0.5))
+        fill(self, **vars(law), poisson=poisson, bulk=bulk, shift=shift)
+        fill(self, kind=kind, name=name, citation=citation, range=as_range(range))
         if kind == "tensile" and self.bulk is not None:
             if not is_traced(law.viscosity) and law.viscosity > 0:
                 raise InputError(
@@ -90,41 +100,49 @@ class Prony(AbstractRelaxation):
                     f"({float(law.instantaneous):g} Pa), got {float(self.bulk):g}."
                 )
 
-    @in_float64
     def law(self) -> Relaxation:
-        """The shear relaxation function G(t)."""
-        given = Relaxation(self.equilibrium, self.moduli, self.times, self.viscosity)
-        if self.kind == "shear":
-            return given
-        if self.poisson is not None:
-            return scaled(given, 1 / (2 * (1 + self.poisson)))
-        # 1/E = 1/(3G) + 1/(9K): take the bulk part out of the creep function, then invert it.
-        chain = to_kelvin(given)
-        return to_relaxation(
-            KelvinChain(
-                3 * (chain.instantaneous - 1 / (9 * self.bulk)), 3 * chain.compliances, chain.times, 3 * chain.fluidity
-            )
-        )
+        """The relaxation function of `kind`, as given."""
+        return Relaxation(self.equilibrium, self.moduli, self.times, self.viscosity)
 
-    @in_float64
-    def at(self, temperature: Any) -> "Prony":
+    def shear(self) -> "Prony":
+        """The same material by its shear modulus G(t).
+
+        Exact: G = E/(2 (1 + nu)) for a constant Poisson's ratio, and 1/(3G) = 1/E - 1/(9K) for a constant bulk modulus,
+        with as many branches.
+        """
+        return self if self.kind == "shear" else self._in_other_kind()
+
+    def tensile(self) -> "Prony":
+        """The same material by its tensile modulus E(t); with a constant bulk modulus a dashpot becomes a branch."""
+        return self if self.kind == "tensile" else self._in_other_kind()
+
+    @numpy_unless_traced
+    def _in_other_kind(self) -> "Prony":
+        given, tensile = self.law(), self.kind == "tensile"
+        bulk: Any = self.bulk  # None with a constant Poisson's ratio
+        if self.poisson is not None:
+            ratio = 2 * (1 + self.poisson)
+            law = scaled(given, 1 / ratio if tensile else ratio)
+        elif tensile:  # take the bulk part out of the creep function, then invert it
+            chain = to_kelvin(given)
+            glassy = 3 * (chain.instantaneous - 1 / (9 * bulk))
+            law = to_relaxation(KelvinChain(glassy, 3 * chain.compliances, chain.times, 3 * chain.fluidity))
+        else:
+            law = series(scaled(given, 3.0), spring(9 * bulk))
+        return replaced(
+            self, equilibrium=law.equilibrium, moduli=law.moduli, times=law.times, viscosity=law.viscosity,
+            kind="shear" if tensile else "tensile",
+        )  # fmt: skip
+
+    @numpy_unless_traced
+    def at(self, temperature: Number) -> "Prony":
         """The same material at a temperature [K]: its times multiplied by a_T. Raises without a shift law."""
         temperature = scalar("temperature", temperature)
-        if self.shift is None:
-            raise InputError(
-                f"temperature was given ({temperature}), but the material {self.name or '(unnamed)'} has no shift law; "
-                "give it one with shift=em.WLF(...), or leave the temperature out."
-            )
-        factor = self.shift.a(temperature)
+        factor = shift_factor(self.name, self.shift, temperature)
         if not is_traced(factor):
             factor = np.asarray(factor)
-        shifted = eqx.tree_at(
-            lambda m: (m.times, m.viscosity, m.shift),
-            self,
-            (self.times * factor, self.viscosity * factor, None),
-            is_leaf=lambda x: x is None,
-        )
-        return with_range(shifted, None if self.range is None else self.range.at(temperature, factor))
+        known = None if self.range is None else self.range.at(temperature, factor)
+        return replaced(self, times=self.times * factor, viscosity=self.viscosity * factor, shift=None, range=known)
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
@@ -133,24 +151,25 @@ class Prony(AbstractRelaxation):
             return f"Prony({label}{self.kind}, {np.shape(self.moduli)[-1]} branches, {what})"
         span = f", tau {self.times[0]:.3g}..{self.times[-1]:.3g} s" if self.moduli.size else ""
         glassy = float(self.equilibrium + np.sum(self.moduli))
+        dashpot = f", viscosity {float(self.viscosity):.4g} Pa s" if float(self.viscosity) else ""
         return (
             f"Prony({label}{self.kind} modulus {float(self.equilibrium):.4g} Pa relaxed, {glassy:.4g} Pa glassy, "
-            f"{self.moduli.size} branches{span})"
+            f"{self.moduli.size} branches{span}{dashpot})"
         )
 
 
-def KelvinVoigt(modulus: Any, viscosity: Any, **properties: Any) -> Prony:
+def KelvinVoigt(modulus: Number, viscosity: Number, **properties: Unpack[Properties]) -> Prony:
     """A spring [Pa] and a dashpot [Pa s] in parallel; keyword arguments as for `Prony`."""
     not_negative("modulus", as_float64("modulus", modulus))
     return Prony(modulus, np.zeros(0), np.zeros(0), viscosity=viscosity, **properties)
 
 
-def Maxwell(modulus: Any, time: Any, **properties: Any) -> Prony:
+def Maxwell(modulus: Number, time: Number, **properties: Unpack[DashpotProperties]) -> Prony:
     """A spring [Pa] and a dashpot in series with relaxation time [s]: a liquid; keyword arguments as for `Prony`."""
     return Prony(0.0, *_one_branch(modulus, time), **properties)
 
 
-def StandardSolid(equilibrium: Any, modulus: Any, time: Any, **properties: Any) -> Prony:
+def StandardSolid(equilibrium: Number, modulus: Number, time: Number, **properties: Unpack[DashpotProperties]) -> Prony:
     """A spring [Pa] beside one Maxwell branch [Pa, s]; keyword arguments as for `Prony`."""
     return Prony(equilibrium, *_one_branch(modulus, time), **properties)
 

@@ -1,29 +1,34 @@
 """The relaxation function shared by materials and foundations: a spring, Maxwell branches and a dashpot in parallel."""
 
+from __future__ import annotations
+
 import abc
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from .._runtime import Array, as_float64, ascending, in_float64, is_traced, not_negative, positive, require
+from .._arrays import on_numpy, xp
+from .._runtime import Array, as_float64, ascending, is_traced, not_negative, numpy_unless_traced, positive, require
+from .._trees import Tree
 from ..errors import InputError
 from .secular import secular_roots
 
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
-class AbstractRelaxation(eqx.Module):
+    from .._types import ArrayLike, ComplexArray
+
+
+class AbstractRelaxation(Tree):
     """E(t) = E_inf + sum_k E_k exp(-t/tau_k) + eta delta(t), with its creep function and its complex modulus.
 
     Subclasses hold the four fields. "Modulus" stands for whatever quantity they carry: G, E*, a layer's stiffness.
     """
 
-    equilibrium: eqx.AbstractVar[Float[Array, ""]]  # E_inf, zero for a liquid [Pa]
-    moduli: eqx.AbstractVar[Float[Array, " n"]]  # E_k [Pa]
-    times: eqx.AbstractVar[Float[Array, " n"]]  # tau_k, ascending [s]
-    viscosity: eqx.AbstractVar[Float[Array, ""]]  # eta of the parallel dashpot [Pa s]
+    equilibrium: Float[Array, ""]  # E_inf, zero for a liquid [Pa]
+    moduli: Float[Array, " n"]  # E_k [Pa]
+    times: Float[Array, " n"]  # tau_k, ascending [s]
+    viscosity: Float[Array, ""]  # eta of the parallel dashpot [Pa s]
 
     @abc.abstractmethod
     def law(self) -> "Relaxation":
@@ -35,28 +40,28 @@ class AbstractRelaxation(eqx.Module):
         law = self.law()
         return law.equilibrium + law.moduli.sum()
 
-    @in_float64
-    def relaxation(self, t: Any) -> Array:
+    @numpy_unless_traced
+    def relaxation(self, t: ArrayLike) -> Array:
         """Stress after a unit strain step, E(t) [Pa], at times t > 0 [s], any shape. A dashpot adds nothing at t >
         0.
         """
         law, t = self.law(), as_float64("t", t)
         not_negative("t", t)
-        return law.equilibrium + _sum_branches(law.moduli, _arrays(law, t).exp(-t[..., None] / law.times))
+        return law.equilibrium + _sum_branches(law.moduli, xp.exp(-t[..., None] / law.times))
 
-    @in_float64
-    def creep(self, t: Any) -> Array:
+    @numpy_unless_traced
+    def creep_compliance(self, t: ArrayLike) -> Array:
         """Strain after a unit stress step, J(t) [1/Pa], at times t >= 0 [s], any shape.
 
         Exact: the Kelvin chain with the same law, from the zeros of the relaxation function (`to_kelvin`).
         """
         chain, t = to_kelvin(self.law()), as_float64("t", t)
         not_negative("t", t)
-        retarded = _sum_branches(chain.compliances, -_arrays(chain, t).expm1(-t[..., None] / chain.times))
+        retarded = _sum_branches(chain.compliances, -xp.expm1(-t[..., None] / chain.times))
         return chain.instantaneous + retarded + t * chain.fluidity
 
-    @in_float64
-    def complex_modulus(self, omega: Any) -> Any:
+    @numpy_unless_traced
+    def complex_modulus(self, omega: ArrayLike) -> ComplexArray:
         """E*(omega) = E_inf + sum E_k i w tau_k/(1 + i w tau_k) + i w eta [Pa], at omega >= 0 [rad/s], any shape."""
         law, omega = self.law(), as_float64("omega", omega)
         not_negative("omega", omega)
@@ -66,19 +71,19 @@ class AbstractRelaxation(eqx.Module):
         storage, loss = _sum_branches(law.moduli, x / both), _sum_branches(law.moduli, 1 / both)
         return law.equilibrium + storage + 1j * (loss + omega * law.viscosity)
 
-    def storage(self, omega: Any) -> Array:
+    def storage(self, omega: ArrayLike) -> Array:
         """Storage modulus [Pa] at omega [rad/s]."""
         return self.complex_modulus(omega).real
 
-    def loss(self, omega: Any) -> Array:
+    def loss(self, omega: ArrayLike) -> Array:
         """Loss modulus [Pa] at omega [rad/s]."""
         return self.complex_modulus(omega).imag
 
-    @in_float64
-    def loss_tangent(self, omega: Any) -> Array:
+    @numpy_unless_traced
+    def loss_tangent(self, omega: ArrayLike) -> Array:
         """Loss modulus over storage modulus at omega [rad/s]; infinite where nothing is stored."""
         value = self.complex_modulus(omega)
-        xp, elastic = _arrays(value), value.real > 0
+        elastic = value.real > 0
         return xp.where(elastic, value.imag / xp.where(elastic, value.real, 1.0), xp.inf)
 
 
@@ -94,7 +99,7 @@ class Relaxation(AbstractRelaxation):
         return self
 
 
-class KelvinChain(eqx.Module):
+class KelvinChain(Tree):
     """J(t) = J_0 + sum_k J_k (1 - exp(-t/lambda_k)) + phi t: the creep form of the same law."""
 
     instantaneous: Float[Array, ""]  # J_0 [1/Pa]
@@ -139,10 +144,9 @@ def scaled(law: Relaxation, factor: Any) -> Relaxation:
     return Relaxation(law.equilibrium * factor, law.moduli * factor, law.times, law.viscosity * factor)
 
 
-@in_float64
+@numpy_unless_traced
 def parallel(first: Relaxation, second: Relaxation) -> Relaxation:
     """The sum of two relaxation functions, with times in ascending order."""
-    xp = _arrays(first, second)
     moduli = xp.concatenate([xp.asarray(first.moduli), xp.asarray(second.moduli)])
     times = xp.concatenate([xp.asarray(first.times), xp.asarray(second.times)])
     order = xp.argsort(times)
@@ -154,7 +158,7 @@ def parallel(first: Relaxation, second: Relaxation) -> Relaxation:
     )
 
 
-@in_float64
+@numpy_unless_traced
 def to_kelvin(law: Relaxation) -> KelvinChain:
     """The Kelvin chain of a relaxation function, exact: its retardation times are the zeros of E(s).
 
@@ -165,10 +169,9 @@ def to_kelvin(law: Relaxation) -> KelvinChain:
     return kelvin_and_gaps(law)[0]
 
 
-@in_float64
+@numpy_unless_traced
 def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     """The Kelvin chain, and lambda_j - tau_k to full relative accuracy, however close the times lie together."""
-    xp = _arrays(law)
     with_dashpot = is_traced(law.viscosity) or bool(law.viscosity > 0)
     times, moduli = xp.asarray(law.times), xp.asarray(law.moduli)
     weights = moduli * times
@@ -193,7 +196,7 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     kept = slice(None) if is_traced(weights) else np.flatnonzero(np.asarray(moduli) > 0)
     gaps = roots[:, None] - xp.asarray(law.times)
     closer = xp.where(there[:, None], near, gaps[:, kept])
-    if xp is np:
+    if on_numpy():
         gaps[:, kept] = closer
     else:
         gaps = gaps.at[:, kept].set(closer)
@@ -202,13 +205,12 @@ def kelvin_and_gaps(law: Relaxation) -> tuple[KelvinChain, Float[Array, "j k"]]:
     return KelvinChain(instantaneous, compliances[order], roots[order], fluidity), gaps[order]
 
 
-@in_float64
+@numpy_unless_traced
 def to_relaxation(chain: KelvinChain) -> Relaxation:
     """The relaxation function of a Kelvin chain: the inverse of `to_kelvin`, with the roles of poles and zeros changed.
 
     With s = -1/t, J(s) = t [J_0/t + sum_k J_k/(t - lambda_k) - phi].
     """
-    xp = _arrays(chain)
     compliances, times = xp.asarray(chain.compliances), xp.asarray(chain.times)
     instantaneous, fluidity = xp.asarray(chain.instantaneous), xp.asarray(chain.fluidity)
     poles = xp.concatenate([xp.zeros(1), times])
@@ -232,10 +234,9 @@ def to_relaxation(chain: KelvinChain) -> Relaxation:
     return Relaxation(equilibrium, moduli, roots, viscosity)
 
 
-@in_float64
+@numpy_unless_traced
 def series(first: Relaxation, second: Relaxation) -> Relaxation:
     """Two bodies that carry the same stress: their creep functions add. Exact, n_1 + n_2 branches at most."""
-    xp = _arrays(first, second)
     one, two = to_kelvin(first), to_kelvin(second)
     times = xp.concatenate([one.times, two.times])
     order = xp.argsort(times)
@@ -254,17 +255,11 @@ def spring(modulus: Any) -> Relaxation:
     return Relaxation(modulus, np.zeros(0), np.zeros(0), np.zeros(()))
 
 
-def _arrays(*laws: Any) -> Any:
-    """NumPy for numbers, which compiles nothing; JAX for what it traces."""
-    return jnp if is_traced(*laws) else np
-
-
 def _roots(*problem: Array) -> tuple[Array, Array, Array]:
     """`secular_roots`, of numbers as numbers: under a transformation of something else they would become traced."""
     if is_traced(problem):
         return secular_roots(*problem)
-    with jax.ensure_compile_time_eval():
-        return jax.tree.map(np.asarray, secular_roots(*problem))
+    return numpy_unless_traced(secular_roots)(*map(np.asarray, problem))
 
 
 def _sum_branches(weights: Array, terms: Array) -> Array:

@@ -10,17 +10,22 @@ small eigenvalues to rounding once the times span more than 15 decades; here eve
 the nearer end of its interval, so that it keeps its relative accuracy over any span.
 """
 
-import jax
-import jax.numpy as jnp
-from jaxtyping import Float
+from __future__ import annotations
 
+import math
+from typing import TYPE_CHECKING
+
+from .._arrays import compiled, fixed, fori_loop, xp
 from .._runtime import Array
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _BISECTIONS = 64  # halvings of the logarithm of a distance: from 280 decades down to rounding
 _SMALLEST = 1e-140  # its square is still a float64
 
 
-@jax.jit
+@compiled()
 def secular_roots(
     poles: Float[Array, " n"],  # ascending pole times [s]
     weights: Float[Array, " n"],  # positive weights
@@ -31,49 +36,49 @@ def secular_roots(
     The last root is infinite where c = 0. Differentiable: the bisection is not, one Newton step after it is.
     """
     n = poles.shape[0]
-    index = jnp.arange(n)
+    index = xp.arange(n)
     finite = (index < n - 1) | (constant > 0)
     # Where the last root is infinite it is sought with a constant that puts it at a finite place, and masked below:
     # an infinity on the way would turn the derivatives of all roots into NaN.
-    stand_in = jax.lax.stop_gradient(jnp.sum(weights) / jnp.maximum(poles[-1], _SMALLEST))
-    constants = jnp.where(finite, constant, stand_in)
-    fixed_poles, fixed_weights, fixed_constants = jax.lax.stop_gradient((poles, weights, constants))
-    top = fixed_poles[-1] + jnp.sum(fixed_weights) / fixed_constants[-1]
-    upper = jnp.append(fixed_poles[1:], top)
+    stand_in = fixed(xp.sum(weights) / xp.maximum(poles[-1], _SMALLEST))
+    constants = xp.where(finite, constant, stand_in)
+    fixed_poles, fixed_weights, fixed_constants = fixed((poles, weights, constants))
+    top = fixed_poles[-1] + xp.sum(fixed_weights) / fixed_constants[-1]
+    upper = xp.append(fixed_poles[1:], top)
     width = upper - fixed_poles
 
     def excess(origin: Array, distance: Array, poles: Array, weights: Array, constants: Array) -> Array:
         gap = (origin[:, None] - poles[None, :]) + distance[:, None]
-        return jnp.sum(weights / _away_from_zero(gap), axis=1) - constants
+        return xp.sum(weights / _away_from_zero(gap), axis=1) - constants
 
     # Which end is nearer: the left-hand side falls through its interval from +infinity to -infinity.
     right_half = excess(fixed_poles, 0.5 * width, fixed_poles, fixed_weights, fixed_constants) > 0
     right_half = right_half & (index < n - 1)
-    origin = jnp.where(right_half, upper, fixed_poles)
-    side = jnp.where(right_half, -1.0, 1.0)
-    reach = jnp.where(right_half, 0.5, 1.0) * width
+    origin = xp.where(right_half, upper, fixed_poles)
+    side = xp.where(right_half, -1.0, 1.0)
+    reach = xp.where(right_half, 0.5, 1.0) * width
 
     def halve(_, bounds):
         low, high = bounds
         middle = 0.5 * (low + high)
-        value = excess(origin, side * jnp.exp(middle), fixed_poles, fixed_weights, fixed_constants)
+        value = excess(origin, side * xp.exp(middle), fixed_poles, fixed_weights, fixed_constants)
         too_near = side * value > 0  # the root lies farther from the origin
-        return jnp.where(too_near, middle, low), jnp.where(too_near, high, middle)
+        return xp.where(too_near, middle, low), xp.where(too_near, high, middle)
 
-    start = (jnp.full(n, jnp.log(_SMALLEST)), jnp.log(jnp.maximum(reach, _SMALLEST)))
-    low, high = jax.lax.fori_loop(0, _BISECTIONS, halve, start)
-    distance = side * jnp.exp(0.5 * (low + high))
+    start = (xp.full(n, math.log(_SMALLEST)), xp.log(xp.maximum(reach, _SMALLEST)))
+    low, high = fori_loop(0, _BISECTIONS, halve, start)
+    distance = side * xp.exp(0.5 * (low + high))
 
     # Newton on the distance, with the poles' own tangents in the residual.
-    origin = poles[jnp.minimum(index + right_half, n - 1)]
+    origin = poles[xp.minimum(index + right_half, n - 1)]
     gap = (origin[:, None] - poles[None, :]) + distance[:, None]
-    residual = jnp.sum(weights / _away_from_zero(gap), axis=1) - constants
-    step = residual / jnp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
-    step = step - jax.lax.stop_gradient(jnp.where(jnp.abs(step) < 0.1 * jnp.abs(distance), 0.0, step))
+    residual = xp.sum(weights / _away_from_zero(gap), axis=1) - constants
+    step = residual / xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
+    step = step - fixed(xp.where(xp.abs(step) < 0.1 * xp.abs(distance), 0.0, step))
     gap = gap + step[:, None]
-    slope = jnp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
-    return jnp.where(finite, origin + distance + step, jnp.inf), slope, gap
+    slope = xp.sum(weights / _away_from_zero(gap) ** 2, axis=1)
+    return xp.where(finite, origin + distance + step, xp.inf), slope, gap
 
 
 def _away_from_zero(gap: Array) -> Array:
-    return jnp.where(jnp.abs(gap) < _SMALLEST, _SMALLEST, gap)
+    return xp.where(xp.abs(gap) < _SMALLEST, _SMALLEST, gap)

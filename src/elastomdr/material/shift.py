@@ -1,14 +1,13 @@
 """Time-temperature superposition: the factor a_T by which all relaxation times grow when the material cools."""
 
+from __future__ import annotations
+
 import abc
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
+from .._arrays import xp
 from .._runtime import (
     Array,
     as_float64,
@@ -16,21 +15,29 @@ from .._runtime import (
     in_float64,
     is_traced,
     not_negative,
+    numpy_unless_traced,
     positive,
     require,
     scalar,
     written,
 )
+from .._trees import Tree, fill
 from ..errors import InputError
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from .._types import ArrayLike, Number
 
 GAS_CONSTANT = 8.31446261815324  # R [J/(mol K)], CODATA 2018 (exact)
 _LN10 = float(np.log(10.0))
 
 
-class AbstractShift(eqx.Module):
+class AbstractShift(Tree):
     """A shift law; `a(T)` is tau(T)/tau(reference), so that it is 1 at the reference temperature."""
 
-    reference: eqx.AbstractVar[Float[Array, ""]]  # [K]
+    if TYPE_CHECKING:  # declared by each law, in an order of its own
+        reference: Float[Array, ""]  # [K]
 
     def __repr__(self) -> str:
         return written(self)
@@ -43,27 +50,29 @@ class AbstractShift(eqx.Module):
     def _check(self, temperature: Any) -> None:
         """Raises `InputError` where the law does not hold."""
 
-    @in_float64
-    def log10_a(self, temperature: Any) -> Array:
+    @numpy_unless_traced
+    def log10_a(self, temperature: ArrayLike) -> Array:
         """log10 a_T at temperatures [K], any shape. Raises `InputError` outside the law's range."""
         temperature = as_float64("temperature", temperature)
         positive("temperature", temperature)
         self._check(temperature)
         return self._log10_a(temperature)
 
-    @in_float64
-    def a(self, temperature: Any) -> Array:
+    @numpy_unless_traced
+    def a(self, temperature: ArrayLike) -> Array:
         """Shift factor a_T at temperatures [K], any shape."""
         with np.errstate(over="ignore"):  # close above the pole: infinite, for the caller to judge
             return 10.0 ** self.log10_a(temperature)
 
     @in_float64
-    def activation_energy(self, temperature: Any) -> Array:
+    def activation_energy(self, temperature: ArrayLike) -> Array:
         """Apparent activation energy R d(ln a_T)/d(1/T) [J/mol] at temperatures [K], any shape."""
+        import jax
+
         self.log10_a(temperature)
-        temperature = jnp.asarray(as_float64("temperature", temperature))
-        _, slope = jax.jvp(self._log10_a, (temperature,), (jnp.ones_like(temperature),))
-        return -GAS_CONSTANT * temperature**2 * _LN10 * slope
+        kelvin = xp.asarray(as_float64("temperature", temperature))
+        _, slope = jax.jvp(self._log10_a, (kelvin,), (xp.ones_like(kelvin),))
+        return -GAS_CONSTANT * kelvin**2 * _LN10 * slope
 
 
 class WLF(AbstractShift):
@@ -73,9 +82,8 @@ class WLF(AbstractShift):
     c2: Float[Array, ""]  # [K]
     reference: Float[Array, ""]  # [K]
 
-    def __init__(self, c1: Any, c2: Any, reference: Any):
-        self.c1, self.c2 = scalar("c1", c1), scalar("c2", c2)
-        self.reference = scalar("reference", reference)
+    def __init__(self, c1: Number, c2: Number, reference: Number):
+        fill(self, c1=scalar("c1", c1), c2=scalar("c2", c2), reference=scalar("reference", reference))
         positive("c1", self.c1)
         positive("c2", self.c2)
         positive("reference", self.reference)
@@ -87,7 +95,7 @@ class WLF(AbstractShift):
     def _check(self, temperature: Any) -> None:
         _above_pole("WLF", temperature, self.reference - self.c2)
 
-    def at_reference(self, temperature: Any) -> "WLF":
+    def at_reference(self, temperature: Number) -> "WLF":
         """The same law written about another reference temperature [K]."""
         temperature = scalar("temperature", temperature)
         self._check(temperature)
@@ -106,8 +114,8 @@ class VFT(AbstractShift):
     t0: Float[Array, ""]  # Vogel temperature [K]
     reference: Float[Array, ""]  # [K]
 
-    def __init__(self, b: Any, t0: Any, reference: Any):
-        self.b, self.t0, self.reference = scalar("b", b), scalar("t0", t0), scalar("reference", reference)
+    def __init__(self, b: Number, t0: Number, reference: Number):
+        fill(self, b=scalar("b", b), t0=scalar("t0", t0), reference=scalar("reference", reference))
         positive("b", self.b)
         positive("reference", self.reference)
         not_negative("t0", self.t0)
@@ -133,8 +141,8 @@ class Arrhenius(AbstractShift):
     energy: Float[Array, ""]  # activation energy [J/mol]
     reference: Float[Array, ""]  # [K]
 
-    def __init__(self, energy: Any, reference: Any):
-        self.energy, self.reference = scalar("energy", energy), scalar("reference", reference)
+    def __init__(self, energy: Number, reference: Number):
+        fill(self, energy=scalar("energy", energy), reference=scalar("reference", reference))
         positive("energy", self.energy)
         positive("reference", self.reference)
 
@@ -155,7 +163,7 @@ class ShiftTable(AbstractShift):
     slopes: Float[Array, " n"]  # d(log10 a_T)/dT at the table's temperatures [1/K]
     reference: Float[Array, ""]  # temperature at which log10 a_T = 0 [K]; NaN where the table does not cross zero
 
-    def __init__(self, temperature: Any, log10_a: Any):
+    def __init__(self, temperature: ArrayLike, log10_a: ArrayLike):
         temperature, log10_a = as_float64("temperature", temperature), as_float64("log10_a", log10_a)
         if temperature.ndim != 1 or temperature.shape != log10_a.shape or temperature.shape[0] < 2:
             raise InputError(
@@ -171,12 +179,11 @@ class ShiftTable(AbstractShift):
 
         curve = PchipInterpolator(temperature, log10_a)
         crossings = np.asarray(curve.solve(0.0, extrapolate=False))
-        self.temperature, self.log10_a_table = temperature, log10_a
-        self.slopes = np.asarray(curve.derivative()(temperature))
-        self.reference = np.asarray(crossings[0] if crossings.size else np.nan)
+        slopes = np.asarray(curve.derivative()(temperature))
+        reference = np.asarray(crossings[0] if crossings.size else np.nan)
+        fill(self, temperature=temperature, log10_a_table=log10_a, slopes=slopes, reference=reference)
 
     def _log10_a(self, temperature: Array) -> Array:
-        xp = jnp if is_traced(self, temperature) else np
         table, values, slopes = map(xp.asarray, (self.temperature, self.log10_a_table, self.slopes))
         left = xp.clip(xp.searchsorted(table, temperature, side="right") - 1, 0, table.shape[0] - 2)
         width = table[left + 1] - table[left]
@@ -191,6 +198,8 @@ class ShiftTable(AbstractShift):
         return xp.where(outside, xp.nan, value)
 
     def _check(self, temperature: Any) -> None:
+        if is_traced(self):
+            return
         low, high = float(self.temperature[0]), float(self.temperature[-1])
         accepted = f"within the shift table, {low:g} K to {high:g} K"
         require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
@@ -201,3 +210,13 @@ def _above_pole(law: str, temperature: Any, pole: Any) -> None:
         limit = float(pole)
         accepted = f"above the {law} pole at {limit:g} K, where the law breaks down"
         require("temperature", temperature, accepted, lambda t: t > limit)
+
+
+def shift_factor(name: str, shift: AbstractShift | None, temperature: Array) -> Array:
+    """a_T of the material `name` at a temperature [K]. Raises `InputError` where it has no shift law."""
+    if shift is None:
+        raise InputError(
+            f"temperature was given ({temperature}), but the material {name or '(unnamed)'} has no shift law; "
+            "give it one with shift=em.WLF(...), or leave the temperature out."
+        )
+    return shift.a(temperature)

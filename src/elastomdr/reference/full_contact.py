@@ -7,7 +7,9 @@ follows the line, so that the force under it is known: where it would have to pu
 answer.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,22 +17,39 @@ from jaxtyping import Float
 
 from .._runtime import Array, as_float64, in_float64, positive
 from ..errors import InputError
-from ..foundation.law import as_foundation
+from ..foundation.law import surface_foundation
 from ..mapping.rough_line import RoughLine
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Material
 
 
 @in_float64
 def full_contact_sliding(
-    material: Any, line: RoughLine, *, velocity: Any, load: Any, temperature: Any = None
+    material: Material, line: RoughLine, *, velocity: ArrayLike, load: ArrayLike, temperature: ArrayLike | None = None
 ) -> Float[Array, "..."]:
     """Friction coefficient of a rough line in full contact, mu = sum (1/2) A_k^2 k E*''(k v)/F_N.
 
-    The line moves towards +x, as in `em.friction`. `velocity` [m/s], `load` F_N [N/m] and `temperature` [K] (for a
-    material with a shift law) broadcast. NaN where the load does not keep the whole line in contact. Exact for the bare
-    line (`em.friction(..., average=None)`), taken as waves through its samples. Differentiable. Raises `InputError`.
+    The line moves towards +x, as in `em.friction`. Velocity, load and temperature broadcast.
+
+    Args:
+        material: a material, which may be a `TabulatedModulus`, or a `Foundation`.
+        line: the rough line.
+        velocity: sliding velocity [m/s].
+        load: normal force per length of line F_N [N/m].
+        temperature: temperature [K], for a material with a shift law.
+
+    Returns:
+        mu, of the broadcast shape; NaN where the load does not keep the whole line in contact.
+
+    Raises:
+        InputError: for a line that is no `em.RoughLine`, or values that are not positive.
+
+    Exact for the bare line (`em.friction(..., model=em.Line())`), taken as waves through its samples. Differentiable.
+
     Source: Popov & Hess 2015, ch. 10.
     """
-    foundation = as_foundation(material)
+    foundation = surface_foundation(material)
     if foundation.per_area or not isinstance(line, RoughLine):
         raise InputError("full contact is that of an em.RoughLine on a material or a half-space of it.")
     v, force, factor = as_float64("velocity", velocity), as_float64("load", load), 1.0

@@ -1,8 +1,10 @@
 """Steady sliding of a cylinder on a viscoelastic half-plane (Hunter's problem), solved on a line of cells."""
 
+from __future__ import annotations
+
 import functools
 import warnings
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -13,11 +15,13 @@ from .._runtime import Array, argmax, in_float64, positive, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
-from ..results.curve import Contact
-from ..results.half_plane import HalfPlaneCurve
+from ..results.curve import Contact, HalfPlaneCurve
 from .contact import LEADS, grid, settle, work_against
 from .kernel import sliding_kernel, strip_cell
 from .points import broadcast
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Material, Number
 
 MODEL = "half-plane (plane strain), cells of constant pressure (no reduction)"
 _WINDOWS = 8  # windows tried until the contact lies well inside
@@ -37,34 +41,48 @@ _FAILED = _Found(np.array(np.nan), np.full(2, np.nan), np.asarray(False), np.asa
 
 @in_float64
 def half_plane_sliding(
-    material: Any,
-    radius: Any,
+    material: Material,
+    radius: Number,
     *,
-    velocity: Any,
-    load_per_length: Any,
-    temperature: Any = None,
+    velocity: ArrayLike,
+    load_per_length: ArrayLike,
+    temperature: ArrayLike | None = None,
     points: int = 1024,
 ) -> HalfPlaneCurve:
-    """Friction of a long cylinder of radius R [m] in steady, frictionless sliding across its axis on a half-plane.
+    """Friction of a long cylinder in steady, frictionless sliding across its axis on a half-plane (plane strain).
 
-    Plane strain; `load_per_length` in N/m. Exact but for the grid of `points` cells, see `half_space_sliding`. There is
-    no depth: displacements of a half-plane hold to a constant only. `error` is twice the largest change of mu from
-    three eighths, half and three quarters as many cells to all of them: an estimate. Raises `InputError`; points that
-    did not settle are NaN and counted in one `ConvergenceWarning`.
-    The problem is that of Hunter 1961, there for one relaxation time.
+    Args:
+        material: a material, or a `Foundation` of E*.
+        radius: radius of the cylinder [m].
+        velocity: sliding velocity [m/s]; arguments broadcast.
+        load_per_length: normal force per length of the cylinder [N/m].
+        temperature: temperature [K], for a material with a shift law.
+        points: cells of the grid.
+
+    Returns:
+        A curve of the broadcast shape, without depth: displacements of a half-plane hold to a constant only. `error` is
+        an estimate, twice the largest change of mu from three eighths, half and three quarters as many cells to all of
+        them. Points that did not settle are NaN and counted in one `ConvergenceWarning`.
+
+    Raises:
+        InputError: for values that are not positive, and for a liquid.
+
+    Exact but for the grid, see `half_space_sliding`.
+
+    Source: the problem is that of Hunter 1961, there for one relaxation time.
     """
     foundation = as_foundation(material)
     if foundation.per_area:
         raise InputError("material must be a half-space, got a layer: em.friction is exact for layers.")
     radius = scalar("radius", radius)
     positive("radius", radius)
-    asked = broadcast(
+    scene = broadcast(
         foundation, velocity=velocity, load=load_per_length, depth=None, temperature=temperature, points=points,
         name="load_per_length",
     )  # fmt: skip
     law = foundation.law()
     chain = to_kelvin(law)
-    found = [_one(float(radius), law, chain, w, v, points) for w, v in zip(asked.value, asked.velocity, strict=True)]
+    found = [_one(float(radius), law, chain, w, v, points) for w, v in zip(scene.value, scene.velocity, strict=True)]
     good = np.array([bool(fine.settled) for fine, _ in found])
     if not good.all():
         warnings.warn(
@@ -74,21 +92,21 @@ def half_plane_sliding(
         )
 
     def field(values: list[Any]) -> Any:
-        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(asked.shape)
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(scene.shape)
 
     fine = [pair[0] for pair in found]
     mu = field([f.mu for f in fine])
-    load = asked.value.reshape(asked.shape)
-    rows = asked.inputs(foundation, f"cylinder, radius {float(radius):g} m")
+    load = scene.value.reshape(scene.shape)
+    rows = scene.inputs(foundation, f"cylinder, radius {float(radius):g} m")
     return HalfPlaneCurve(
-        velocity=asked.given.reshape(asked.shape),
+        velocity=scene.given.reshape(scene.shape),
         mu=mu,
         load_per_length=load,
         friction_per_length=mu * load,
         contact=Contact(field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])),
         error=field([error for _, error in found]),
-        converged=good.reshape(asked.shape),
-        temperature=asked.temperature,
+        converged=good.reshape(scene.shape),
+        temperature=scene.temperature,
         model=MODEL,
         plan=f"{points} cells; three eighths, half and three quarters as many for the error",
         inputs=tuple(("load per length", v.replace(" N", " N/m")) if k == "load" else (k, v) for k, v in rows),

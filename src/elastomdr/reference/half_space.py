@@ -1,8 +1,10 @@
 """Steady sliding on a three-dimensional viscoelastic half-space, solved on a grid of cells."""
 
+from __future__ import annotations
+
 import functools
 import warnings
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -15,14 +17,16 @@ from ..foundation.law import as_foundation
 from ..mapping.lines import SingleLine
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
-from ..results.curve import Contact, FrictionCurve
-from ..results.half_space import HalfSpaceCurve
-from ..scenes.steady import describe
+from ..results.curve import Contact, FrictionCurve, HalfSpaceCurve
+from ..results.words import describe
 from ..solve.passage import Control, estimate_sizes
 from .contact import LEADS, grid, settle, work_against
 from .kernel import area_cell, sliding_kernel
 from .periodic import slide_periodic
 from .points import Points, broadcast
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Material
 
 MODEL = "half-space in three dimensions, cells of constant pressure (no reduction)"
 _WINDOWS = 8  # windows tried until the contact lies well inside
@@ -50,36 +54,43 @@ _FAILED = _Found(
 
 @in_float64
 def half_space_sliding(
-    material: Any,
-    shape: Any,
+    material: Material,
+    shape: Indenter | ArrayLike,
     *,
-    velocity: Any,
-    load: Any = None,
-    depth: Any = None,
-    temperature: Any = None,
+    velocity: ArrayLike,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
     points: int = 64,
-    cell: Any = None,
+    cell: tuple[float, float] | None = None,
 ) -> FrictionCurve | HalfSpaceCurve:
     """Friction of a rigid body in steady, frictionless sliding on a half-space, in three dimensions.
 
-    One axisymmetric body, or with `cell`, the sides (L_x, L_y) [m] of a periodic cell, one such body in each cell or a
-    map of heights: an array (n_x, n_y) [m], positive into the rubber, x along the motion.
+    Args:
+        material: a material, or a `Foundation` of E*.
+        shape: an axisymmetric body; or, with `cell`, a map of heights (n_x, n_y) [m], positive into the rubber, x along
+            the motion.
+        velocity: sliding velocity [m/s]; arguments broadcast.
+        load: normal force [N]; in a cell that of one cell.
+        depth: depth [m] in place of a load; not in a cell, where the mean displacement is not defined.
+        temperature: temperature [K], for a material with a shift law.
+        points: cells along each side of the window around the contact.
+        cell: sides (L_x, L_y) [m] of a periodic cell with one body, or one map, in each.
 
-    Exact but for the grid: `points` by `points` cells of constant pressure over a window around the contact, with the
-    influence function of a cell that slides (`elastomdr.reference.kernel`), so that the body is alone on an infinite
-    surface and never meets its wake. The friction force is what the material dissipates. Arguments as for
-    `em.friction`; a point takes 50 ms to 1 s.
+    Returns:
+        A curve of the broadcast shape; `contact` has the edges on the central line, to half a cell. `error` is an
+        estimate, twice the larger change of mu from half and from three eighths as many cells to all of them; in a cell
+        the change from every second point of the map, which may be small by chance. Points whose contact does not
+        settle, or reaches the end of the body (the equator of a sphere, the last point of a profile), are NaN and
+        counted in one `ConvergenceWarning`.
 
-    In a cell: exact but for the grid, the map's own or `points` by `points` (`elastomdr.reference.periodic`). `load` is
-    that of one cell, and there is no depth, since the mean displacement of a periodic half-space is not defined.
+    Raises:
+        InputError: for neither or both of load and depth, and for a liquid, which has no steady state here.
 
-    `error` is twice the larger change of mu from half as many cells, and from three eighths, to all of them: an
-    estimate, since the edge of the contact is a staircase and mu goes up and down with the grid. In a cell it is the
-    change from every second point of the map, which may be small by chance. `contact` holds the edges on the central
-    line, to half a cell. Points whose contact does not settle, or reaches the end of the body (the equator of a sphere,
-    the last point of a profile), are NaN and counted in one `ConvergenceWarning`. Hardest are a
-    glassy modulus a thousand times the relaxed one and a glassy zone at the leading edge much thinner than a cell: they
-    take seconds. Raises `InputError`, also for a liquid, which has no steady state here.
+    Exact but for the grid of cells of constant pressure: with the influence function of a cell that slides
+    (`elastomdr.reference.kernel`) the body is alone on an infinite surface and never meets its wake. In a cell it meets
+    those of its neighbours (`elastomdr.reference.periodic`). The friction force is what the material dissipates. A
+    point takes 50 ms to 1 s, longest with a glassy modulus a thousand times the relaxed one.
     """
     foundation = as_foundation(material)
     if foundation.per_area:
@@ -96,13 +107,13 @@ def half_space_sliding(
             f"em.Profile), or a map of heights with its cell, got {shape!r}."
         )
     law = foundation.law()
-    asked = broadcast(foundation, velocity=velocity, load=load, depth=depth, temperature=temperature, points=points)
+    scene = broadcast(foundation, velocity=velocity, load=load, depth=depth, temperature=temperature, points=points)
     chain = to_kelvin(law)
-    found = [_one(shape, law, chain, asked, i) for i in range(asked.velocity.size)]
+    found = [_one(shape, law, chain, scene, i) for i in range(scene.velocity.size)]
     good = np.array([bool(fine.settled) for fine, _ in found])
 
     def field(values: list[Any]) -> Any:
-        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(asked.shape)
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(scene.shape)
 
     if not good.all():
         warnings.warn(
@@ -113,30 +124,35 @@ def half_space_sliding(
         )
     fine = [pair[0] for pair in found]
     return FrictionCurve(
-        velocity=asked.given.reshape(asked.shape),
+        velocity=scene.given.reshape(scene.shape),
         mu=field([f.mu for f in fine]),
         normal_force=field([f.force for f in fine]),
         friction_force=field([f.mu * f.force for f in fine]),
         depth=field([f.depth for f in fine]),
         contact=Contact(field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])),
         error=field([error for _, error in found]),
-        converged=good.reshape(asked.shape),
-        temperature=asked.temperature,
+        converged=good.reshape(scene.shape),
+        temperature=scene.temperature,
         model=MODEL,
-        plan=f"{points} by {points} cells; half as many and three eighths for the error",
-        inputs=asked.inputs(foundation, describe(shape)),
+        plan=grid_words(points),
+        inputs=scene.inputs(foundation, describe(shape)),
     )
 
 
-def _one(shape: AbstractShape, law: Relaxation, chain: KelvinChain, asked: Points, i: int) -> tuple[_Found, float]:
+def grid_words(points: int) -> str:
+    """The grids of one point, for results and plans."""
+    return f"{points} by {points} cells; half as many and three eighths for the error"
+
+
+def _one(shape: AbstractShape, law: Relaxation, chain: KelvinChain, scene: Points, i: int) -> tuple[_Found, float]:
     """A point on the full grid, and how far mu may be off for the grid: from half of it and from three eighths."""
-    value, velocity = asked.value[i], asked.velocity[i]
-    size = estimate_sizes(law, SingleLine(shape), asked.control, asked.value[i : i + 1], asked.velocity[i : i + 1])
+    value, velocity = scene.value[i], scene.velocity[i]
+    size = estimate_sizes(law, SingleLine(shape), scene.control, scene.value[i : i + 1], scene.velocity[i : i + 1])
     size = float(np.asarray(size)[0])
     round_start = _round(32)
     for lead in LEADS:
         window = np.array([-1.6 * size, 1.6 * size, 1.6 * size])  # anew: one that did not settle may have led astray
-        solve = functools.partial(_solve, shape, law, chain, asked.control, value, velocity, lead=lead)
+        solve = functools.partial(_solve, shape, law, chain, scene.control, value, velocity, lead=lead)
         rough = solve(window, round_start)
         for _ in range(_WINDOWS):
             if bool(rough.inside):
@@ -147,10 +163,10 @@ def _one(shape: AbstractShape, law: Relaxation, chain: KelvinChain, asked: Point
             continue
         length = float(rough.edges[3] - rough.edges[2])
         closer = np.array([rough.edges[2] - 0.1 * length, rough.edges[3] + 0.1 * length, 1.1 * rough.half_width])
-        coarse = solve(closer, _seen(rough.touching, window, closer, asked.cells // 2))
-        fine = solve(closer, _seen(coarse.touching, closer, closer, asked.cells))
+        coarse = solve(closer, _seen(rough.touching, window, closer, scene.cells // 2))
+        fine = solve(closer, _seen(coarse.touching, closer, closer, scene.cells))
         if bool(coarse.settled & fine.settled & coarse.inside & fine.inside):
-            third = solve(closer, _seen(coarse.touching, closer, closer, 3 * asked.cells // 8))
+            third = solve(closer, _seen(coarse.touching, closer, closer, 3 * scene.cells // 8))
             others = [coarse, third] if bool(third.settled & third.inside) else [coarse]
             return fine, _SAFETY * max(abs(float(fine.mu - other.mu)) for other in others)
     return _FAILED, np.nan

@@ -25,8 +25,8 @@ from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation
 from ..mapping.shapes import AbstractShape
 from ..material.relaxation import Relaxation
-from ..results.half_space import HalfSpaceCurve
-from ..scenes.steady import brief, describe
+from ..results.curve import HalfSpaceCurve
+from ..results.words import brief, describe
 from .contact import LEADS, Grid, settle
 from .points import broadcast
 
@@ -49,10 +49,10 @@ def slide_periodic(
     """`half_space_sliding` of a map or an array of bodies on a periodic cell."""
     sides = _sides(cell)
     heights, name = _heights(shape, sides, points)
-    asked = broadcast(foundation, velocity=velocity, load=load, depth=None, temperature=temperature, points=points)
+    scene = broadcast(foundation, velocity=velocity, load=load, depth=None, temperature=temperature, points=points)
     law, area = foundation.law(), float(np.prod(sides))
     found = []
-    for value, speed in zip(asked.value / area, asked.velocity, strict=True):
+    for value, speed in zip(scene.value / area, scene.velocity, strict=True):
         found.append(_one(law, speed, value, heights, sides))
     good = np.array([bool(fine.settled & coarse.settled) for fine, coarse in found])
     if not good.all():
@@ -60,21 +60,21 @@ def slide_periodic(
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
 
     def field(values: list[Any]) -> Any:
-        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(asked.shape)
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(scene.shape)
 
-    drag, force = field([area * fine.stress for fine, _ in found]), asked.value.reshape(asked.shape)
+    drag, force = field([area * fine.stress for fine, _ in found]), scene.value.reshape(scene.shape)
     grid = f"{heights.shape[0]} by {heights.shape[1]} points"
-    inputs = {**dict(asked.inputs(foundation, name)), "cell": _metres(sides), "grid": grid}
+    inputs = {**dict(scene.inputs(foundation, name)), "cell": _metres(sides), "grid": grid}
     return HalfSpaceCurve(
-        velocity=asked.given.reshape(asked.shape),
+        velocity=scene.given.reshape(scene.shape),
         mu=drag / force,
         normal_force=force,
         friction_force=drag,
         area=field([fine.area for fine, _ in found]),
         separation=field([fine.separation for fine, _ in found]),
         error=field([area * abs(fine.stress - coarse.stress) for fine, coarse in found]) / force,
-        converged=good.reshape(asked.shape),
-        temperature=asked.temperature,
+        converged=good.reshape(scene.shape),
+        temperature=scene.temperature,
         model=MODEL,
         plan=f"{grid}, and every second of them along each side for the error",
         inputs=tuple(inputs.items()),
@@ -147,7 +147,7 @@ def _heights(shape: Any, sides: np.ndarray, points: int) -> tuple[np.ndarray, st
         if widest < r.max():
             raise InputError(f"cell must lie within the body, whose radius is {widest:g} m, got {_metres(sides)}.")
         return -np.asarray(shape.height(r)), f"{describe(shape)}, one in each cell"
-    heights = as_float64("shape", shape)
+    heights = np.asarray(as_float64("shape", shape))
     if heights.ndim != 2 or any(n % 4 or n < 8 for n in heights.shape) or not np.isfinite(heights).all():
         raise InputError(
             "shape must be a body or a map of heights [m] into the rubber, finite, (n_x, n_y), with n_x and n_y "

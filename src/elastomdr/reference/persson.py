@@ -10,18 +10,25 @@ follows from the part of the spectrum below q. Source: B. N. J. Persson, J. Chem
 Persson, J. Phys.: Condens. Matter 27 (2015) 105102.
 """
 
+from __future__ import annotations
+
 import itertools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.special import erf
 
 from .._runtime import as_float64, in_float64, plain, positive, require
 from ..errors import InputError
-from ..foundation.law import as_foundation
+from ..foundation.law import surface_foundation
 from ..mapping.spectrum import as_spectrum
-from ..results.persson import PerssonCurve
-from ..scenes.steady import brief
+from ..material.tabulated import LEFT_OUT, AbstractTable
+from ..results.curve import PerssonCurve
+from ..results.words import brief
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Material, Number
+    from ..mapping.spectrum import AbstractSpectrum
 
 _ANGLES = 48  # nodes of the midpoint rule in log tan(phi/2), which converges exponentially
 _PER_DECADE = 200  # wave numbers per decade, Simpson's rule
@@ -31,16 +38,38 @@ _WORST = 1e-3  # relative change by half the nodes, from which a point counts as
 
 @in_float64
 def persson(
-    material: Any, spectrum: Any, *, pressure: Any, velocity: Any, temperature: Any = None, gamma: Any = 0.5,
+    material: Material,
+    spectrum: AbstractSpectrum,
+    *,
+    pressure: ArrayLike,
+    velocity: ArrayLike,
+    temperature: ArrayLike | None = None,
+    gamma: Number = 0.5,
     stored: bool = False,
-) -> PerssonCurve:  # fmt: skip
-    """Persson's mu and A/A_0 at nominal `pressure` [Pa]; arguments broadcast. Raises `InputError`.
+) -> PerssonCurve:
+    """Friction and real contact of a rough surface by Persson's theory, for comparison with `em.Multiscale`.
 
-    `gamma` is that of S, 0 to 1, with 1 for S = 1; `stored` puts S inside G as well. The curve can be drawn on the axes
-    of a line's: `em.reference.persson(...).plot(curve.plot())`. `error` is what half the wave numbers and half the
-    angles would change; a point where that is more than a thousandth of mu is NaN.
+    Args:
+        material: a material, which may be a `TabulatedModulus`, or a half-space.
+        spectrum: the surface, such as `em.SelfAffine` or `em.Spectrum`.
+        pressure: nominal pressure [Pa]; arguments broadcast.
+        velocity: sliding velocity [m/s].
+        temperature: temperature [K], for a material with a shift law.
+        gamma: of the factor S = gamma + (1 - gamma) P^2, 0 to 1; 1 for S = 1.
+        stored: S also inside the integral for the contact area.
+
+    Returns:
+        A curve with mu and the share of real contact. `em.reference.persson(...).plot(curve.plot())` draws it on the
+        axes of another curve. `error` is what half the wave numbers and half the angles would change, and for a table
+        of moduli half of what leaving out every second of its points changes. A point where it is more than a
+        thousandth of mu is NaN.
+
+    Raises:
+        InputError: for values that are not positive, or gamma outside 0 to 1.
+
+    Source: B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840.
     """
-    foundation, surface = as_foundation(material), as_spectrum("spectrum", spectrum)
+    foundation, surface = surface_foundation(material), as_spectrum("spectrum", spectrum)
     if foundation.per_area:
         raise InputError("material must be a half-space, got a layer.")
     gamma = plain("gamma", gamma)
@@ -54,16 +83,21 @@ def persson(
             raise InputError("temperature was given, but the material has no shift law.")
         factor = np.asarray(foundation.shift.a(as_float64("temperature", temperature)))
     v, p, a = np.broadcast_arrays(velocity, pressure, factor)
-    fine, coarse = (
-        np.array([
-            _one(foundation, *_wave_numbers(surface, _PER_DECADE // part), _ANGLES // part, x * y, z, gamma, stored)
+
+    def solved(rubber: Any, part: int) -> np.ndarray:
+        """mu, area and G of every point, with one `part`-th of the wave numbers and angles."""
+        return np.array([
+            _one(rubber, *_wave_numbers(surface, _PER_DECADE // part), _ANGLES // part, x * y, z, gamma, stored)
             for x, y, z in zip(v.flat, a.flat, p.flat, strict=True)
-        ])
-        for part in (1, 2)
-    )  # fmt: skip
+        ])  # fmt: skip
+
+    fine, coarse = solved(foundation, 1), solved(foundation, 2)
     mu, area, spread = (fine[:, i].reshape(v.shape) for i in range(3))
     error = np.abs(fine[:, 0] - coarse[:, 0]).reshape(v.shape)
     good = np.isfinite(mu) & (error <= _WORST * mu)
+    if isinstance(foundation, AbstractTable):
+        changes = [np.abs(solved(thin, 2)[:, 0] - coarse[:, 0]) for thin in foundation.thinned()]
+        error = error + LEFT_OUT * np.max(changes, axis=0).reshape(v.shape)
     mu, area, spread, error = (np.where(good, x, np.nan) for x in (mu, area, spread, error))
     inputs = [("material", foundation.name or "given directly"), ("surface", f"{surface.label}, {surface.words()}"),
               ("pressure", brief(pressure, "Pa")), ("velocity", brief(velocity, "m/s"))]  # fmt: skip

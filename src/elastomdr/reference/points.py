@@ -8,7 +8,7 @@ from jaxtyping import Float
 from .._runtime import as_float64, is_traced, positive
 from ..errors import InputError
 from ..foundation.law import Foundation
-from ..scenes.steady import brief
+from ..results.words import brief
 from ..solve.passage import Control
 
 

@@ -9,7 +9,9 @@ not depend on frequency the integral is (4/pi) K'' a^4/D^2, so that F/W = (3/pi)
 moduli are taken at the frequency 2 v/a, near which a passage dissipates most (k a = 2.08 is the peak over ln k).
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
 import numpy as np
@@ -20,27 +22,43 @@ from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.shapes import Cylinder
 
+if TYPE_CHECKING:
+    from .._types import ArrayLike
+
 # Steps for the half-width, a = [(3/4) D W/(L K'(2 v/a))]^(1/3). Each leaves n/3 of the error, n = d ln K'/d ln omega:
 # some per cent of it where little is lost, for which n = (2/pi) delta; two thirds at most, as n < 2 for any spectrum.
 _STEPS = 40
 
 
 @in_float64
-def small_damping(cover: Any, roll: Any, *, velocity: Any, load: Any, temperature: Any = None) -> Float[Array, "..."]:
-    """Rolling resistance over load of a roll on a cover of small damping.
+def small_damping(
+    cover: Foundation, roll: Cylinder, *, velocity: ArrayLike, load: ArrayLike, temperature: ArrayLike | None = None
+) -> Float[Array, "..."]:
+    """Rolling resistance over load of a roll on a cover of small damping, in closed form.
 
         f = (3/pi) tan(delta) a/D,      a = [(3/4) D W/(L K')]^(1/3),      K' and tan(delta) = K''/K' at omega = 2 v/a
 
-    - `cover`: an `em.layer`, or a `Foundation` per area, K* [Pa/m]; `roll`: an `em.Cylinder`, D = 2 radius and L.
-    - `velocity` v [m/s], `load` W [N] and `temperature` [K] (for a cover with a shift law) broadcast; f has that shape.
+    Args:
+        cover: an `em.springs`, or a `Foundation` per area, K* [Pa/m].
+        roll: an `em.Cylinder` of diameter D = 2 radius and length L.
+        velocity: rolling velocity v [m/s]; velocity, load and temperature broadcast.
+        load: normal force W [N].
+        temperature: temperature [K], for a cover with a shift law.
+
+    Returns:
+        f, of the broadcast shape.
+
+    Raises:
+        InputError: for a roll that is no cylinder, or values that are not positive.
 
     Exact to first order in tan(delta) where K'' does not depend on frequency. With a spectrum it is an estimate: within
-    5 % of `em.rolling` at loss tangents of 0.1 to 0.3 on that of example 23. Differentiable. Raises `InputError`.
-    Source: derived in `docs/belt.md`; the powers of load, thickness, modulus and diameter are those in use for belts
-    (Jonkers 1980, Spaans 1991).
+    5 % of `em.rolling` at loss tangents of 0.1 to 0.3 on that of example 23. Differentiable.
+
+    Source: derived in `docs/belt.md`; the powers of load, thickness, modulus and diameter are those of Jonkers 1980 and
+    Spaans 1991.
     """
     if not isinstance(cover, Foundation) or cover.per_area is False:
-        raise InputError(f"cover must be a layer, em.layer(rubber, thickness, bonded=False), got {cover!r}.")
+        raise InputError(f"cover must be a layer, em.springs(rubber, thickness, bonded=False), got {cover!r}.")
     if not isinstance(roll, Cylinder):
         raise InputError(f"roll must be an em.Cylinder(radius, length), got {roll!r}.")
     v, force, factor = as_float64("velocity", velocity), as_float64("load", load), 1.0

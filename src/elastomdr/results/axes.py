@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import significant
+from .words import in_words
 
 _ALIKE = 1e-6  # relative spread below which values count as one: a load that was asked for comes back within rounding
 _NAMES = {"normal_force": "load", "force": "load", "load_per_length": "load"}  # others: their field
@@ -16,26 +16,33 @@ class Axis(NamedTuple):
     """One axis of a result's arrays."""
 
     name: str
-    values: np.ndarray  # the axis' coordinate, or 0 ... n-1 where it has none
-    unit: str  # "" where it has none
+    values: np.ndarray  # the axis' coordinate (names of materials are text), or 0 ... n-1 where it has none
+    quantity: Any = None  # the `Quantity` that runs along it; None where none does
+
+    @property
+    def known(self) -> bool:
+        """Whether the axis has a coordinate."""
+        return self.quantity is not None or self.values.dtype.kind == "U"
 
 
-def dimensions(fields: Mapping[Any, np.ndarray], given: Iterable[str]) -> list[Axis]:
+def dimensions(fields: Mapping[Any, np.ndarray], given: Iterable[str], last: str) -> list[Axis]:
     """The axes of a result: each is named after the first quantity that changes along it and along no other.
 
-    `fields` are columns (with key and unit) and their values; `given` the keys of what may name an axis, in order.
+    `fields` are quantities and their values; `given` the keys of what may name an axis, in order; `last` the name of
+    the last axis where every result of the kind has it.
     """
     shape = np.shape(next(iter(fields.values())))
-    known = {column.key: (column.unit, values) for column, values in fields.items()}
+    known = {quantity.key: (quantity, values) for quantity, values in fields.items()}
     varying = {key: _varies_along(known[key][1]) for key in given if key in known}
     axes = []
     for i, length in enumerate(shape):
-        axis = Axis(f"axis_{i}", np.arange(length), "")
+        own = last if last and i == len(shape) - 1 else ""
+        axis = Axis(own or f"axis_{i}", np.arange(length))
         for key, along in varying.items():
-            if along == {i}:
-                unit, values = known[key]
+            if along == {i} and own in ("", key):
+                quantity, values = known[key]
                 others = tuple(j for j in range(len(shape)) if j != i)
-                axis = Axis(_NAMES.get(key, key), np.fmax.reduce(values, axis=others), unit)
+                axis = Axis(_NAMES.get(key, key), np.fmax.reduce(values, axis=others), quantity)
                 break
         axes.append(axis)
     return axes
@@ -51,17 +58,24 @@ class Curve(NamedTuple):
 def curves(axes: list[Axis], along: str = "velocity") -> tuple[Axis, list[Curve]]:
     """Splits a result into curves along one axis, or along its last one where none has that name."""
     if not axes:
-        return Axis(along, np.zeros(1), ""), [Curve((), "")]
+        return Axis(along, np.zeros(1)), [Curve((), "")]
     names = [axis.name for axis in axes]
     place = names.index(along) if along in names else len(axes) - 1
     others = [range(axis.values.size) if i != place else [slice(None)] for i, axis in enumerate(axes)]
     return axes[place], [Curve(index, ", ".join(_labels(axes, index))) for index in product(*others)]
 
 
+def place_in_words(axis: Axis, i: int) -> str:
+    """One place on an axis."""
+    if axis.quantity is None:
+        return str(axis.values[i]) if axis.known else f"no. {i}"
+    return in_words(axis.name, float(axis.values[i]), axis.quantity.unit)
+
+
 def _labels(axes: list[Axis], index: tuple[int | slice, ...]) -> Iterator[str]:
     for axis, i in zip(axes, index, strict=True):
         if isinstance(i, int) and axis.values.size > 1:
-            yield in_words(axis.name, float(axis.values[i]), axis.unit) if axis.unit else f"no. {i}"
+            yield place_in_words(axis, i)
 
 
 class Peak(NamedTuple):
@@ -83,25 +97,6 @@ def peak(x: np.ndarray, y: np.ndarray) -> Peak | None:
         return None
     i = int(y.argmax())
     return Peak(float(x[i]), float(y[i]), 0 < i < y.size - 1)
-
-
-def in_words(name: str, value: float, unit: str = "N") -> str:
-    """A quantity with the unit an engineer would write; `unit` is that of `value` where there is no usual one."""
-    if name in ("temperature", "ambient"):
-        return f"{significant(round(value - 273.15, 3), 5)} degC"
-    if name == "pressure":
-        return f"{significant(1e-6 * value)} MPa"
-    if name in ("depth", "radius", "length", "diameter"):
-        return f"{significant(1e3 * value)} mm"
-    if name in ("creep", "slip", "squeeze"):
-        return f"{name} {significant(100 * value)} %"
-    if name == "friction_force":
-        return f"friction force {significant(value)} N"
-    if name in ("belt", "goods"):
-        return f"{significant(value)} kg/m of {name}"
-    if unit == "-":
-        return f"{name} {significant(value)}"
-    return f"{significant(value)} {'m/s' if name == 'velocity' else unit}"
 
 
 def _varies_along(values: np.ndarray) -> set[int]:

@@ -1,88 +1,99 @@
-"""Friction and rolling resistance against velocity: what `em.friction` and `em.rolling` return."""
+"""Coefficients against velocity: what `em.friction`, `em.rolling` and the references of sliding return."""
 
-from collections.abc import Iterator
-from typing import Any, ClassVar, NamedTuple
+from __future__ import annotations
 
-import equinox as eqx
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, ClassVar
+
 import numpy as np
-from jaxtyping import Bool, Float
 
-from .._runtime import Array, significant
+from .._runtime import significant
 from ..errors import InputError
-from .axes import in_words, peak
+from .axes import peak
+from .base import Array, Quantity, Result, part, quantity, record, setting
 from .friction_law import FrictionLaw, gridded
-from .table import AbstractResult, Column
+from .words import in_words
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import ArrayLike, Style
 
 _SHOWN = 6  # curves that a summary lists one by one
 
 
-class Contact(NamedTuple):
+@part
+class Contact:
     """Where the contact begins and ends on the central line, both counted from the apex."""
 
-    leading: Float[Array, "..."]  # leading edge a, ahead of the apex [m]
-    trailing: Float[Array, "..."]  # trailing edge b, behind the apex [m]
+    leading: Array = quantity("leading edge", "m", "distance a ahead of the apex")
+    trailing: Array = quantity("trailing edge", "m", "distance b behind the apex")
 
 
-class Rough(NamedTuple):
-    """What belongs to a rough line or surface only; a field that does not apply is None."""
+@part
+class Lines:
+    """What the random lines of `em.Line` have of their own."""
 
-    pressure: Float[Array, "..."] | None  # nominal pressure p [Pa]
-    share: Float[Array, "..."]  # share of the line in contact; NOT the real contact area of the surface
-    scatter: Float[Array, "..."] | None  # standard error of mu over the lines of the ensemble
-    outside: Float[Array, "..."] | None  # share of <|grad h|^2> excited beyond the frequencies of the material's data
-    seeds: int  # lines in the ensemble
-    rise: Float[Array, "..."] | None = None  # flash temperature, above `temperature` [K]
-    cold: Float[Array, "..."] | None = None  # mu without heating
-    heat: Float[Array, "..."] | None = None  # heat flux into the rubber, mu p v [W/m^2]
+    share: Array = quantity(
+        "share of the line in contact (not the real contact area)", "-", "share of the MDR line in contact"
+    )
+    scatter: Array | None = quantity("standard error over the lines", "-", "None for one line")
+    numerical: Array | None = quantity(
+        "estimated numerical error on these lines", "-", "None for a line given by its heights"
+    )
+    seeds: int = setting()  # how many lines
 
 
-class AbstractCurve(AbstractResult):
-    """A coefficient against velocity, and what belongs to each of its points."""
+@record
+class AbstractCurve(Result):
+    """A coefficient against velocity; `shows` is the field that holds it."""
 
-    velocity: eqx.AbstractVar[Float[Array, "..."]]
-    error: eqx.AbstractVar[Float[Array, "..."]]
-    converged: eqx.AbstractVar[Bool[Array, "..."]]
+    velocity: Array = quantity("velocity", "m/s", "sliding velocity v", axis="sliding velocity")
+    temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
+    error: Array = quantity("estimated error of the coefficient", "-", "numerical, absolute")
+    model_error: Array | None = quantity(
+        "bound on the error of the model", "-", "bound on the model's error of the coefficient, absolute", default=None
+    )
 
-    quantity: ClassVar[str]  # what the curve is called in a title
-    symbol: ClassVar[str]  # what its coefficient is called in a sentence
-    coefficient_field: ClassVar[str]  # the field that a figure shows against velocity
+    shows: ClassVar[str] = "mu"
+    scale: ClassVar[str] = "log"
+    symbol: ClassVar[str] = "mu"  # of the coefficient in a sentence
+    error_of: ClassVar[str] = "mu"
 
-    def plot(self, ax: Any = None, title: str | None = None, label: str | None = None, measured: Any = None) -> Any:
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        style: Style | None = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        measured: Mapping[str, ArrayLike] | None = None,
+    ) -> "Axes":
         """Draws the coefficient against velocity, one line per temperature, load or depth; returns matplotlib Axes.
 
-        With `ax=None` on a new figure, which is the `.figure` of the answer. On axes that hold a curve already, this
-        one is added to it and to the legend, under `label` or the name of its material. `measured` points are drawn
-        on top: a mapping with "velocity" [m/s], "mu" and, if known, "temperature" [K], lists of the same length.
+        Args:
+            ax, style, title, label: as of every result, `Result.plot`.
+            measured: points to draw on top, a mapping with "velocity" [m/s], "mu" and, if known, "temperature" [K],
+                lists of the same length.
         """
-        from .figure import draw
+        from .plotting import Ask, draw_curve
 
-        return draw(self, ax, title, label, measured)
+        return self._draw(draw_curve, Ask(ax, style, title, label), measured=measured)
 
-    def png(self, title: str | None = None, measured: Any = None) -> bytes:
-        """The figure as a PNG image, 200 dots per inch."""
-        from .figure import png
-
-        return png(self, title, measured)
-
-    def findings(self) -> Iterator[tuple[str, str]]:
-        """Inputs, model, largest coefficient and where, both ends, how many points failed, the largest error."""
-        fields = {column.key: value for column, value in self.fields().items()}
-        yield "quantity", self.quantity
-        yield from self.inputs
-        yield "model", self.model
-        _, all_curves = self.curves()
-        for curve in all_curves[:_SHOWN]:
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Largest coefficient and where, both ends, and the largest bound on the model's error."""
+        fields = {q.key: value for q, value in self.fields().items()}
+        _, every = self.curves()
+        for curve in every[:_SHOWN]:
             velocity, value, beyond = (
                 np.atleast_1d(fields.get(k, np.zeros(fields["error"].shape, dtype=bool))[curve.at])
-                for k in ("velocity", self.coefficient_field, "extrapolated")
+                for k in ("velocity", self.shows, "extrapolated")
             )
             yield "at " + curve.label if curve.label else "result", self._extremes(velocity, value, beyond)
-        if len(all_curves) > _SHOWN:
-            yield "...", f"and {len(all_curves) - _SHOWN} more curves"
-        yield "points", self.reached(f"error of {self.symbol}")
+        if len(every) > _SHOWN:
+            yield "...", f"and {len(every) - _SHOWN} more curves"
         if "model_error" in fields and np.isfinite(fields["model_error"]).any():
-            bound, value = (fields[key].ravel() for key in ("model_error", self.coefficient_field))
-            yield "model error", self._model_error(bound, value)
+            yield "model error", self._model_error(fields["model_error"].ravel(), fields[self.shows].ravel())
 
     def _model_error(self, bound: np.ndarray, value: np.ndarray) -> str:
         worst = int(np.nanargmax(bound))
@@ -112,131 +123,137 @@ class AbstractCurve(AbstractResult):
         return f"{largest}, an end of the range; at the other end {low if top.x == velocity[-1] else high}"
 
 
+@record
 class FrictionCurve(AbstractCurve):
-    """Friction of an indenter that slides steadily over a viscoelastic foundation; every field has one value per point.
+    """Friction of an indenter or a surface that slides steadily over a viscoelastic foundation.
 
-    `mu` is the friction force over the normal force, `error` its estimated numerical error (absolute), `model_error` a
-    bound on how far the model is from the half-space (absolute, empirical: `docs/accuracy.md`). It is 0 where the model
-    is exact by definition: layers, and the bare line of a `Foundation` given directly. A point that did not
-    converge is NaN with `converged=False`. `temperature` is None where none was given, `extrapolated` where the range
-    of the material is not known.
+    `mu` is the friction force over the normal force, `error` its estimated numerical error, on a surface computed on
+    random lines with twice the standard error of their mean (NaN for a single line), `model_error` a bound on how far
+    the model is from the half-space (empirical: `docs/accuracy.md`). It is 0 where the model is exact by definition:
+    layers, and the bare line of a `Foundation` given directly. A point that did not converge is NaN with
+    `converged=False`.
     """
 
-    velocity: Float[Array, "..."]  # sliding velocity v [m/s]
-    mu: Float[Array, "..."]  # friction coefficient
-    normal_force: Float[Array, "..."]  # F_N [N]
-    friction_force: Float[Array, "..."]  # F_x, against the motion [N]
-    depth: Float[Array, "..."]  # indentation depth d [m]
-    contact: Contact | None  # leading and trailing edge [m]; None for a rough line
-    error: Float[Array, "..."]  # estimated error of mu
-    converged: Bool[Array, "..."]
-    temperature: Float[Array, "..."] | None  # T [K]
-    model: str = eqx.field(static=True)
-    plan: Any = eqx.field(static=True)
-    inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
-    extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
-    model_error: Float[Array, "..."] | None = None  # bound on the model's error of mu; None: no reduced model
-    rough: Rough | None = None  # of a rough line or surface: forces are then per length of line [N/m], contact is None
+    pressure: Array | None = quantity("nominal pressure", "Pa", "of a surface", default=None, shown="MPa")
+    area_ratio: Array | None = quantity(
+        "real contact area over nominal area", "-", "None where the model has none", default=None
+    )
+    lines: Lines | None = None  # of `em.Line` on a rough line or surface; forces are then per length of line [N/m]
+    outside: Array | None = quantity(
+        "share of the slope beyond the material's range", "-",
+        "share of <|grad h|^2> excited beyond the frequencies of the data", default=None,
+    )  # fmt: skip
+    temperature_rise: Array | None = quantity("flash temperature rise", "K", "above `temperature`", default=None)
+    cold: Array | None = quantity(
+        "friction coefficient without heating", "-", "where flash heating was computed", default=None
+    )
+    heat_flux: Array | None = quantity("heat flux into the rubber", "W/m^2", "mu p v", default=None)
+    mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
+    normal_force: Array = quantity("normal force", "N", "F_N")
+    friction_force: Array = quantity("friction force", "N", "F_x against the motion")
+    depth: Array | None = quantity("depth", "m", "indentation depth d", default=None, shown="mm")
+    contact: Contact | None = None  # leading and trailing edge [m]; None for a rough line or surface
 
-    quantity: ClassVar[str] = "Friction"
-    symbol: ClassVar[str] = "mu"
-    coefficient_field: ClassVar[str] = "mu"
+    title: ClassVar[str] = "Friction"
+
+    def describe(self, q: Quantity) -> Quantity:
+        """Forces are per length of a rough line, and per nominal area of a surface."""
+        if self.contact is None and q.path in ("normal_force", "friction_force"):
+            unit, per = ("N/m", "length") if self.lines is not None else ("Pa", "nominal area")
+            return q._replace(label=f"{q.label} per {per}", unit=unit)
+        return q
 
     def law(self, cold: bool = False) -> FrictionLaw:
         """mu(v, T, p) on the grid of this curve, to be interpolated, written, and given to `em.traction`.
 
         Temperature and nominal pressure are axes where they were given. `cold` takes the friction without flash
-        heating. Raises `InputError` where the points do not fill a grid.
+        heating. Raises `InputError` where the points do not fill a grid, and for several materials.
         """
-        fields = {column.key: value.ravel() for column, value in self.fields().items()}
+        if self.origins:
+            raise InputError(f"material must be chosen for a friction law: .select(name), one of {self.materials}.")
+        fields = {q.key: value.ravel() for q, value in self.fields().items()}
         if cold and "cold" not in fields:
             raise InputError("cold must be False: this curve was computed without heat, and is the cold one.")
         points = {name: fields[name] for name in ("velocity", "temperature", "pressure") if name in fields}
         return gridded({**points, "mu": fields["cold" if cold else "mu"]})
 
-    def findings(self) -> Iterator[tuple[str, str]]:
+    def outcome(self) -> Iterator[tuple[str, str]]:
         """As of every curve; with flash heating also the largest rise in temperature and what it does to mu."""
-        yield from super().findings()
-        rise, before = (None, None) if self.rough is None else (self.rough.rise, self.rough.cold)
+        yield from super().outcome()
+        rise, before = self.temperature_rise, self.cold
         if rise is not None and before is not None and np.isfinite(rise).any():
             i = int(np.nanargmax(rise))
-            most, v, hot, cold = (float(x.ravel()[i]) for x in (rise, self.velocity, self.mu, before))
+            most, v, hot, cold = (float(np.ravel(x)[i]) for x in (rise, self.velocity, self.mu, before))
             text = f"at most {significant(most)} K above the rubber's, at {in_words('velocity', v)}: mu "
             yield "flash temperature", f"{text}{significant(hot)}, without heating {significant(cold)}"
 
-    @property
-    def table(self) -> tuple[Column, ...]:
-        unit, per = ("N", "") if self.rough is None else ("N/m", " per length")
-        return (
-            Column("velocity", "velocity", "m/s"),
-            Column("temperature", "temperature", "K", optional=True),
-            *(() if self.rough is None else _ROUGH),
-            Column("mu", "friction coefficient", "-"),
-            Column("normal_force", f"normal force{per}", unit),
-            Column("friction_force", f"friction force{per}", unit),
-            *(_CONTACT if self.rough is None else (c for c in _CONTACT if not c.field.startswith("contact."))),
-        )
 
-
+@record
 class RollingCurve(AbstractCurve):
-    """Rolling resistance of a body on a viscoelastic foundation; every field has one value per point.
+    """Rolling resistance of a body on a viscoelastic foundation.
 
     From the dissipated power P: `resistance` is P/v, `coefficient` that over the normal force (its estimated, absolute
     error is `error`), `moment` is resistance times the rolling radius. A point that did not converge is NaN with
-    `converged=False`. `temperature` is None where none was given, `extrapolated` where the range of the material is not
-    known.
+    `converged=False`.
     """
 
-    velocity: Float[Array, "..."]  # rolling velocity v [m/s]
-    coefficient: Float[Array, "..."]  # rolling resistance coefficient
-    resistance: Float[Array, "..."]  # resisting force P/v [N]
-    moment: Float[Array, "..."]  # resisting moment [N m]
-    power: Float[Array, "..."]  # dissipated power P [W]
-    normal_force: Float[Array, "..."]  # F_N [N]
-    depth: Float[Array, "..."]  # indentation depth d [m]
-    contact: Contact  # leading and trailing edge [m]
-    error: Float[Array, "..."]  # estimated error of the coefficient
-    converged: Bool[Array, "..."]
-    temperature: Float[Array, "..."] | None  # T [K]
-    model: str = eqx.field(static=True)
-    plan: Any = eqx.field(static=True)
-    inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
-    extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
-    model_error: Float[Array, "..."] | None = None  # bound on the model's error of the coefficient
+    velocity: Array = quantity("velocity", "m/s", "rolling velocity v", axis="rolling velocity")
+    coefficient: Array = quantity("rolling resistance coefficient", "-", "resistance over normal force")
+    resistance: Array = quantity("resistance", "N", "P/v")
+    moment: Array = quantity("moment", "N m", "resistance times the rolling radius")
+    power: Array = quantity("dissipated power", "W", "P")
+    normal_force: Array = quantity("normal force", "N", "F_N")
+    depth: Array = quantity("depth", "m", "indentation depth d", shown="mm")
+    contact: Contact
 
-    quantity: ClassVar[str] = "Rolling resistance"
+    title: ClassVar[str] = "Rolling resistance"
+    shows: ClassVar[str] = "coefficient"
     symbol: ClassVar[str] = "coefficient"
-    coefficient_field: ClassVar[str] = "coefficient"
-
-    @property
-    def table(self) -> tuple[Column, ...]:
-        return (
-            Column("velocity", "velocity", "m/s"),
-            Column("temperature", "temperature", "K", optional=True),
-            Column("coefficient", "rolling resistance coefficient", "-"),
-            Column("resistance", "resistance", "N"),
-            Column("moment", "moment", "N m"),
-            Column("power", "dissipated power", "W"),
-            Column("normal_force", "normal force", "N"),
-            *_CONTACT,
-        )
+    error_of: ClassVar[str] = "coefficient"
 
 
-_CONTACT = (
-    Column("depth", "depth", "m"),
-    Column("contact.leading", "leading edge", "m"),
-    Column("contact.trailing", "trailing edge", "m"),
-    Column("error", "estimated error of the coefficient", "-"),
-    Column("model_error", "bound on the error of the model", "-", optional=True),
-    Column("converged", "converged", ""),
-    Column("extrapolated", "beyond the range of the material", "", optional=True),
-)
-_ROUGH = (
-    Column("rough.pressure", "nominal pressure", "Pa", optional=True),
-    Column("rough.share", "share of the line in contact (not the real contact area)", "-"),
-    Column("rough.scatter", "standard error over the lines", "-", optional=True),
-    Column("rough.outside", "share of the slope beyond the material's range", "-", optional=True),
-    Column("rough.rise", "flash temperature rise", "K", optional=True),
-    Column("rough.cold", "friction coefficient without heating", "-", optional=True),
-    Column("rough.heat", "heat flux into the rubber", "W/m^2", optional=True),
-)
+@record
+class HalfPlaneCurve(AbstractCurve):
+    """Friction of a cylinder that slides steadily across its axis over a half-plane, per length of the cylinder.
+
+    `em.reference.half_plane_sliding` returns it.
+    """
+
+    mu: Array = quantity("friction coefficient", "-", "friction force over load")
+    load_per_length: Array = quantity("load per length", "N/m")
+    friction_per_length: Array = quantity("friction force per length", "N/m")
+    contact: Contact
+
+    title: ClassVar[str] = "Friction"
+    coordinates: ClassVar[tuple[str, ...]] = ("velocity", "temperature", "load_per_length")
+
+
+@record
+class HalfSpaceCurve(AbstractCurve):
+    """Friction of a map of heights that slides steadily over a half-space, for one cell of the periodic array.
+
+    `em.reference.half_space_sliding` returns it for a `cell`.
+    """
+
+    mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
+    normal_force: Array = quantity("normal force", "N", "of one cell")
+    friction_force: Array = quantity("friction force", "N", "of one cell")
+    area: Array = quantity("contact area over cell area", "-")
+    separation: Array = quantity("mean distance of the surfaces", "m")
+
+    title: ClassVar[str] = "Friction"
+
+
+@record
+class PerssonCurve(AbstractCurve):
+    """Persson's theory at given pressures and velocities; `em.reference.persson` returns it.
+
+    `error` is what half the wave numbers and angles change.
+    """
+
+    pressure: Array = quantity("nominal pressure", "Pa", shown="MPa")
+    mu: Array = quantity("friction coefficient", "-")
+    area_ratio: Array = quantity("contact area over nominal area", "-", "A/A_0 at q_high")
+    spread: Array = quantity("G", "-", "at q_high")
+
+    title: ClassVar[str] = "Friction by Persson's theory"

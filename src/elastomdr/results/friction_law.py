@@ -5,23 +5,28 @@ any other program does with the same grid. Outside the grid there is no answer. 
 point, with the columns velocity [m/s], temperature [K], pressure [Pa] and friction coefficient [-].
 """
 
+from __future__ import annotations
+
 import csv
 import itertools
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .. import __version__
-from .._runtime import Array, as_float64, ascending, in_float64, is_traced, positive, require
+from .._arrays import xp
+from .._runtime import Array, as_float64, ascending, is_traced, numpy_unless_traced, positive, require
+from .._trees import Tree, fill
 from ..errors import InputError
-from ..files import read_text
-from .table import write_files
+from ..files import csv_text, read_text, write_files
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from .._types import ArrayLike
 
 _SAME = 1e-9  # relative distance from the end of an axis that still counts as its end
 _TITLES = {
@@ -33,7 +38,7 @@ _TITLES = {
 _UNITS = {"velocity": "m/s", "temperature": "K", "pressure": "Pa"}
 
 
-class FrictionLaw(eqx.Module):
+class FrictionLaw(Tree):
     """Friction coefficient against sliding velocity and, where they are given, temperature and nominal pressure.
 
     `mu` has the shape (temperature, pressure, velocity), without the axes that are not given. From a computed curve:
@@ -46,7 +51,13 @@ class FrictionLaw(eqx.Module):
     temperature: Float[Array, " temperatures"] | None  # ascending [K]
     pressure: Float[Array, " pressures"] | None  # nominal, ascending [Pa]
 
-    def __init__(self, velocity: Any, mu: Any, temperature: Any = None, pressure: Any = None):
+    def __init__(
+        self,
+        velocity: ArrayLike,
+        mu: ArrayLike,
+        temperature: ArrayLike | None = None,
+        pressure: ArrayLike | None = None,
+    ):
         given = {"temperature": temperature, "pressure": pressure, "velocity": velocity}
         axes = {name: as_float64(name, value) for name, value in given.items() if value is not None}
         for name, values in axes.items():
@@ -54,8 +65,8 @@ class FrictionLaw(eqx.Module):
                 raise InputError(f"{name} must be a list of one value or more, got an array of shape {values.shape}.")
             positive(name, values)
             ascending(name, values)
-        self.velocity, self.temperature = axes["velocity"], axes.get("temperature")
-        self.pressure, self.mu = axes.get("pressure"), as_float64("mu", mu)
+        fill(self, velocity=axes["velocity"], mu=as_float64("mu", mu))
+        fill(self, temperature=axes.get("temperature"), pressure=axes.get("pressure"))
         shape = tuple(values.size for values in axes.values())
         if self.mu.shape != shape:
             raise InputError(f"mu must have the shape ({', '.join(axes)}) = {shape}, got {self.mu.shape}.")
@@ -63,8 +74,10 @@ class FrictionLaw(eqx.Module):
             known = self.mu[~np.isnan(self.mu)]
             require("mu", known, "zero or positive and finite, or NaN", lambda x: (x >= 0) & np.isfinite(x))
 
-    @in_float64
-    def __call__(self, velocity: Any, temperature: Any = None, pressure: Any = None) -> Float[Array, "..."]:
+    @numpy_unless_traced
+    def __call__(
+        self, velocity: ArrayLike, temperature: ArrayLike | None = None, pressure: ArrayLike | None = None
+    ) -> Float[Array, "..."]:
         """mu at sliding velocities [m/s], temperatures [K] and pressures [Pa] that broadcast against each other.
 
         NaN beside a point of the grid that is NaN. Raises `InputError` outside of the grid, where values that JAX
@@ -86,25 +99,25 @@ class FrictionLaw(eqx.Module):
             shape = np.broadcast_shapes(*shapes)
         except ValueError as error:
             raise InputError(f"{', '.join(values)} must broadcast, got shapes {shapes}.") from error
-        corners, inside = [], jnp.ones(shape, bool)
+        corners, inside = [], xp.ones(shape, bool)
         for name, axis in axes.items():
             low, high = axis[0] * (1 - _SAME), axis[-1] * (1 + _SAME)
             if not is_traced(axis):
                 ends = f"{float(axis[0]):.6g} to {float(axis[-1]):.6g} {_UNITS[name]}"
                 accepted = f"within the friction law, {ends}"
                 require(name, values[name], accepted, lambda x, a=low, b=high: (x >= a) & (x <= b))
-            value = jnp.broadcast_to(values[name], shape)
+            value = xp.broadcast_to(values[name], shape)
             inside &= (value >= low) & (value <= high)
-            corners.append(_between(axis, value, jnp.asarray if name == "temperature" else jnp.log))
-        grid, total = jnp.asarray(self.mu), 0.0
+            corners.append(_between(axis, value, xp.asarray if name == "temperature" else xp.log))
+        grid, total = xp.asarray(self.mu), 0.0
         for corner in itertools.product(*corners):
             weight = 1.0
             for _, part in corner:
                 weight = weight * part
             # A corner of no weight must not spoil the rest, nor its derivative, where it is NaN.
             value = grid[tuple(index for index, _ in corner)]
-            total = total + jnp.where(weight == 0, 0.0, weight * jnp.where(weight == 0, 0.0, value))
-        return jnp.where(inside, total, jnp.nan)
+            total = total + xp.where(weight == 0, 0.0, weight * xp.where(weight == 0, 0.0, value))
+        return xp.where(inside, total, xp.nan)
 
     def axes(self) -> dict[str, Float[Array, " n"]]:
         """The axes of `mu`, in order."""
@@ -120,16 +133,14 @@ class FrictionLaw(eqx.Module):
             raise InputError("FrictionLaw has no numbers while JAX traces it. Write tables outside jit, grad and vmap.")
         axes = self.axes()
         points = np.meshgrid(*axes.values(), indexing="ij")
-        rows = zip(*(p.ravel().tolist() for p in points), self.mu.ravel().tolist(), strict=True)
         order = " x ".join(f"{values.size} {name}" for name, values in axes.items())
-        lines = [
-            f"# elastomdr {__version__}: friction law",
-            f"# grid: {order}, the last one fastest; units: SI, in brackets in the column titles",
-            "# between the points: linear in ln(velocity), temperature and ln(pressure); not to be used outside",
-            ",".join([*(_TITLES[name][0] for name in axes), _TITLES["mu"][0]]),
+        header = [
+            f"elastomdr {__version__}: friction law",
+            f"grid: {order}, the last one fastest; units: SI, in brackets in the column titles",
+            "between the points: linear in ln(velocity), temperature and ln(pressure); not to be used outside",
         ]
-        lines += [",".join("" if np.isnan(x) else repr(x) for x in row) for row in rows]
-        write_files({Path(path): ("\n".join(lines) + "\n").encode()})
+        columns = {_TITLES[name][0]: values.ravel() for name, values in zip(axes, points, strict=True)}
+        write_files({Path(path): csv_text(header, columns | {_TITLES["mu"][0]: self.mu.ravel()}).encode()})
 
     def __repr__(self) -> str:
         if is_traced(self):
@@ -193,9 +204,9 @@ def gridded(points: Mapping[str, np.ndarray]) -> FrictionLaw:
 def _between(axis: Any, value: Any, scale: Callable[..., Any]) -> tuple[tuple[Any, Any], ...]:
     """Index and weight of the points on either side of a value; of the one point of a short axis."""
     if axis.shape[0] == 1:
-        return ((jnp.zeros(jnp.shape(value), int), jnp.ones(jnp.shape(value))),)
-    axis, value = jnp.asarray(axis), jnp.asarray(value)
-    high = jnp.clip(jnp.searchsorted(axis, value, side="right"), 1, axis.shape[0] - 1)
-    start, end, at = scale(axis[high - 1]), scale(axis[high]), scale(jnp.clip(value, axis[0], axis[-1]))
+        return ((xp.zeros(xp.shape(value), int), xp.ones(xp.shape(value))),)
+    axis, value = xp.asarray(axis), xp.asarray(value)
+    high = xp.clip(xp.searchsorted(axis, value, side="right"), 1, axis.shape[0] - 1)
+    start, end, at = scale(axis[high - 1]), scale(axis[high]), scale(xp.clip(value, axis[0], axis[-1]))
     part = (at - start) / (end - start)
     return (high - 1, 1 - part), (high, part)

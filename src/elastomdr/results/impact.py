@@ -1,125 +1,99 @@
 """The impact of a body: what `em.impact` returns."""
 
 from collections.abc import Iterator
-from typing import Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar
 
-import equinox as eqx
 import numpy as np
-from jaxtyping import Bool, Float
 
-from .._runtime import Array, significant
-from .table import AbstractResult, Column
+from .base import Array, Result, part, quantity, record
+from .words import span
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import Style
 
 
-class History(NamedTuple):
+@part
+class History:
     """The motion at instants from touch (first) to separation (last); they lie closer where it changes fast.
 
     Every field has the impact's shape and one more axis, for the instants; the turn is the one in the middle.
     """
 
-    time: Float[Array, "... instants"]  # since touch [s]
-    depth: Float[Array, "... instants"]  # d [m]
-    velocity: Float[Array, "... instants"]  # d', positive into the rubber [m/s]
-    force: Float[Array, "... instants"]  # contact force [N]
+    time: Array = quantity("time since touch", "s", dims="... instant", shown="ms")
+    depth: Array = quantity("depth", "m", "d", dims="... instant")
+    velocity: Array = quantity("velocity", "m/s", "d', positive into the rubber", dims="... instant")
+    force: Array = quantity("contact force", "N", dims="... instant")
 
 
-class Oblique(NamedTuple):
+@part
+class Oblique:
     """The tangential motion of the point of contact; series at the instants of the history."""
 
-    before: Float[Array, "..."]  # its velocity at touch [m/s]
-    after: Float[Array, "..."]  # at separation [m/s]
-    slip_loss: Float[Array, "..."]  # turned into heat by slip [J]
-    lost: Float[Array, "..."]  # tangential kinetic energy lost, m_t/2 (before^2 - after^2) [J]
-    velocity: Float[Array, "... instants"]  # [m/s]
-    force: Float[Array, "... instants"]  # against the motion [N]
-    error: Float[Array, "..."]  # estimated error of `after` [m/s]
-    tangential_mass: Float[Array, "..."]  # m_t [kg]
+    before: Array = quantity("tangential velocity at touch", "m/s")
+    after: Array = quantity("tangential velocity at separation", "m/s")
+    slip_loss: Array = quantity("lost by slip", "J", "turned into heat by slip")
+    lost: Array = quantity("tangential kinetic energy lost", "J", "m_t/2 (before^2 - after^2)")
+    velocity: Array = quantity("tangential velocity", "m/s", dims="... instant")
+    force: Array = quantity("tangential force", "N", "against the motion", dims="... instant")
+    error: Array = quantity("estimated error of the tangential velocity at separation", "m/s")
+    tangential_mass: Array = quantity("tangential mass", "kg", "m_t")
 
 
-class Impact(AbstractResult):
-    """Impact of a rigid body; every field has one value per point.
+@record
+class Impact(Result):
+    """Impact of a rigid body.
 
     `restitution` is the velocity of separation over that of touch, `error` its estimated, absolute error. `stuck` marks
     a body that never comes back: restitution 0, infinite duration, and a history that ends with the rest. A point that
     did not converge is NaN with `converged=False`.
     """
 
-    mass: Float[Array, "..."]  # m [kg]
-    velocity: Float[Array, "..."]  # at touch, v0 [m/s]
-    restitution: Float[Array, "..."]
-    duration: Float[Array, "..."]  # from touch to separation [s]
-    max_depth: Float[Array, "..."]  # at the turn [m]
-    max_force: Float[Array, "..."]  # before or at the turn [N]
-    lost: Float[Array, "..."]  # normal kinetic energy lost [J]
+    mass: Array = quantity("mass", "kg", "m")
+    velocity: Array = quantity("velocity at touch", "m/s", "v0")
+    temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
+    restitution: Array = quantity("coefficient of restitution", "-", "velocity of separation over that of touch")
+    duration: Array = quantity("contact time", "s", "from touch to separation")
+    max_depth: Array = quantity("largest depth", "m", "at the turn")
+    max_force: Array = quantity("largest force", "N", "before or at the turn")
+    lost: Array = quantity("normal kinetic energy lost", "J")
     history: History
-    oblique: Oblique | None  # where a tangential velocity was given
-    error: Float[Array, "..."]  # estimated error of the restitution
-    stuck: Bool[Array, "..."]
-    converged: Bool[Array, "..."]
-    temperature: Float[Array, "..."] | None  # T [K]
-    model: str = eqx.field(static=True)
-    plan: Any = eqx.field(static=True)
-    inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
-    extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
+    oblique: Oblique | None = None  # where a tangential velocity was given
+    error: Array = quantity("estimated error of the restitution", "-", "absolute")
+    stuck: Array = quantity("stuck", "", "the body never comes back")
 
-    quantity: ClassVar[str] = "Impact"
+    title: ClassVar[str] = "Impact"
+    shows: ClassVar[str] = "restitution"
+    scale: ClassVar[str] = "auto"
+    error_of: ClassVar[str] = "the restitution"
     coordinates: ClassVar[tuple[str, ...]] = ("velocity", "mass", "before", "temperature")
 
-    @property
-    def table(self) -> tuple[Column, ...]:
-        return (
-            Column("mass", "mass", "kg"),
-            Column("velocity", "velocity at touch", "m/s"),
-            Column("temperature", "temperature", "K", optional=True),
-            Column("restitution", "coefficient of restitution", "-"),
-            Column("duration", "contact time", "s"),
-            Column("max_depth", "largest depth", "m"),
-            Column("max_force", "largest force", "N"),
-            Column("lost", "normal kinetic energy lost", "J"),
-            *(_OBLIQUE if self.oblique is not None else ()),
-            Column("error", "estimated error of the restitution", "-"),
-            Column("stuck", "stuck", ""),
-            Column("converged", "converged", ""),
-            Column("extrapolated", "beyond the range of the material", "", optional=True),
-        )
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        style: "Style | None" = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+    ) -> "Axes":
+        """Draws force against time for one impact, or restitution against velocity for many; see `Result.plot`."""
+        from .plotting import Ask, draw, draw_impact
 
-    def plot(self, ax: Any = None, title: str | None = None) -> Any:
-        """Draws force against time for one impact, or restitution against velocity for many; returns matplotlib Axes.
+        one = np.size(self.velocity) == max(1, len(self.origins))
+        return self._draw(draw_impact if one else draw, Ask(ax, style, title, label))
 
-        With `ax=None` on a new figure, which is the `.figure` of the answer.
-        """
-        from .motion_figure import draw_impact
-
-        return draw_impact(self, ax, title)
-
-    def findings(self) -> Iterator[tuple[str, str]]:
-        """Inputs, model, the range of what came out, how many points failed, the largest error."""
-        yield "quantity", self.quantity
-        yield from self.inputs
-        yield "model", self.model
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """The range of what came out."""
         for name, field, unit in (
             ("restitution", self.restitution, ""),
-            ("contact time", self.duration, " s"),
-            ("largest depth", self.max_depth, " m"),
-            ("largest force", self.max_force, " N"),
+            ("contact time", self.duration, "s"),
+            ("largest depth", self.max_depth, "m"),
+            ("largest force", self.max_force, "N"),
         ):
-            yield name, _range(np.asarray(field), unit)
+            yield name, span(field, unit)
+
+    def reached(self, also: str = "") -> str:
+        """As of every result, with how many bodies stuck."""
         stuck = int(np.sum(self.stuck))
-        also = f", {stuck} stuck (restitution 0)" if stuck else ""
-        yield "points", self.reached("error of the restitution", also=also)
-
-
-_OBLIQUE = (
-    Column("oblique.before", "tangential velocity at touch", "m/s"),
-    Column("oblique.after", "tangential velocity at separation", "m/s"),
-    Column("oblique.slip_loss", "lost by slip", "J"),
-)
-
-
-def _range(values: np.ndarray, unit: str) -> str:
-    known = values[np.isfinite(values)]
-    if not known.size:
-        return "none" if not np.isinf(values).any() else "infinite"
-    low, high = float(known.min()), float(known.max())
-    text = f"{significant(low, 7 if values.size == 1 else 4)}{unit}"
-    return text if values.size == 1 or low == high else f"{text} to {significant(high)}{unit}"
+        return super().reached(also + (f", {stuck} stuck (restitution 0)" if stuck else ""))

@@ -1,27 +1,27 @@
 """Indentation over time: what `em.indent` returns."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import equinox as eqx
 import numpy as np
-from jaxtyping import Bool, Float
 
-from .._runtime import Array, as_float64, in_float64, is_traced, not_negative, scalar, significant
+from .._runtime import as_float64, in_float64, is_traced, not_negative, scalar, significant
 from ..errors import InputError
-from ..foundation.modes import recovery_modes
-from ..mapping.disc import Disc
-from ..material.relaxation import Relaxation
-from ..solve.control import Course, refined
-from ..solve.surface import surface_at
-from .axes import in_words
-from .table import AbstractResult, Column
+from .base import Array, quantity, record
+from .history import AbstractHistory
+from .words import in_words
 
-_RTOL = 1e-6  # of a depth that is solved again in between
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Number
+    from ..solve.surface import Elements
+
 _SHOWN = 4  # histories that a summary lists one by one
 
 
-class Indentation(AbstractResult):
+@record
+class Indentation(AbstractHistory):
     """A body pressed into a viscoelastic foundation; every field has one value per instant, time along the last axis.
 
     `work` is what the body has done on the surface, int F dd. `stored` is the elastic energy of the surface in contact,
@@ -31,48 +31,29 @@ class Indentation(AbstractResult):
     `error` is the estimated numerical error of what was asked for, the force under a given depth and the depth under a
     given load, over its largest value in the history. An instant that did not converge is NaN with `converged=False`;
     heat for which the audit does not close to `rtol` of the largest work, under a load that falls, is NaN alone.
-    With adhesion see `em.indent`.
+    With adhesion see `em.indent`. `plot` draws depth, force and contact radius against time and the force against
+    depth, on axes that are given the last alone; with `ax=None` it returns the first of four Axes.
     """
 
-    time: Float[Array, "..."]  # t [s]
-    depth: Float[Array, "..."]  # indentation depth d [m]
-    force: Float[Array, "..."]  # F, positive when pressing [N]
-    contact_radius: Float[Array, "..."]  # a; under a cylinder the half-width [m]
-    work: Float[Array, "..."]  # [J]
-    stored: Float[Array, "..."]  # [J]
-    locked: Float[Array, "..."]  # [J]
-    dissipated: Float[Array, "..."]  # [J]
-    error: Float[Array, "..."]  # estimated, relative
-    converged: Bool[Array, "..."]
-    temperature: Float[Array, ""] | None  # T [K]
-    law: Relaxation  # of the elements, at the temperature
-    disc: Disc
-    course: Course | None  # what was asked for; None with adhesion
-    model: str = eqx.field(static=True)
-    plan: Any = eqx.field(static=True)
-    inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
-    extrapolated: Bool[Array, "..."] | None = None  # whether the material is used beyond its range; None: not known
+    depth: Array = quantity("depth", "m", "indentation depth d", shown="mm")
+    force: Array = quantity("force", "N", "F, positive where it presses")
+    contact_radius: Array = quantity("contact radius", "m", "a; under a cylinder the half-width", shown="mm")
+    work: Array = quantity("work", "J", "done by the body on the surface")
+    stored: Array = quantity("stored energy", "J", "elastic, of the surface in contact")
+    locked: Array = quantity("energy left in free surface", "J", "elastic, out of contact")
+    dissipated: Array = quantity("dissipated energy", "J", "with what is locked")
+    error: Array = quantity("estimated relative error", "-", "over the largest value in the history")
+    temperature: Array | None = quantity("temperature", "K", "of the whole history", default=None, dims="")
+    surface: Elements | None = None  # and their history, from which `pressure` follows; None with adhesion
 
-    quantity: ClassVar[str] = "Indentation"
-
-    @property
-    def table(self) -> tuple[Column, ...]:
-        return (
-            Column("time", "time", "s"),
-            Column("depth", "depth", "m"),
-            Column("force", "force", "N"),
-            Column("contact_radius", "contact radius", "m"),
-            Column("work", "work", "J"),
-            Column("stored", "stored energy", "J"),
-            Column("locked", "energy left in free surface", "J"),
-            Column("dissipated", "dissipated energy", "J"),
-            Column("error", "estimated relative error", "-"),
-            Column("converged", "converged", ""),
-            Column("extrapolated", "beyond the range of the material", "", optional=True),
-        )
+    title: ClassVar[str] = "Indentation"
+    figure: ClassVar[str] = "draw_indentation"
+    across: ClassVar[str] = "depth"
+    shows: ClassVar[str] = "force"
+    error_of: ClassVar[str] = "force or depth, relative"
 
     @in_float64
-    def pressure(self, r: Any, time: Any) -> Array:
+    def pressure(self, r: ArrayLike, time: Number) -> np.ndarray:
         """Contact pressure p(r) [Pa] at radii [m] and one time [s]: of the shape of r, after the histories' axes.
 
         p(r) = -(1/pi) int_r^inf q'(x)/sqrt(x^2 - r^2) dx, from the force density q of the line (Popov & Hess 2015, ch.
@@ -81,7 +62,7 @@ class Indentation(AbstractResult):
         return self._surface(r, time, "pressure")
 
     @in_float64
-    def displacement(self, r: Any, time: Any) -> Array:
+    def displacement(self, r: ArrayLike, time: Number) -> np.ndarray:
         """Displacement u(r) [m] of the surface, positive into the material, at radii [m] and one time [s].
 
         u(r) = (2/pi) int_0^r u(x)/sqrt(r^2 - x^2) dx, in contact and out of it: a contact that has ended leaves an
@@ -89,53 +70,21 @@ class Indentation(AbstractResult):
         """
         return self._surface(r, time, "displacement")
 
-    def _surface(self, r: Any, time: Any, what: str) -> Array:
+    def _surface(self, r: Any, time: Any, what: str) -> np.ndarray:
         if is_traced(self, r, time):
             raise InputError(f"{what} is for numbers: call it outside jit, grad and vmap.")
         r, time = as_float64("r", r), scalar("time", time)
         not_negative("r", r)
-        if self.course is None:
+        if self.origins:
+            return np.stack([one._surface(r, time, what) for one in self.each_material()])
+        if self.surface is None:
             raise InputError(f"{what} is not computed with adhesion.")
-        course, modes = self.course, recovery_modes(self.law)
-        leading, instants = self.depth.shape[:-1], self.depth.shape[-1]
-        rows = [None if part is None else np.reshape(part, (-1, instants)) for part in course]
-        values = []
-        for i, depth in enumerate(self.depth.reshape(-1, instants)):
-            history = Course(*(None if part is None else part[i] for part in rows))
-            first, last = history.time[0], history.time[-1]
-            if not first <= time <= last:
-                raise InputError(f"time must be within the history, {first:g} to {last:g} s, got {float(time):g}.")
-            if not np.isfinite(depth).all():
-                values.append(np.full(r.shape, np.nan))
-                continue
-            knots = refined(self.law, modes, self.disc, history, depth, _RTOL)
-            surface = surface_at(self.law, modes, self.disc, *knots, float(time))
-            values.append(getattr(surface, what)(r))
-        return np.stack(values).reshape((*leading, *r.shape))
+        return self.surface.at(np.asarray(self.depth), r, float(time), what)
 
-    def plot(self, ax: Any = None, title: str | None = None, label: str | None = None) -> Any:
-        """Draws depth, force and contact radius against time and the force against depth; returns matplotlib Axes.
-
-        With `ax=None` four panels on a new figure, which is the `.figure` of the answer (the first Axes). On axes that
-        are given, the force against the depth, under `label`.
-        """
-        from .indentation_figure import draw
-
-        return draw(self, ax, title, label)
-
-    def png(self, title: str | None = None) -> bytes:
-        """The figure as a PNG image, 200 dots per inch."""
-        from .indentation_figure import png
-
-        return png(self, title)
-
-    def findings(self) -> Iterator[tuple[str, str]]:
-        """Inputs, model, plan, largest depth and force and what is left at the end, failures, the largest error."""
-        yield "quantity", self.quantity
-        yield from self.inputs
-        yield "model", self.model
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Largest depth and force, and what is left at the end."""
         yield "plan", str(self.plan)
-        fields = {column.key: np.atleast_1d(value) for column, value in self.fields().items()}
+        fields = {q.key: np.atleast_1d(value) for q, value in self.fields().items()}
         last = fields["depth"].shape[-1]
         rows = {key: value.reshape(-1, last) for key, value in fields.items()}
         for i in range(min(len(rows["depth"]), _SHOWN)):
@@ -143,7 +92,6 @@ class Indentation(AbstractResult):
             yield name, _in_short({key: value[i] for key, value in rows.items()})
         if len(rows["depth"]) > _SHOWN:
             yield "...", f"and {len(rows['depth']) - _SHOWN} more histories"
-        yield "instants", self.reached("relative error")
 
 
 def _in_short(row: dict[str, np.ndarray]) -> str:

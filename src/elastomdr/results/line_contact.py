@@ -1,70 +1,57 @@
 """Contact along a rough line: what `em.line_contact` returns."""
 
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import ClassVar
 
-import equinox as eqx
-from jaxtyping import Bool, Float
+import numpy as np
 
-from .._runtime import Array, significant
-from .table import AbstractResult, Column
+from .._runtime import significant
+from .base import Array, Result, quantity, record
 
 
-class LineContact(AbstractResult):
+@record
+class LineContact(Result):
     """A rough line and the rubber it slides over towards +x, at each sample of the line.
 
     Heights and surface count from the undeformed rubber, positive into it: where they are equal there is contact.
-    `share` and the stretches in contact are those of the MDR line, **not the real contact of the surface**.
+    `share` and the stretches in contact are those of the MDR line, **not the real contact of the surface**. `plot`
+    draws line and rubber, the stretches in contact in colour.
     """
 
-    x: Float[Array, " n"]  # place on the line [m]
-    height: Float[Array, " n"]  # of the line, at its depth [m]
-    surface: Float[Array, " n"]  # u, of the rubber [m]
-    force: Float[Array, " n"]  # q, force per length of line [N/m]
-    touching: Bool[Array, " n"]
-    mu: float  # of the bare line
-    load: float  # mean force per length [N/m]
-    depth: float  # of the highest point [m]
-    share: float  # of the line in contact
-    error: Float[Array, " n"]  # estimated error of mu, the same everywhere
-    converged: Bool[Array, " n"]
-    model: str = eqx.field(static=True)
-    plan: Any = eqx.field(static=True)
-    inputs: tuple[tuple[str, str], ...] = eqx.field(static=True)
+    x: Array = quantity("place on the line", "m", shown="mm", axis="position on the line, which moves to the right")
+    height: Array = quantity("height of the line into the rubber", "m", "at its depth", shown="µm")
+    surface: Array = quantity(
+        "displacement of the rubber", "m", "u", axis="depth below the undeformed rubber", shown="µm"
+    )
+    force: Array = quantity("force per length of line", "N/m", "q")
+    touching: Array = quantity("in contact", "")
+    mu: float | Array = quantity("friction coefficient", "-", "of the bare line", dims="")
+    load: float | Array = quantity("mean force per length", "N/m", dims="")
+    depth: float | Array = quantity("depth", "m", "of the highest point", dims="")
+    share: float | Array = quantity(
+        "share of the line in contact", "-", "not the real contact area of the surface", dims=""
+    )
+    error: Array = quantity("estimated error of mu", "-", "the same everywhere")
 
-    quantity: ClassVar[str] = "Contact along the line"
+    title: ClassVar[str] = "Contact along the line"
+    figure: ClassVar[str] = "draw_line_contact"
+    across: ClassVar[str] = "x"
+    shows: ClassVar[str] = "surface"
+    error_of: ClassVar[str] = "mu"
+    each: ClassVar[str] = "samples"
+    last: ClassVar[str] = "x"
     coordinates: ClassVar[tuple[str, ...]] = ("x",)
 
-    @property
-    def table(self) -> tuple[Column, ...]:
-        return (
-            Column("x", "place on the line", "m"),
-            Column("height", "height of the line into the rubber", "m"),
-            Column("surface", "displacement of the rubber", "m"),
-            Column("force", "force per length of line", "N/m"),
-            Column("touching", "in contact", ""),
-            Column("converged", "converged", ""),
+    def heading(self) -> str:
+        """The quantity and the material, at which velocity, pressure and temperature."""
+        inputs = dict(self.inputs)
+        return ", ".join(
+            [super().heading(), *(inputs[k] for k in ("velocity", "pressure", "temperature") if k in inputs)]
         )
 
-    def findings(self) -> Iterator[tuple[str, str]]:
-        """Inputs, model, friction and depth, the share of the line in contact."""
-        yield "quantity", self.quantity
-        yield from self.inputs
-        yield "model", self.model
-        if self.converged.all():
-            mu, load, depth = (significant(value) for value in (self.mu, self.load, self.depth))
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Friction and depth, the share of the line in contact."""
+        if np.all(self.converged):
+            mu, load, depth = (significant(float(value)) for value in (self.mu, self.load, self.depth))
             yield "result", f"mu = {mu}, line load {load} N/m, depth {depth} m"
-            yield "contact", f"{self.share:.2%} of the line; this is not the real contact area of the surface"
-        yield "points", self.reached("error of mu")
-
-    def png(self, title: str | None = None) -> bytes:
-        """The figure as a PNG image, 200 dots per inch."""
-        from .surface_figure import contact_png
-
-        return contact_png(self, title)
-
-    def plot(self, ax: Any = None, *, title: str | None = None) -> Any:
-        """Draws line and rubber, the stretches in contact in colour; returns the matplotlib Axes."""
-        from .surface_figure import draw_contact
-
-        return draw_contact(self, ax, title)
+            yield "contact", f"{float(self.share):.2%} of the line; this is not the real contact area of the surface"

@@ -80,7 +80,7 @@ def _half_length(body: RoughLine | AbstractLines, depth: Any) -> Any:
 
 def _ages(known: Range, factor: Any) -> tuple[float, float]:
     """The youngest and the oldest age [s] that the data speak of at the temperature where times are `factor` longer."""
-    low, high = known.frequency or (0.0, np.inf)
+    low, high = known.omega or (0.0, np.inf)
     return float(factor) / high, float(factor) / low if low > 0 else np.inf
 
 
@@ -112,7 +112,7 @@ def _instants(
 ) -> Beyond:
     none = np.zeros(young.shape)
     kelvin = None if temperature is None else np.broadcast_to(temperature, young.shape)
-    elsewhere, nowhere = known._replace(frequency=None), known.frequency == ()
+    elsewhere, nowhere = known._replace(omega=None), known.omega == ()
     points = young | old | nowhere | elsewhere.outside(none, kelvin)
     within, after = (significant(age, 3) for age in ages)
     what = [f"its answer within {within} s decides, range from {within} s"] if young.any() else []

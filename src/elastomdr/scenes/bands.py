@@ -1,57 +1,77 @@
 """Which frequencies the friction of a rough line or surface comes from."""
 
+from __future__ import annotations
+
 import warnings
-from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, plain, positive
+from .._runtime import as_float64, in_float64, is_traced
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.direction import directions
 from ..mapping.rough_line import RoughLine
-from ..mapping.synthesis import PERIODS
-from ..results.bands import FrictionBands
+from ..results.spectrum import FrictionBands
+from ..results.words import brief
 from ..solve.excitation import excitation
-from .rough import ensemble_words, is_rough, surface_words
+from .choice import is_rough, of_line
+from .ensemble import coarse_at
+from .rough import ensemble_words, surface_words
 from .rough_arguments import set_up
-from .steady import AVERAGED, BARE, brief
+from .several import over_materials
+from .steady import AVERAGED, BARE
 
-_DIRECTIONS = 1e-2  # relative error asked of the direction average: bands are to be looked at
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Materials, Surface
+    from ..models import Line
+
+_DIRECTIONS = 1e-2  # relative error of the direction average: bands are for figures
 _MARGIN = 10.0  # by which the bands go beyond the cutoffs; what lies further out is in those at the ends
 _CLOSED = 1e-3  # relative distance of the sum of the bands from the work of the contact step
 
 
+@over_materials
 @in_float64
 def friction_bands(
-    material: Any,
-    surface: Any,
+    material: Materials,
+    surface: Surface,
     *,
-    velocity: Any,
-    load: Any = None,
-    pressure: Any = None,
-    temperature: Any = None,
-    average: str | None = "direction",
+    velocity: ArrayLike,
+    load: ArrayLike | None = None,
+    pressure: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    model: Line | Literal["line"] | None = None,
     rtol: float = 1e-4,
-    equivalent_length: Any = None,
-    samples: int | None = None,
-    periods: int = PERIODS,
-    seeds: int | Sequence[int] = 1,
-    sampling: float = 0.1,
     per_decade: int = 4,
 ) -> FrictionBands:
     """Splits the friction of a rough line or surface by the frequency at which the rubber is strained.
 
-        mu = sum_k 2 k |u_k|^2 E''(k v) / q_mean,
+        mu = sum_k 2 k |u_k|^2 E''(k v) / q_mean
 
-    u_k the waves of the motion of an element (`elastomdr.solve.excitation`): exact for the line, in partial contact
-    too. Arguments are those of `em.friction`; the result has one axis more, bands of frequency, `per_decade` in each
-    decade. Averaged over directions, the line that slides at v cos(phi) is strained at k v cos(phi). Where friction
-    heats the surface, give the raised temperature, `curve.temperature + curve.rough.rise`.
+    u_k are the waves of the motion of an element (`elastomdr.solve.excitation`), in partial contact too. Averaged over
+    directions, the line that slides at v cos(phi) is strained at k v cos(phi).
 
-    Exact for the line; the bands sum to its friction, within 1e-3, or the point is NaN. Raises `InputError`; points
-    that do not converge are NaN and counted in one `ConvergenceWarning`. Not differentiable.
+    Args:
+        material: as for `em.friction`, a series.
+        surface: an `em.RoughLine`, or a surface.
+        velocity: sliding velocity [m/s]; arguments broadcast.
+        load: normal force per length of line [N/m].
+        pressure: nominal pressure on a surface [Pa], in place of a load.
+        temperature: temperature [K], for a material with a shift law. Where friction heats the surface, give the raised
+            one, `curve.temperature + curve.temperature_rise`.
+        model: `em.Line(...)`.
+        rtol: as for `em.friction`.
+        per_decade: bands in each decade of frequency.
+
+    Returns:
+        An `em.FrictionBands` with one more axis, the bands. They sum to the friction of the line within 1e-3, or the
+        point is NaN; one `ConvergenceWarning` counts such points.
+
+    Raises:
+        InputError: as `em.friction` with `model=em.Line(...)`.
+
+    Exact for the line. Not differentiable.
     """
     foundation = as_foundation(material)
     if not is_rough(surface):
@@ -63,17 +83,16 @@ def friction_bands(
         raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
     if isinstance(per_decade, bool) or not isinstance(per_decade, (int, np.integer)) or not 1 <= per_decade <= 20:
         raise InputError(f"per_decade must be a whole number from 1 to 20, got {per_decade!r}.")
-    sampling = plain("sampling", sampling)
-    positive("sampling", sampling)
+    model = of_line(model, "friction_bands")
     scene = set_up(
         foundation, surface, velocity=velocity, load=load, depth=None, pressure=pressure, temperature=temperature,
-        average=average, rtol=rtol, equivalent_length=equivalent_length, samples=samples, periods=periods, seeds=seeds,
+        model=model, rtol=rtol,
     )  # fmt: skip
     shape, lines, control, length, kelvin = scene.shape, scene.lines, scene.control, scene.length, scene.kelvin
     v, loads, reduced = np.broadcast_to(scene.velocity, shape).ravel(), scene.given, scene.reduced.ravel()
     edges = _edges(surface, lines[0], int(per_decade))
     rule_of = directions(_DIRECTIONS)
-    cosines, weights = (np.ones(1), np.ones(1)) if average is None else (rule_of.cosines, rule_of.weights)
+    cosines, weights = (rule_of.cosines, rule_of.weights) if model.average else (np.ones(1), np.ones(1))
     lanes = np.outer(reduced, cosines).ravel(), np.repeat(loads, cosines.size), np.tile(cosines, v.size)
     mu, error, good = np.zeros((v.size, edges.size - 1)), np.zeros(v.size), np.ones(v.size, bool)
     for line in lines:
@@ -86,7 +105,7 @@ def friction_bands(
         mu += np.einsum("vdb,d->vb", bands, weights) / len(lines)
         error += (missed[..., 0] + gap) @ weights / len(lines)
         good &= fine.all(axis=(1, 2)) & (gap @ weights <= _CLOSED * (total[..., 0] @ weights))
-    good &= error <= sampling * mu.sum(axis=1)
+    good &= ~coarse_at(error, mu.sum(axis=1))
     if not good.all():
         warnings.warn(
             f"{int((~good).sum())} of {good.size} points did not converge; they are NaN.", ConvergenceWarning,
@@ -106,7 +125,7 @@ def friction_bands(
     ]  # fmt: skip
     return FrictionBands(
         velocity=banded(v),
-        frequency=np.multiply.outer(v, middle).reshape(*shape, -1),
+        omega=np.multiply.outer(v, middle).reshape(*shape, -1),
         wave_number=banded(np.multiply.outer(np.ones(v.size), middle)),
         mu=banded(np.where(good[:, None], mu, np.nan)),
         error=banded(np.where(good, error, np.nan)),
@@ -114,7 +133,7 @@ def friction_bands(
         temperature=None if kelvin is None else banded(np.broadcast_to(kelvin, shape)),
         pressure=None if length is None else banded(loads / length),
         width=float(edges[1] / edges[0]),
-        model=(BARE if average is None else AVERAGED) + scene.rule,
+        model=(AVERAGED if model.average else BARE) + scene.rule,
         plan=f"{lanes[0].size * len(lines)} line solutions of {lines[0].count} samples, all branches carried",
         inputs=tuple(inputs),
     )

@@ -1,16 +1,20 @@
 """Which points of a steady scene use a material beyond the range of its data, and how that is said."""
 
+from __future__ import annotations
+
 import warnings
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from .._runtime import is_traced
 from ..errors import ExtrapolationWarning
 from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
 from ..material.validity import Range
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 _OUTSIDE = 0.1  # share of a rough surface's mean square slope that may be excited beyond the range
 
@@ -53,11 +57,11 @@ def excited_outside(
     known: Range | None, surface: RoughLine | AbstractSpectrum, reduced: np.ndarray
 ) -> Float[np.ndarray, "..."] | None:
     """Share of the mean square slope that is excited, at q v a_T, beyond the frequencies of the data."""
-    if known is None or known.frequency is None:
+    if known is None or known.omega is None:
         return None
-    if not known.frequency:
+    if not known.omega:
         return np.ones(np.shape(reduced))
-    low, high = (frequency / reduced for frequency in known.frequency)
+    low, high = (frequency / reduced for frequency in known.omega)
     if isinstance(surface, RoughLine):
         q = 2 * np.pi * np.fft.rfftfreq(surface.count, float(surface.spacing))
         power = np.append(0.0, np.cumsum(np.square(q * np.abs(np.fft.rfft(np.asarray(surface.height))))))
@@ -75,7 +79,7 @@ def rough_beyond(
     """Points where more than a tenth of the slope is excited `outside`, or at a temperature that was not measured."""
     if known is None:
         return NOT_KNOWN
-    only, rate = known._replace(frequency=None), np.zeros(shape)
+    only, rate = known._replace(omega=None), np.zeros(shape)
     kelvin = None if temperature is None else np.broadcast_to(temperature, shape)
     points, what = only.outside(rate, kelvin), list(only.findings(rate, kelvin))
     if outside is not None and (outside > _OUTSIDE).any():

@@ -1,58 +1,81 @@
 """Where in the relaxation spectrum a sliding or rolling contact turns its work into heat."""
 
-import warnings
-from typing import Any
+from __future__ import annotations
 
-import jax.numpy as jnp
+import warnings
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from .._runtime import Array, in_float64, is_traced, nan_unless
+from .._arrays import xp
+from .._runtime import Array, is_traced, nan_unless, numpy_unless_traced
 from ..errors import ConvergenceWarning, InputError
 from ..mapping.direction import directions
 from ..material.relaxation import Relaxation
-from ..results.dissipation import Dissipation
+from ..results.spectrum import Dissipation
 from ..solve.passage import Losses, solve_losses
+from .several import over_materials
 from .steady import Scene, set_up, solve
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials, ModelLike
 
 _BATCH = 4096  # passages at once
 
 
-@in_float64
+@over_materials
+@numpy_unless_traced
 def dissipation(
-    material: Any,
-    shape: Any,
+    material: Materials,
+    shape: Indenter,
     *,
-    velocity: Any,
-    load: Any = None,
-    depth: Any = None,
-    temperature: Any = None,
-    average: str | None = "direction",
+    velocity: ArrayLike,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    model: ModelLike | None = None,
     rtol: float = 1e-6,
 ) -> Dissipation:
     """Share of each branch of the relaxation spectrum in what a sliding or rolling body dissipates.
 
-        F_k = (1/v) int f_k^2/(E_k tau_k) dx,      sum_k F_k = F_x,
+        F_k = (1/v) int f_k^2/(E_k tau_k) dx,      sum_k F_k = F_x
 
-    f_k the force of branch k, over the contact and over the free recovery behind it, where the springs give back what
-    they hold to the dashpots. With the direction average F_k is averaged as the friction is, at the same normal force:
-    exact to first order in the loss. Fields have one more axis than the arguments make together, the last: branches in
-    order of their times, after a parallel dashpot if there is one, whose time is zero.
+    f_k is the force of branch k, over the contact and over the free recovery behind it, where the springs give back
+    what they hold to the dashpots.
 
-    Arguments as for `friction`, for bodies with a convex profile; differentiable as it is. Exact for the line.
-    `error` is the share of the work that the branches do not account for. Raises `InputError` as `friction` does; a
-    point that failed is NaN with `converged=False`. Derived here (`docs/theory.md`, section 22).
+    Args:
+        material: as for `friction`, a series.
+        shape: a body with a convex profile.
+        velocity: velocity [m/s]; arguments broadcast.
+        load: normal force [N].
+        depth: depth [m] in place of a load.
+        temperature: temperature [K], for a material with a shift law.
+        model: as for `friction`.
+        rtol: as for `friction`.
+
+    Returns:
+        An `em.Dissipation`. Its fields have one more axis, the last: branches in order of their times, after a parallel
+        dashpot if there is one, whose time is zero. `error` is the share of the work that the branches do not account
+        for. A point that failed is NaN with `converged=False`.
+
+    Raises:
+        InputError: as `friction`, and for a profile that is not convex.
+
+    Exact for the line. With the direction average F_k is averaged as the friction is, exact to first order in the loss.
+    Differentiable as `friction` is.
+
+    Source: derived in `docs/theory.md`, section 22.
     """
     scene = set_up(
         "dissipation", material, shape, velocity=velocity, load=load, depth=depth, pressure=None,
-        temperature=temperature, average=average, rtol=rtol, skip=True,
+        temperature=temperature, model=model, rtol=rtol, skip=True,
     )  # fmt: skip
     if scene.plan.marched:
-        raise InputError("shape must have a convex profile: branches are not told apart where contact may be renewed.")
+        raise InputError("shape must have a convex profile: branches are not separated where contact may be renewed.")
     if scene.plan.elastic:
         raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
     found = solve(scene)
     traced = is_traced(found.mu, scene.law)
-    xp: Any = jnp if traced else np
     dashpot, branches, work, good = _forces(scene, xp.ravel(found.normal_force), xp)
     with_dashpot = is_traced(scene.law.viscosity) or bool(scene.law.viscosity > 0)
     forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches

@@ -1,8 +1,10 @@
 """Coupled dynamics: a body on springs and dampers, driven over rubber, in one solve with its contact."""
 
+from __future__ import annotations
+
 import math
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
@@ -13,8 +15,9 @@ from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import AbstractLines, SingleLine
 from ..mapping.rough_line import RoughLine, spline_coefficients
-from ..mapping.shapes import Cylinder
-from ..results.drive import Drive
+from ..mapping.shapes import AbstractShape, Cylinder
+from ..results.history import Drive
+from ..results.words import brief, describe
 from ..solve.dynamics import History, Scene, run
 from ..solve.mount import Mount
 from ..solve.over_line import AbstractOverLine, Indenter, rough
@@ -22,7 +25,11 @@ from ..solve.refine import Levels, finest, refine
 from ..solve.sizes import contact_sizes, shared_level
 from .ages import sliding_beyond
 from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
-from .steady import BARE, LAYER, brief, contact, describe
+from .several import over_materials
+from .steady import BARE, LAYER, contact
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Materials, Number
 
 _ACROSS = 24  # elements over the contact on the coarsest level
 _FINEST = 4  # levels beyond the coarsest, unless they are short
@@ -33,19 +40,20 @@ _MOST_EARLY, _TRACED_EARLY = 40, 12
 _PERIOD = 12  # steps per period of a mass on its spring and the contact, on the coarsest level
 
 
+@over_materials
 @needs_64_bit_types
 @in_float64
 def drive(
-    material: Any,
-    shape: Any,
+    material: Materials,
+    shape: AbstractShape | RoughLine,
     *,
-    time: Any,
-    position: Any,
-    load: Any,
+    time: ArrayLike,
+    position: ArrayLike,
+    load: ArrayLike,
     tangential: Mount | None = None,
     normal: Mount | None = None,
     track: RoughLine | None = None,
-    temperature: Any = None,
+    temperature: Number | None = None,
     rtol: float = 1e-2,
     elements: int | None = None,
 ) -> Drive:
@@ -54,20 +62,35 @@ def drive(
         tangential mount:  m X'' = k (D - X) + c (D' - X') - F_x         without one: X = D
         normal mount:      m d'' = P - k d - c d' - F_N                  without one: F_N = P
 
-    X is the place of the body, d its depth; the drive stands at D(t), the load is P(t), both linear between the
+    X is the place of the body and d its depth; the drive stands at D(t) and the load is P(t), both linear between the
     instants. The body is put down at once, at rest, with the load of the first instant, on rubber that was never
     touched.
 
-    - `shape`: an indenter, or an `em.RoughLine` (then loads, masses, stiffnesses and dampings are per metre of line).
-    - `time` [s], ascending; `position` D [m] of the drive and `load` P [N, or N/m] at these instants, or one load.
-    - `tangential`, `normal`: `em.Mount(mass, stiffness, damping)`. The spring of the normal one is free at d = 0.
-    - `track`: a rough line that belongs to the rubber, under an indenter: heights towards the body.
-    - `temperature` [K], one number. `rtol`, 1e-1 to 1e-6: the error of mu, depth and normal force to be
-      met, relative to their largest values, and the energy balance, relative to the work done; the place of the body
-      is not looked at. `elements`: as for `em.slide`.
+    Args:
+        material: a material (then a half-space of it), or a `Foundation` (two bodies, a layer).
+        shape: an indenter, or an `em.RoughLine` (then loads, masses, stiffnesses and dampings are per metre of line).
+        time: instants [s], ascending, shape (n,).
+        position: place D of the drive at these instants [m], shape (n,).
+        load: P [N, or N/m], a number or one for each instant.
+        tangential: `em.Mount(mass, stiffness, damping)` through which the drive pulls.
+        normal: `em.Mount` that carries the body vertically; its spring is free at d = 0.
+        track: a rough line that belongs to the rubber, under an indenter; heights towards the body.
+        temperature: one temperature [K], for a material with a shift law.
+        rtol: error of mu, depth and normal force to be met, relative to their largest values, and of the energy
+            balance, relative to the work done; 1e-1 to 1e-6. The place of the body is not held to it.
+        elements: number of elements, as for `em.slide`.
 
-    The bare line of the textbook; of second order. Raises `InputError`; instants that do not converge are NaN and
-    counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7, 10 and 19; `docs/theory.md`.
+    Returns:
+        An `em.Drive` with one value for each instant. Instants that do not converge are NaN with `converged=False`; one
+        `ConvergenceWarning` counts them.
+
+    Raises:
+        InputError: for instants that do not ascend, arguments whose lengths do not match, and a track under a rough
+            line.
+
+    The bare line of the textbook, in steps of second order.
+
+    Source: Popov & Hess 2015, ch. 7, 10 and 19; `docs/theory.md`.
     """
     foundation = as_foundation(material)
     per_length = isinstance(shape, RoughLine)
@@ -82,7 +105,8 @@ def drive(
     if (np.diff(history.time) <= 0).any():
         raise InputError("time must ascend without repeats: bodies with a mass have no jumps.")
     mounts = [_mount(name, mount) for name, mount in (("tangential", tangential), ("normal", normal))]
-    found, size = _solve(shape if lines is None else lines, history, mounts, track)
+    body: Any = shape if lines is None else lines
+    found, size = _solve(body, history, mounts, track)
     model = LINE if per_length else LAYER if isinstance(shape, Cylinder) else BARE
     what = describe_line(shape) if per_length else describe(shape)
     inputs = [("material", foundation.name or "given directly"), ("shape", what)]

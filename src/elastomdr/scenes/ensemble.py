@@ -13,8 +13,10 @@ from ..mapping.direction import SharedGrid, directions, interpolation_error, qua
 from ..mapping.rough_line import RoughLine
 from ..mapping.synthesis import PERIODS, synthesise
 from ..solve.periodic import Line
+from .points import Mean
 
 AVERAGE = 1e-5  # least relative error asked of the direction average: contacts that come and go leave kinks in mu(v)
+SAMPLING = 0.1  # estimated error for the sampling of a line over mu, up to which a point is handed out
 _MOST = 2**20  # samples of a line that nobody asked for
 _SAMPLES = 4096  # least number of samples of a line that is given by its points
 
@@ -29,25 +31,13 @@ class Ask(NamedTuple):
     skip: bool
 
 
-class Mean(NamedTuple):
-    """The ensemble's answer at each point."""
-
-    mu: Array
-    error: Array
-    load: Array
-    depth: Array
-    share: Array
-    good: Array
-    scatter: Array | None  # standard error of mu
-
-
 Solver = Callable[[list[tuple[RoughLine, np.ndarray, np.ndarray, Any]]], list[Line]]
 """Lanes of several lines at once, each a line with its velocities, its line loads or depths, and which they are."""
 
 
-def mean_of_lines(ask: Ask, lines: list[RoughLine], average: str | None, solved: Solver) -> Mean:
+def mean_of_lines(ask: Ask, lines: list[RoughLine], average: bool, solved: Solver) -> Mean:
     """Mean over the lines, which are solved together."""
-    if average is None:
+    if not average:
         runs = [_bare(own) for own in solved([(line, ask.velocity, ask.value, ask.control) for line in lines])]
     elif ask.control == "depth":
         runs = _averaged_by_depth(ask, lines, solved)
@@ -129,12 +119,12 @@ def _grids(ask: Ask) -> list[tuple[SharedGrid, np.ndarray]]:
     return [(shared_grid(ask.velocity[points], max(ask.rtol, AVERAGE)), points) for points in chosen]
 
 
-def lanes_of(ask: Ask, average: str | None) -> tuple[np.ndarray, np.ndarray]:
+def lanes_of(ask: Ask, average: bool) -> tuple[np.ndarray, np.ndarray]:
     """Velocities [m/s] that one line is solved at, with their line loads or depths.
 
     Where the depth is given, directions are solved at a load that is not known beforehand: the points alone stand here.
     """
-    if average is None or ask.control == "depth":
+    if not average or ask.control == "depth":
         return ask.velocity, ask.value
     return _lanes(ask, _grids(ask))
 
@@ -145,10 +135,13 @@ def _lanes(ask: Ask, grids: list[tuple[SharedGrid, np.ndarray]]) -> tuple[np.nda
     return np.concatenate([ask.velocity, *(g.velocity for g, _ in grids)]), np.concatenate([ask.value, *values])
 
 
-def on_enough_samples(
-    ask: Ask, found: Mean, count: int, sampling: float, solve: Callable[[Ask, int], Mean]
-) -> tuple[Mean, np.ndarray]:
-    """Points whose sampling error is above `sampling` times mu, solved again on four times the samples, and so on.
+def coarse_at(error: Any, mu: Any) -> Any:
+    """Where the error of a point is above `SAMPLING` times mu, so that it is not handed out."""
+    return ~(error <= SAMPLING * abs(mu))
+
+
+def on_enough_samples(ask: Ask, found: Mean, count: int, solve: Callable[[Ask, int], Mean]) -> tuple[Mean, np.ndarray]:
+    """Points whose sampling error is above `SAMPLING` times mu, solved again on four times the samples, and so on.
 
     `found` is the answer on `count` samples, `solve(ask, count)` that on others. Returns the answer, and on how many
     samples each point has it. The error that stays is the caller's to judge.
@@ -156,7 +149,7 @@ def on_enough_samples(
     used = np.full(found.mu.shape, count)
     while count * 4 <= _MOST:
         count *= 4
-        coarse = np.flatnonzero(found.good & ~(found.error <= sampling * np.abs(found.mu)))
+        coarse = np.flatnonzero(found.good & coarse_at(found.error, found.mu))
         if not coarse.size:
             break
         finer = solve(ask._replace(velocity=ask.velocity[coarse], value=ask.value[coarse]), count)
@@ -175,9 +168,9 @@ def _put(at: Array, which: Array, field: Array, finer: Array) -> np.ndarray:
     return field
 
 
-def solutions(ask: Ask, average: str | None) -> int:
+def solutions(ask: Ask, average: bool) -> int:
     """Line solutions that one line takes."""
-    if average is None:
+    if not average:
         return ask.velocity.size
     if ask.control == "depth":
         return ask.velocity.size * (1 + directions(max(ask.rtol, AVERAGE)).cosines.size)

@@ -11,18 +11,16 @@ moved by what the curve was wrong, until both agree.
 """
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import jax
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.spectrum import AbstractSpectrum
 from ..material.shift import AbstractShift
 from ..solve.heat import Heat, Scales, rise, scales
-from .ensemble import Mean
+from .points import Mean
 
 _PER_DECADE = 8  # of v a_T, of the curve that is interpolated
 _HIGHEST = 1000.0  # rise beyond which nothing is looked for [K]
@@ -51,7 +49,7 @@ def warmed(
     `friction(reduced, pressure, coarse)` solves points at v a_T, less exactly where `coarse` is true. Points without a
     root below a rise of 1000 K, or below the end of the shift law, are NaN.
     """
-    mean = jax.tree.map(lambda field: np.array(field, dtype=np.float64), cold)
+    mean = _each(lambda field: np.array(field, dtype=np.float64), cold)
     found = np.full(velocity.size, np.nan)
     mean.good[:] = 0
     for p in np.unique(pressure):
@@ -60,10 +58,16 @@ def warmed(
             group = _Group(heat, foundation, shift, surface, velocity[at], kelvin[at], float(p), friction)
             for points, kelvins, state in group.settle(np.asarray(cold.mu)[at]):
                 found[at[points]] = kelvins
-                for field, values in zip(jax.tree.leaves(mean), jax.tree.leaves(state), strict=True):
-                    field[at[points]] = values
+                for field, values in zip(mean, state, strict=True):
+                    if field is not None:
+                        field[at[points]] = values
     reduced = velocity * np.asarray(shift.a(kelvin + np.nan_to_num(found)))
-    return Warm(found, reduced, mean._replace(good=mean.good > 0), mean.mu * pressure * velocity)
+    return Warm(found, reduced, mean._replace(good=mean.good > 0), np.asarray(mean.mu) * pressure * velocity)
+
+
+def _each(function: Callable[[Any], Any], mean: Mean) -> Mean:
+    fields: list[Any] = [None if field is None else function(field) for field in mean]
+    return Mean(*fields)
 
 
 class _Group(NamedTuple):
@@ -99,7 +103,7 @@ class _Group(NamedTuple):
             made = self.made(reduced, np.asarray(mean.mu), left)
             off = np.abs(made - root[left]) / np.maximum(root[left], 1e6 * _NOTHING)
             settled = mean.good & (off <= SETTLED)
-            yield left[settled], root[left[settled]], jax.tree.map(lambda field, at=settled: field[at], mean)
+            yield left[settled], root[left[settled]], _each(lambda field, at=settled: field[at], mean)
             ratio = np.maximum(made, 1e-300) / np.array(
                 [np.exp(curve[i](x)) for i, x in zip(left, np.log(reduced), strict=True)]
             )
@@ -137,8 +141,10 @@ class _Group(NamedTuple):
                 break
         return min(low, _HIGHEST)
 
-    def curve(self, top: float) -> list[PchipInterpolator]:
+    def curve(self, top: float) -> list[Callable[[Any], Any]]:
         """The logarithm of the rise that friction makes against log(v a_T), for each point's velocity."""
+        from scipy.interpolate import PchipInterpolator
+
         ends = self.reduced(np.array([0.0, top])[None, :].repeat(self.velocity.size, 0))
         low, high = ends.min() * 0.999, ends.max() * 1.001
         nodes = np.geomspace(low, high, max(5, int(np.ceil(_PER_DECADE * np.log10(high / low))) + 1))

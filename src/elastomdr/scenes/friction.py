@@ -1,81 +1,132 @@
 """Steady sliding friction of one indenter."""
 
-from collections.abc import Sequence
-from typing import Any
+from __future__ import annotations
 
-from .._runtime import in_float64
-from ..mapping.synthesis import PERIODS
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ParamSpec
+
+from .._runtime import needs_64_bit_types, numpy_unless_traced
+from ..mapping.shapes import AbstractShape
+from ..mapping.spectrum import AbstractSpectrum
+from ..models import HalfSpace, Line
 from ..results.curve import FrictionCurve
 from ..solve.heat import Heat
-from .rough import is_rough, only_rough, rough_friction
-from .steady import set_up, solve
+from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
+from .several import over_materials
+from .steady import no_pressure, set_up, solve
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials, ModelLike, Store, Surface
+
+P = ParamSpec("P")
 
 
-@in_float64
+def _surfaces_in_64_bits(function: Callable[P, FrictionCurve]) -> Callable[P, FrictionCurve]:
+    """Refuses closed integrals over a surface under jit, grad or vmap without 64-bit types: JAX would mix both."""
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> FrictionCurve:
+        shape = args[1] if len(args) > 1 else kwargs.get("shape")
+        if isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None:
+            return needs_64_bit_types(function)(*args, **kwargs)
+        return function(*args, **kwargs)
+
+    return wrapper
+
+
+@over_materials
+@_surfaces_in_64_bits
+@numpy_unless_traced
 def friction(
-    material: Any,
-    shape: Any,
+    material: Materials,
+    shape: Indenter | Surface,
     *,
-    velocity: Any,
-    load: Any = None,
-    depth: Any = None,
-    pressure: Any = None,
-    temperature: Any = None,
-    average: str | None = "direction",
+    velocity: ArrayLike,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    pressure: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    model: ModelLike | None = None,
     rtol: float = 1e-6,
     skip: bool = True,
-    equivalent_length: Any = None,
-    samples: int | None = None,
-    periods: int = PERIODS,
-    seeds: int | Sequence[int] = 1,
-    sampling: float = 0.1,
     heat: Heat | None = None,
-    progress: Any = None,
-    store: Any = None,
+    progress: Callable[[int, int], None] | None = None,
+    store: Store | None = None,
 ) -> FrictionCurve:
     """Friction coefficient of an indenter or a rough surface in steady sliding against velocity, load and temperature.
 
     Arguments broadcast against each other; every field of the result has the broadcast shape.
 
-    - `material`: `Prony` (then an incompressible-or-not half-space of it), or `Foundation` (two bodies, a layer).
-    - `velocity` [m/s]; `load` [N] or `depth` [m]; `temperature` [K], for a material with a shift law.
-    - `average`: "direction" for the estimate of the three-dimensional half-space, "corrected" for the same with an
-      empirical correction for asymmetric contacts (`elastomdr.mapping.direction.asymmetry`; within 1 % for a ball
-      where the average is up to 9 % high), None for the bare line of the textbook. Depth,
-      normal force and contact edges are those of the line at the velocity itself. `model_error` in the result bounds
-      the distance to the half-space.
-    - `rtol`, 1e-3 to 1e-10: relative error of mu to be met. `skip=False` computes also what the plan would leave out.
+    Args:
+        material: `Prony` (then a half-space of it), or `Foundation` (two bodies, a layer).
+        shape: a smooth body (`em.Sphere`, ...), an `em.RoughLine`, or a surface (`em.SelfAffine`, `em.Spectrum`,
+            measured).
+        velocity: sliding velocity [m/s].
+        load: normal force [N]; on a rough line or surface force per length of line [N/m].
+        depth: indentation depth [m], in place of a load; that of the highest point of a rough line.
+        pressure: nominal pressure on a surface [Pa].
+        temperature: [K], for a material with a shift law.
+        model: what the contact is computed with, an object or its name. For a smooth body `em.Averaged()`, the default,
+            `em.Line()` or `em.HalfSpace()`; on layers every line is exact, and the model makes no difference. For a
+            rough line `em.Line()`. For a surface under a pressure `em.Multiscale()`, the default, `em.Persson()`,
+            `em.HalfSpace()` or `em.Line()`; under a load or a depth `em.Line()`.
+        rtol: relative error of mu to be met, 1e-3 to 1e-10. With `em.Line` on a rough line or surface it is that of the
+            solution on its samples; `curve.lines.numerical` has the error for the sampling too, and a point
+            where it exceeds a tenth of mu is NaN.
+        skip: False computes also what the plan would leave out.
+        heat: `em.Heat(...)` heats the rubber of a surface under a pressure by its friction, from `temperature` on,
+            until friction and flash temperature agree (`elastomdr.solve.heat`): `mu` is then the hot curve,
+            `cold` the one without heating, `temperature_rise` the flash temperature. Points where no temperature is
+            found are NaN.
+        progress: `progress(done, total)` is called after each batch on a rough line or surface.
+        store: keeps finished batches of lines (`get(key)`, `put(key, arrays)`).
 
-    A rough line (`RoughLine`) takes `load` per length [N/m] or `depth` of its highest point [m]. A surface
-    (`SelfAffine`, `Spectrum`, measured) takes a nominal `pressure` [Pa], turned into the line load p L with L = 2
-    pi/q_low, the rule of the textbook, for light contact; `equivalent_length="full contact"` takes 2 m_2/m_3 of the
-    spectrum's moments, better at higher loads, and a number [m] itself (`docs/rough.md` compares them with three
-    dimensions). It is computed on `seeds` lines of random phases (or those of a list of seeds), each
-    `periods` longest waves long, of `samples` samples (default: eight per shortest wave; four times as many, up to
-    2^20, for points that need them). There `rtol` is that of the solution on these samples; `error` has the sampling
-    too, and a point where it exceeds `sampling` times mu is NaN. `progress(done, total)` is called after each batch;
-    `store` keeps finished batches (`get(key)`, `put(key, arrays)`).
+    Returns:
+        An `em.FrictionCurve`. `error` is numerical, with the scatter of random lines; `model_error` bounds the distance
+        to the half-space. With `em.Averaged` depth, normal force and contact edges are those of the line at the
+        velocity itself. Points that do not converge are NaN and counted in one `ConvergenceWarning`.
 
-    `heat=em.Heat(...)` heats the rubber of a surface under a `pressure` by its friction, from `temperature` on, until
-    friction and flash temperature agree (`elastomdr.solve.heat`): `mu` is then the hot curve, `rough.cold` the one
-    without heating, `rough.rise` the flash temperature. Points where no temperature is found are NaN.
+    Raises:
+        InputError: for arguments that have no meaning.
 
-    Exact for the line and for layers; for the half-space see `elastomdr.mapping.direction`. Raises `InputError`;
-    points that do not converge are NaN and counted in one `ConvergenceWarning`. Differentiable with respect to moduli,
-    times, geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7 and 10, and
+    Exact for the line and for layers; for the half-space see `elastomdr.mapping.direction`. Differentiable with respect
+    to moduli, times, geometry, load or depth, velocity and temperature. Source: Popov & Hess 2015, ch. 7 and 10, and
     `docs/theory.md`.
     """
     if is_rough(shape):
-        return rough_friction(
-            material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
-            average=average, rtol=rtol, skip=skip, equivalent_length=equivalent_length, samples=samples,
-            periods=periods, seeds=seeds, sampling=sampling, heat=heat, progress=progress,
-            store=store,
+        chosen = of_rough(model, shape, pressure)
+        if isinstance(chosen, Line):
+            from .rough import rough_friction
+
+            return rough_friction(
+                material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
+                model=chosen, rtol=rtol, skip=skip, heat=heat, progress=progress, store=store,
+            )  # fmt: skip
+        from .surface import surface_friction
+
+        assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
+        only_one(load, depth, pressure)
+        return surface_friction(
+            material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol,
+            heat=heat, progress=progress,
         )  # fmt: skip
-    only_rough(equivalent_length, heat)
+    only_rough(heat)
+    if isinstance(shape, AbstractShape):
+        model = of_smooth(model, "friction", shape.label)
+        if isinstance(model, HalfSpace):
+            no_pressure(shape, pressure)
+            from ..reference.half_space import half_space_sliding
+
+            one: Any = material  # `over_materials` has taken lists apart
+            curve: Any = half_space_sliding(
+                one, shape, velocity=velocity, load=load, depth=depth, temperature=temperature,
+                points=model.cells or CELLS,
+            )  # fmt: skip
+            return curve
     scene = set_up(
         "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-        temperature=temperature, average=average, rtol=rtol, skip=skip,
+        temperature=temperature, model=model, rtol=rtol, skip=skip,
     )  # fmt: skip
     found = solve(scene)
     return FrictionCurve(

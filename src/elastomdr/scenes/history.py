@@ -11,8 +11,8 @@ from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
 from ..material.relaxation import Relaxation
 from ..material.validity import Range
+from ..results.words import brief
 from ..solve.passage import Control
-from .steady import brief
 
 _TRACED = 1024  # elements and steps of the coarser level under a transformation
 

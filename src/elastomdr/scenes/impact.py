@@ -1,8 +1,10 @@
 """Impact of a rigid body on a viscoelastic half-space or layer."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -12,12 +14,16 @@ from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.shapes import AbstractShape, Cylinder
 from ..material.relaxation import Relaxation
+from ..results.base import Origin, distinct
 from ..results.impact import History, Impact
+from ..results.words import brief, describe
 from ..solve.extrapolate import impacts
 from ..solve.impact import Body
 from .beyond import NOT_KNOWN, Beyond, told
 from .oblique import check_oblique, solve_oblique
-from .steady import brief, describe
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials
 
 _WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are filled up to, so that few are compiled
 _PASSAGE = 4.0  # frequency times duration of the passage that `material/validity.py` speaks of
@@ -27,36 +33,52 @@ LAYER = "thin layer of independent elements, exact for the layer; quasi-static r
 
 @in_float64
 def impact(
-    material: Any,
-    shape: Any,
+    material: Materials,
+    shape: Indenter,
     *,
-    mass: Any,
-    velocity: Any,
-    temperature: Any = None,
-    tangential_velocity: Any = None,
-    friction: Any = None,
-    inertia: Any = None,
-    tangential: Any = None,
+    mass: ArrayLike,
+    velocity: ArrayLike,
+    temperature: ArrayLike | None = None,
+    tangential_velocity: ArrayLike | None = None,
+    friction: ArrayLike | None = None,
+    inertia: ArrayLike | None = None,
+    tangential: Foundation | None = None,
     rtol: float = 1e-6,
 ) -> Impact:
-    """Impact of a rigid body of `mass` [kg] that touches at `velocity` [m/s], until it leaves.
+    """Impact of a rigid body that touches at `velocity`, until it leaves: m d'' = -F(history of d).
 
-    m d'' = -F(history of d), F the force of the viscoelastic foundation, without gravity and adhesion. Exact for the
-    half-space and every shape whose contact grows as a disc; the rubber's own inertia (waves) is left out. `mass`,
-    `velocity` and `temperature` broadcast. `material` may also be a list of materials or foundations: the result then
-    has one more axis, in front, for them. A body that never comes back (a liquid too viscous for it) has restitution 0,
-    an infinite duration and `stuck=True`. Differentiable with respect to moduli, times, shape, mass and velocity.
+    F is the force of the viscoelastic foundation; gravity and adhesion are left out. `mass`, `velocity` and
+    `temperature` broadcast.
 
-    Oblique: `tangential_velocity` [m/s] is that of the point of contact at touch, spin included, `friction` Coulomb's
-    coefficient, zero and infinity included; both broadcast with the rest. `inertia` [kg m^2] about the centre is, by
-    default, that of a homogeneous ball or cylinder, and infinite for a body that does not roll (it does not turn).
-    `tangential` is the Foundation of G*, needed where `material` is a Foundation. The result then has `oblique`: the
-    velocity of the point of contact afterwards, with an error of second order in the step, stated beside it.
+    Args:
+        material: a material (then a half-space of it), a `Foundation`, or a list of either: the result then has one
+            more axis, in front, for them.
+        shape: the body, such as `em.Sphere`.
+        mass: mass [kg].
+        velocity: velocity at touch [m/s].
+        temperature: temperature [K], for a material with a shift law.
+        tangential_velocity: for an oblique impact, velocity of the point of contact at touch [m/s], spin included.
+        friction: Coulomb's coefficient of an oblique impact, zero and infinity included.
+        inertia: moment of inertia about the centre [kg m^2]; by default that of a homogeneous ball or cylinder, and
+            infinite for a body that does not roll.
+        tangential: the `Foundation` of G* of an oblique impact, needed where `material` is a `Foundation`.
+        rtol: relative error of restitution and depth to be met, 1e-2 to 1e-10.
 
-    Raises `InputError` for a mass or velocity that is not positive, a cylinder on a half-space, or a temperature
-    without a shift law. A point whose restitution or depth misses `rtol` is NaN with `converged=False`; a duration that
-    misses 100 `rtol` (very strong damping, restitution below 1e-4) is NaN alone.
-    Source: Popov & Hess 2015, ch. 7; Ting 1966 for the retreat.
+    Returns:
+        An `em.Impact`; of an oblique one `oblique` has the velocity of the point of contact afterwards, with its error.
+        A body that never comes back (a liquid too viscous for it) has restitution 0, an infinite duration and
+        `stuck=True`. A point whose restitution or depth misses `rtol` is NaN with `converged=False`; a duration that
+        misses 100 `rtol` (restitution below 1e-4) is NaN alone.
+
+    Raises:
+        InputError: for a mass or velocity that is not positive, a cylinder on a half-space, or a temperature without a
+            shift law.
+
+    Exact for the half-space and every shape whose contact grows as a disc; the rubber's own inertia (waves) is left
+    out. Oblique impacts are of second order in the step. Differentiable with respect to moduli, times, shape, mass and
+    velocity.
+
+    Source: Popov & Hess 2015, ch. 7; Ting 1966 for the rebound.
     """
     slips = check_oblique(material, tangential_velocity, friction, inertia, tangential)
     extra = (slips.velocity, slips.friction) if slips is not None else ()
@@ -96,7 +118,16 @@ def impact(
         plan="velocities as the grid, extrapolated in the number of steps",
         inputs=scene.inputs + beyond.said,
         extrapolated=beyond.points,
+        origins=_origins(scene) if scene.many else (),
     )
+
+
+def _origins(scene: "_Scene") -> tuple[Origin, ...]:
+    """The materials along the first axis."""
+    model = LAYER if scene.per_area else HALF_SPACE
+    names = distinct([f.name or f"material {i}" for i, f in enumerate(scene.foundations, 1)])
+    rest = tuple(pair for pair in scene.inputs if pair[0] != "material")
+    return tuple(Origin(name, model, (("material", name), *rest), frozenset(), None) for name in names)
 
 
 class _Scene(NamedTuple):
@@ -108,6 +139,7 @@ class _Scene(NamedTuple):
     shape: tuple[int, ...]
     inputs: tuple[tuple[str, str], ...]
     foundations: list[Foundation]  # one, or one for each place of the first axis
+    many: bool  # whether a list of materials was given
 
 
 def _scene(
@@ -159,7 +191,7 @@ def _scene(
     body = Body(shape, rates, moduli, viscosity, flat(mass), flat(velocity))
     return _Scene(
         body, per_area, xp.broadcast_to(mass, result), xp.broadcast_to(velocity, result),
-        None if kelvin is None else xp.broadcast_to(kelvin, result), result, tuple(inputs), foundations,
+        None if kelvin is None else xp.broadcast_to(kelvin, result), result, tuple(inputs), foundations, many,
     )  # fmt: skip
 
 
@@ -195,7 +227,7 @@ def _standing(foundations: list[Foundation], shape: AbstractShape) -> bool:
     per_area = kinds.pop()
     if cylinder and not per_area:
         raise InputError(
-            "material must be a layer under a Cylinder, got a half-space: use em.layer(material, thickness, ...). "
+            "material must be a layer under a Cylinder, got a half-space: use em.springs(material, thickness, ...). "
             "A cylinder on a half-space is no MDR problem."
         )
     return per_area

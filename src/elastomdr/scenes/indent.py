@@ -1,7 +1,9 @@
 """Indentation under a history of depth or load."""
 
+from __future__ import annotations
+
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -14,9 +16,14 @@ from ..mapping.disc import Disc
 from ..mapping.shapes import AbstractShape, Cylinder, PowerLaw
 from ..material.relaxation import Relaxation
 from ..results.indentation import Indentation
+from ..results.words import brief, describe
 from ..solve.control import Course, indent_under, indent_with_adhesion
+from ..solve.surface import Elements
 from .ages import history_beyond
-from .steady import brief, describe
+from .several import over_materials
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials, Number
 
 HALF_SPACE = "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
 RULE = (
@@ -25,35 +32,50 @@ RULE = (
 LAYER = "thin layer of independent elements (exact for the layer)"
 
 
+@over_materials
 @in_float64
 def indent(
-    material: Any,
-    shape: Any,
+    material: Materials,
+    shape: Indenter,
     *,
-    time: Any,
-    depth: Any = None,
-    load: Any = None,
-    adhesion: Any = None,
-    temperature: Any = None,
+    time: ArrayLike,
+    depth: ArrayLike | None = None,
+    load: ArrayLike | None = None,
+    adhesion: Number | None = None,
+    temperature: Number | None = None,
     rtol: float = 1e-6,
 ) -> Indentation:
-    """Indentation under any history of depth or load: contact gained, lost and regained, on a surface that remembers.
+    """Indentation of a surface that remembers, under any history of depth or load: contact gained, lost and regained.
 
-    - `time` [s], ascending along the last axis; `depth` [m] or `load` [N] at these instants, linear in between. At the
-      first instant depth or load may be a step from zero, to which the material answers with its glassy modulus.
-      Leading axes are histories of their own, and all arguments broadcast.
-    - Both `depth` and `load`: where one is NaN the other rules, up to that instant from the one before.
-    - `adhesion`: work of adhesion [J/m^2]; loads may then pull. Elastic foundations: JKR, exact; touching at zero depth
-      or load. Viscoelastic: a rule for a contact that is relaxed at the first instant and then recedes, no work or
-      energy (see `elastomdr.solve.adhesion`). A load that is not carried any more is NaN.
-    - `temperature` [K], one for all, for a material with a shift law.
-    - `rtol`, 1e-2 to 1e-10: error to be met, relative to the largest force (or depth) of the history.
+    Histories are linear between the given instants. At the first instant depth or load may be a step from zero, to
+    which the material answers with its glassy modulus. Where both `depth` and `load` are given, one is NaN at each
+    instant and the other rules, from the instant before up to that one.
 
-    Exact for the half-space and for layers. A depth that is given, and a load under which the contact grows, are solved
-    without a time step; other loads by steps of second order, refined until `rtol` is met. Raises `InputError`;
-    instants that did not converge are NaN and counted in one `ConvergenceWarning`. Differentiable with respect to
-    moduli, times, geometry, time, depth and load. Source: Lee & Radok 1960; Ting 1966; Popov & Hess 2015, ch. 7;
-    `docs/theory.md`.
+    Args:
+        material: a material (then a half-space of it), or a `Foundation` (two bodies, a layer).
+        shape: the indenter, such as `em.Sphere`.
+        time: instants [s], ascending along the last axis; leading axes are histories of their own.
+        depth: indentation depth [m] at these instants; arguments broadcast.
+        load: normal force [N] at these instants.
+        adhesion: work of adhesion [J/m^2]; loads may then be negative.
+        temperature: one temperature for all [K], for a material with a shift law.
+        rtol: error to be met, relative to the largest force (or depth) of the history, 1e-2 to 1e-10.
+
+    Returns:
+        An `em.Indentation`. Instants that did not converge, and loads that adhesion cannot carry, are NaN with
+        `converged=False`; one `ConvergenceWarning` counts them.
+
+    Raises:
+        InputError: for instants that do not ascend, for neither depth nor load, and for a step of depth on a
+            material with a parallel dashpot.
+
+    Exact for the half-space and for layers. A given depth, and a load under which the contact grows, are solved without
+    a time step; other loads by steps of second order, refined until `rtol` is met. Adhesion is exact for elastic
+    foundations (JKR). On viscoelastic ones it is a rule for a contact that is relaxed at the first instant and then
+    recedes, without work and energies (`elastomdr.solve.adhesion`). Differentiable with respect to moduli, times,
+    geometry, time, depth and load.
+
+    Source: Lee & Radok 1960; Ting 1966; Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
     disc, foundation = contact(material, shape)
     law, kelvin = at_temperature(foundation, temperature)
@@ -110,9 +132,7 @@ def indent(
         error=found.error,
         converged=found.converged,
         temperature=kelvin,
-        law=law,
-        disc=disc,
-        course=course if adhesion is None else None,
+        surface=Elements(law, disc, course) if adhesion is None else None,
         model=_model(law, disc, adhesion),
         plan=found.plan,
         inputs=(*inputs, *beyond.said),
@@ -137,7 +157,7 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
             raise InputError(
-                "material must be a layer under a Cylinder, got a half-space: use em.layer(material, thickness, ...). "
+                "material must be a layer under a Cylinder, got a half-space: use em.springs(material, thickness). "
                 "A cylinder on a half-space is no MDR problem."
             )
         return Disc(shape, "cylinder"), foundation

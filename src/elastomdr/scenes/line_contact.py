@@ -1,56 +1,82 @@
 """Where a rough line touches the rubber it slides over."""
 
+from __future__ import annotations
+
+import dataclasses
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from .._runtime import in_float64, is_traced
 from ..errors import ConvergenceWarning, InputError
 from ..mapping.rough_line import RoughLine
-from ..mapping.synthesis import PERIODS
+from ..models import seeds_of
 from ..results.line_contact import LineContact
+from ..results.words import brief
 from ..solve.periodic_field import field
-from .rough import is_rough, surface_words
+from .choice import is_rough, of_line
+from .rough import surface_words
 from .rough_arguments import set_up
-from .steady import BARE, brief
+from .several import over_materials
+from .steady import BARE
+
+if TYPE_CHECKING:
+    from .._types import Material, Number, Surface
+    from ..models import Line
 
 
+@over_materials
 @in_float64
 def line_contact(
-    material: Any,
-    surface: Any,
+    material: Material,
+    surface: Surface,
     *,
-    velocity: Any,
-    load: Any = None,
-    depth: Any = None,
-    pressure: Any = None,
-    temperature: Any = None,
+    velocity: Number,
+    load: Number | None = None,
+    depth: Number | None = None,
+    pressure: Number | None = None,
+    temperature: Number | None = None,
+    model: Line | Literal["line"] | None = None,
     rtol: float = 1e-6,
-    equivalent_length: Any = None,
-    samples: int | None = None,
-    periods: int = PERIODS,
-    seed: int = 0,
 ) -> LineContact:
     """Heights, rubber surface and contact along a rough line at one velocity, load and temperature.
 
-    Arguments are single numbers, and otherwise as for `em.friction` of a rough line or surface; `seed` chooses the line
-    of the ensemble. The direction is that of the line itself (the bare line): the direction average has no single
-    field. What touches is the MDR line's contact, not the real contact of the surface. A point that does not converge
-    is NaN, with one `ConvergenceWarning`. No derivatives. Raises `InputError`.
+    The line is that of the first seed of the model, in its own direction: the direction average has no single field.
+
+    Args:
+        material: as for `em.friction`, a series.
+        surface: an `em.RoughLine`, or a surface.
+        velocity: sliding velocity [m/s], a single number as all other arguments.
+        load: normal force per length of line [N/m].
+        depth: depth [m] in place of a load.
+        pressure: nominal pressure on a surface [Pa], in place of a load.
+        temperature: temperature [K], for a material with a shift law.
+        model: `em.Line(...)`.
+        rtol: as for `em.friction`.
+
+    Returns:
+        An `em.LineContact`. What touches is the contact of the MDR line, not the real contact of the surface. A point
+        that does not converge is NaN, with one `ConvergenceWarning`.
+
+    Raises:
+        InputError: as `em.friction` with `model=em.Line(...)`.
+
+    Exact for the line. Not differentiable.
     """
     if not is_rough(surface):
         raise InputError(f"surface must be a rough line or a surface by its spectrum, got {surface!r}.")
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InputError(f"seed must be a whole number, 0 or more, got {seed!r}.")
+    model = of_line(model, "line_contact")
+    if model.average:
+        raise InputError("model must be em.Line() without average in em.line_contact: the average has no single field.")
+    model = dataclasses.replace(model, seeds=1 if isinstance(surface, RoughLine) else seeds_of(model.seeds)[:1])
     if is_traced(material, surface, velocity, load, depth, pressure, temperature):
         raise InputError(
             "line_contact has no derivatives, and cannot run under jax.jit, grad or vmap: em.friction can."
         )
     scene = set_up(
         material, surface, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
-        average=None, rtol=rtol, equivalent_length=equivalent_length, samples=samples, periods=periods,
-        seeds=1 if isinstance(surface, RoughLine) else (int(seed),),
+        model=model, rtol=rtol,
     )  # fmt: skip
     if scene.reduced.size != 1:
         raise InputError(f"velocity, {scene.control} and temperature must be single numbers, got {scene.shape}.")

@@ -1,54 +1,73 @@
 """What a scene would compute, skip and condense, without computing it."""
 
-from collections.abc import Sequence
-from typing import Any
+from __future__ import annotations
 
-from .._runtime import in_float64
+from typing import TYPE_CHECKING
+
+from .._runtime import numpy_unless_traced
 from ..errors import InputError
-from ..mapping.synthesis import PERIODS
+from ..mapping.shapes import AbstractShape
+from ..mapping.spectrum import AbstractSpectrum
+from ..models import HalfSpace, Line
 from ..solve.heat import Heat
-from ..solve.periodic_plan import RoughPlan
 from ..solve.plan import Plan
-from .rough import is_rough, only_rough, rough_plan
+from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
 from .steady import set_up
 
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Material, ModelLike, Motion, Surface
+    from ..solve.periodic_plan import RoughPlan
+    from .surface import SurfacePlan
 
-@in_float64
+
+@numpy_unless_traced
 def plan(
-    material: Any,
-    shape: Any,
+    material: Material,
+    shape: Indenter | Surface,
     *,
-    velocity: Any,
-    load: Any = None,
-    depth: Any = None,
-    pressure: Any = None,
-    temperature: Any = None,
-    average: str | None = "direction",
+    velocity: ArrayLike,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    pressure: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    model: ModelLike | None = None,
     rtol: float = 1e-6,
     skip: bool = True,
-    quantity: str = "friction",
-    equivalent_length: Any = None,
-    samples: int | None = None,
-    periods: int = PERIODS,
-    seeds: int | Sequence[int] = 1,
+    quantity: Motion = "friction",
     heat: Heat | None = None,
-) -> Plan | RoughPlan:
+) -> "Plan | RoughPlan | SurfacePlan | str":
     """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it says what is skipped and why.
 
-    Arguments and errors as for `friction`.
+    Arguments and errors as for `friction`. With `em.HalfSpace` on a smooth body it is a line of text.
     """
     if quantity not in ("friction", "rolling"):
         raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
     if is_rough(shape):
         if quantity != "friction":
             raise InputError(f"quantity must be 'friction' on a rough surface, got {quantity!r}.")
-        return rough_plan(
-            material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
-            average=average, rtol=rtol, skip=skip, equivalent_length=equivalent_length, samples=samples,
-            periods=periods, seeds=seeds, heat=heat,
-        )  # fmt: skip
-    only_rough(equivalent_length, heat)
+        chosen = of_rough(model, shape, pressure)
+        if isinstance(chosen, Line):
+            from .rough import rough_plan
+
+            return rough_plan(
+                material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
+                model=chosen, rtol=rtol, skip=skip, heat=heat,
+            )  # fmt: skip
+        from .surface import surface_plan
+
+        assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
+        only_one(load, depth, pressure)
+        return surface_plan(
+            material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol, heat=heat
+        )
+    only_rough(heat)
+    if isinstance(shape, AbstractShape):
+        model = of_smooth(model, quantity, shape.label)
+        if isinstance(model, HalfSpace):
+            from ..reference.half_space import grid_words
+
+            return grid_words(model.cells or CELLS)
     return set_up(
         quantity, material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-        temperature=temperature, average=average, rtol=rtol, skip=skip,
+        temperature=temperature, model=model, rtol=rtol, skip=skip,
     ).plan  # fmt: skip

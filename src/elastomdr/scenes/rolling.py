@@ -1,25 +1,32 @@
 """Steady frictionless rolling of a sphere, or of a cylinder on a layer."""
 
-from typing import Any
+from __future__ import annotations
 
-from .._runtime import in_float64
+from typing import TYPE_CHECKING
+
+from .._runtime import numpy_unless_traced
 from ..errors import InputError
 from ..mapping.shapes import AbstractShape
 from ..results.curve import RollingCurve
+from .several import over_materials
 from .steady import set_up, solve
 
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials, ModelLike
 
-@in_float64
+
+@over_materials
+@numpy_unless_traced
 def rolling(
-    material: Any,
-    shape: Any,
+    material: Materials,
+    shape: Indenter,
     *,
-    velocity: Any,
-    load: Any = None,
-    depth: Any = None,
-    pressure: Any = None,
-    temperature: Any = None,
-    average: str | None = "direction",
+    velocity: ArrayLike,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    pressure: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    model: ModelLike | None = None,
     rtol: float = 1e-6,
     skip: bool = True,
 ) -> RollingCurve:
@@ -28,21 +35,24 @@ def rolling(
     Without friction in the contact a rolling body solves the same pressure problem as a sliding one. The resistance is
     taken from the power that the rubber dissipates, F = P/v, and the moment is M = R F. (The moment of the MDR line's
     own forces is half of that, since the line is not the half-space's pressure; the power is right in both models.)
-    `coefficient` is the resisting force over the normal force. Arguments, errors and limits as for `friction`;
+    `coefficient` is the resisting force over the normal force. `model` is `em.Averaged(...)`, by default with its
+    correction, or `em.Line()`. Arguments, errors and limits as for `friction`;
     raises `InputError` for bodies that do not roll.
     """
     if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
         raise InputError(f"shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a {shape.label}.")
     scene = set_up(
         "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-        temperature=temperature, average=average, rtol=rtol, skip=skip,
+        temperature=temperature, model=model, rtol=rtol, skip=skip,
     )  # fmt: skip
     found = solve(scene)
+    radius = shape.rolling_radius
+    assert radius is not None  # refused above
     return RollingCurve(
         velocity=found.velocity,
         coefficient=found.mu,
         resistance=found.friction_force,
-        moment=found.friction_force * shape.rolling_radius,
+        moment=found.friction_force * radius,
         power=found.friction_force * found.velocity,
         normal_force=found.normal_force,
         depth=found.depth,

@@ -8,55 +8,48 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64, nan_unless
-from ..errors import ConvergenceWarning, InputError
+from .._runtime import Array, as_float64, in_float64, nan_unless
+from ..errors import ConvergenceWarning, ModelWarning
 from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
-from ..results.curve import FrictionCurve, Rough
+from ..models import Line as LineModel
+from ..results.curve import FrictionCurve, Lines
+from ..results.words import brief
 from ..solve.heat import Heat
 from ..solve.periodic import Job, Line, solve_lines
 from ..solve.periodic_plan import RoughPlan, plan_lines
+from . import ensemble as ensemble_of
 from .beyond import NOT_KNOWN, excited_outside, rough_beyond
-from .ensemble import Ask, Mean, ensemble, lanes_of, mean_of_lines, on_enough_samples, solutions
+from .ensemble import Ask, coarse_at, ensemble, lanes_of, mean_of_lines, on_enough_samples, solutions
 from .flash import SETTLED, warmed
+from .line_bound import factor, missed
+from .points import Mean
 from .rough_arguments import RoughScene, load_level, set_up
 from .rough_traced import traced_mean_of_lines
-from .steady import AVERAGED, BARE, brief
+from .steady import AVERAGED, BARE
 
 _COARSE = 1e-4  # tolerance of the curve on which the flash temperature is looked for
 _ROUNDS = 4  # of a call's solutions that heating takes, about
+_LINES = "MDR line (textbook; on a surface too low, the more so the wider its spectrum)"
+_AVERAGED_LINES = "MDR line averaged over directions (on a surface too low, the more so the wider its spectrum)"
 _FLASH = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 
 
-def is_rough(shape: Any) -> bool:
-    """Whether a shape is one of this module's."""
-    return isinstance(shape, (RoughLine, AbstractSpectrum))
-
-
-def only_rough(equivalent_length: Any, heat: Any) -> None:
-    """Refuses for an indenter what belongs to a rough surface. Raises `InputError`."""
-    if equivalent_length is not None:
-        raise InputError("equivalent_length belongs to a rough surface: it turns its pressure into a line load.")
-    if heat is not None:
-        raise InputError("heat belongs to a rough surface; an indenter's friction is at the temperature given.")
-
-
+@in_float64
 def rough_friction(
     material: Any, surface: RoughLine | AbstractSpectrum, *, velocity: Any, load: Any, depth: Any, pressure: Any,
-    temperature: Any, average: str | None, rtol: Any, skip: bool, equivalent_length: Any, samples: int | None,
-    periods: int, seeds: Any, sampling: float, heat: Heat | None,
+    temperature: Any, model: LineModel, rtol: Any, skip: bool, heat: Heat | None,
     progress: Callable[[int, int], None] | None, store: Any,
 ) -> FrictionCurve:  # fmt: skip
-    """`em.friction` of a rough line or surface; see there."""
+    """`em.friction` of a rough line or surface on lines; see there."""
     scene = set_up(
         material, surface, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
-        average=average, rtol=rtol, equivalent_length=equivalent_length, samples=samples, periods=periods, seeds=seeds,
-        heat=heat,
+        model=model, rtol=rtol, heat=heat,
     )  # fmt: skip
     foundation, lines, shape, length = scene.foundation, scene.lines, scene.shape, scene.length
     kelvin, reduced, given, control, traced = scene.kelvin, scene.reduced, scene.given, scene.control, scene.traced
     velocity, numpy = scene.velocity, jnp if scene.traced else np
-    law = foundation.law()
+    law, average = foundation.law(), model.average
     asked, finished, largest, count = [0], [0], [lines[0].count], len(lines)
     first = 0 if traced else solutions(Ask(reduced.ravel(), given, control, float(rtol), bool(skip)), average)
 
@@ -79,13 +72,13 @@ def rough_friction(
             return mean_of_lines(ask, on, average, partial(solved, rtol=tolerance))
 
         def finer(ask: Ask, size: int) -> Mean:
-            return mean(ask, ensemble(surface, size, periods, scene.seeds))
+            return mean(ask, ensemble(surface, size, model.periods, scene.seeds))
 
         ask = Ask(reduced, value, control, tolerance, bool(skip))
         found = mean(ask, lines)
-        if coarse or samples is not None:
+        if coarse or model.samples is not None:
             return found
-        found, used = on_enough_samples(ask, found, lines[0].count, sampling, finer)
+        found, used = on_enough_samples(ask, found, lines[0].count, finer)
         largest[0] = max(largest[0], int(used.max()))
         return found
 
@@ -111,16 +104,24 @@ def rough_friction(
         found, reduced = warm.mean, warm.reduced.reshape(shape)
     mu, good = found.mu, found.good
     error = found.error + (0.0 if warm is None else SETTLED * np.abs(mu - cold))
-    coarse = good & ~(error <= sampling * numpy.abs(mu))
+    coarse = good & coarse_at(error, mu)
     good = good & ~coarse
     if not traced and not good.all():
         text = f"{int((~good).sum())} of {good.size} points did not converge; they are NaN."
         if coarse.any():
             text += (
-                f" Of {int(coarse.sum())} the estimated error, up to {(error / mu)[coarse].max():.1g} of mu, is above "
-                f"sampling={sampling:g}: more samples lower it."
+                f" Of {int(coarse.sum())} the estimated error for the sampling of the line, up to "
+                f"{(error / mu)[coarse].max():.1g} of mu, is above {ensemble_of.SAMPLING:g}: more samples lower it."
             )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
+    # A surface is all its lines; about 95 % of means of as many lines lie within twice their standard error.
+    spread, far = 0.0, np.nan
+    if isinstance(surface, AbstractSpectrum):
+        spread = np.nan if found.scatter is None else 2 * found.scatter
+        if pressure is not None:
+            far = factor(surface, model) - 1
+            if not traced and (text := missed(surface, model)) is not None:
+                warnings.warn(text, ModelWarning, stacklevel=4)
 
     def field(values: Array) -> Array:
         return nan_unless(good, values).reshape(shape)
@@ -132,13 +133,16 @@ def rough_friction(
     ]
     inputs += [("as read", text) for text in getattr(surface, "report", ())]
     inputs += [("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []
-    inputs += [] if pressure is None or traced else load_level(foundation, surface, pressure, equivalent_length)
+    inputs += [] if pressure is None or traced else load_level(foundation, surface, pressure, model.equivalent_length)
     inputs += [
         (f"line {control}", brief(scene.value, "N/m" if control == "load" else "m")),
         ("velocity", brief(velocity, "m/s")),
     ]
     inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
-    inputs += [("ensemble", ensemble_words(scene.seeds, lines[0].count, largest[0]))]
+    words = ensemble_words(scene.seeds, lines[0].count, largest[0])
+    if isinstance(surface, AbstractSpectrum) and count == 1:
+        words += ": how far lines scatter is not known, and so no error of mu"
+    inputs += [("ensemble", words)]
     inputs += [] if heat is None else [("heat", heat.words())]
     if outside is not None:
         inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
@@ -151,28 +155,34 @@ def rough_friction(
         friction_force=field(mu * found.load),
         depth=field(found.depth),
         contact=None,
-        error=field(error),
+        error=field(error + spread),
         converged=good.reshape(shape),
         temperature=None if kelvin is None else numpy.broadcast_to(kelvin, shape).copy(),
         model=_model(scene, average, heat),
         plan=_plan(scene, surface, average, rtol, skip, heat),
         inputs=tuple(inputs),
         extrapolated=beyond.points,
-        rough=Rough(
-            None if pressure is None else (given / length).reshape(shape),
-            field(found.share), None if found.scatter is None else field(found.scatter), outside, count,
-            *(() if warm is None else (field(warm.rise), field(cold), field(warm.heat))),
+        model_error=None if isinstance(surface, RoughLine) else field(mu * far),
+        pressure=None if pressure is None else (given / length).reshape(shape),
+        temperature_rise=None if warm is None else field(warm.rise),
+        cold=None if warm is None else field(cold),
+        heat_flux=None if warm is None else field(warm.heat),
+        outside=outside,
+        lines=Lines(
+            field(found.share), None if found.scatter is None else field(found.scatter),
+            None if isinstance(surface, RoughLine) else field(error), count,
         ),
     )  # fmt: skip
 
 
+@in_float64
 def rough_plan(
-    material: Any, surface: RoughLine | AbstractSpectrum, *, average: str | None, rtol: Any, skip: bool,
+    material: Any, surface: RoughLine | AbstractSpectrum, *, model: LineModel, rtol: Any, skip: bool,
     heat: Heat | None, **arguments: Any,
 ) -> RoughPlan:  # fmt: skip
-    """`em.plan` of a rough line or surface; see there."""
-    scene = set_up(material, surface, average=average, rtol=rtol, heat=heat, **arguments)
-    return _plan(scene, surface, average, rtol, skip, heat)
+    """`em.plan` of a rough line or surface on lines; see there."""
+    scene = set_up(material, surface, model=model, rtol=rtol, heat=heat, **arguments)
+    return _plan(scene, surface, model.average, rtol, skip, heat)
 
 
 def _plan(scene: RoughScene, surface: Any, average: Any, rtol: Any, skip: Any, heat: Heat | None) -> RoughPlan:
@@ -185,14 +195,15 @@ def _plan(scene: RoughScene, surface: Any, average: Any, rtol: Any, skip: Any, h
         model=_model(scene, average, heat),
         line=None if scene.traced else (np.asarray(line.height), float(line.spacing)),
         lines=len(scene.lines), samples=line.count, points=ask.velocity.size, law=law, lanes=lanes,
-        control=scene.control, rtol=float(rtol), averaged=average is not None,
+        control=scene.control, rtol=float(rtol), averaged=average,
         solutions=None if scene.traced else solutions(ask, average), skip=bool(skip), heated=heat is not None,
         temperatures=0 if scene.kelvin is None else np.size(scene.kelvin),
     )  # fmt: skip
 
 
 def _model(scene: RoughScene, average: Any, heat: Heat | None) -> str:
-    return (BARE if average is None else AVERAGED) + scene.rule + ("" if heat is None else _FLASH)
+    line = (_AVERAGED_LINES if average else _LINES) if scene.length is not None else (AVERAGED if average else BARE)
+    return line + scene.rule + ("" if heat is None else _FLASH)
 
 
 def surface_words(surface: Any, line: RoughLine) -> str:

@@ -10,18 +10,20 @@ from ..mapping.direction import directions, quadrature_error
 from ..mapping.rough_line import RoughLine
 from ..material.relaxation import Relaxation
 from ..solve.periodic_gradient import Differentiable, solve_traced
-from .ensemble import AVERAGE, Mean
+from .ensemble import AVERAGE
+from .points import Mean
 
 
 def traced_mean_of_lines(
     lines: list[RoughLine], law: Relaxation, velocity: Float[Array, " n"], value: Float[Array, " n"], control: Any,
-    rtol: float, average: str | None,
+    rtol: float, average: bool,
 ) -> Mean:  # fmt: skip
     """Mean over the lines, as `scenes.ensemble.mean_of_lines`: the same numbers, with derivatives."""
     runs = [_one_line(line, law, velocity, value, control, rtol, average) for line in lines]
     mu, error, load, depth, share = (jnp.stack(values).mean(axis=0) for values in list(zip(*runs, strict=True))[:5])
     good = jnp.stack([run.good for run in runs]).all(axis=0)
-    return Mean(mu, error, load, depth, share, good & jnp.isfinite(mu), None)
+    scatter = jnp.std(jnp.stack([run.mu for run in runs]), axis=0, ddof=1) / len(runs) ** 0.5 if len(runs) > 1 else None
+    return Mean(mu, error, load, depth, share, good & jnp.isfinite(mu), scatter)
 
 
 def _one_line(line: RoughLine, law, velocity, value, control, rtol, average) -> Mean:
@@ -34,7 +36,7 @@ def _one_line(line: RoughLine, law, velocity, value, control, rtol, average) -> 
         found = solve_traced(line.height, 1.0, law, velocity / spacing, value, control, rtol)
         return found._replace(mu=found.mu / spacing, error=found.error / spacing)
 
-    if average is None:
+    if not average:
         own = solved(velocity, value, control)
         return Mean(own.mu, own.error, own.load, own.depth, own.share, own.good > 0, None)
     rule = directions(max(rtol, AVERAGE))

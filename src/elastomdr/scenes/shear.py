@@ -1,7 +1,9 @@
 """Tangential loading of a contact with friction: partial slip, fretting loops, frictional damping."""
 
+from __future__ import annotations
+
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
@@ -15,12 +17,16 @@ from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation, to_kelvin
 from ..material.validity import shared
-from ..results.shear import Shear
+from ..results.history import Shear
+from ..results.words import brief, describe
 from ..solve.rule import gauss
 from ..solve.shear import History, Scene, Sheared, line, panels, shear_history
 from .ages import history_beyond
 from .impact import _standing
-from .steady import brief, describe
+from .several import over_materials
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials
 
 HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin)"
 LAYER = "thin layer of independent elements with Coulomb friction"
@@ -31,37 +37,53 @@ _BETWEEN, _INSTANTS = 64, 512  # parts between two instants under a load that ch
 _ELASTIC, _VISCOELASTIC = (200_000, 1), (2_000, 16)  # elements, and contact steps between two instants
 
 
+@over_materials
 @in_float64
 def shear(
-    material: Any,
-    shape: Any,
+    material: Materials,
+    shape: Indenter,
     *,
-    time: Any,
-    displacement: Any,
-    friction: Any,
-    load: Any = None,
-    depth: Any = None,
-    tangential: Any = None,
+    time: ArrayLike,
+    displacement: ArrayLike,
+    friction: ArrayLike,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    tangential: Foundation | None = None,
     elements: int | None = None,
     steps: int | None = None,
 ) -> Shear:
     """Tangential force of a body in frictional contact, for any history of normal and tangential motion.
 
-    `time` [s] ascends; `displacement` [m] is the body's, tangential; `load` [N] or `depth` [m], below zero above the
-    surface, is one number or a history; all are linear between the instants. What the first instant asks for is put on
-    at once, the load first. `friction` is Coulomb's coefficient, zero and infinity included. The tangential law G*
-    follows from a material; for a `Foundation` (of E*) give it as `tangential`. Stick or slip is decided element by
-    element; normal and tangential loading do not influence each other otherwise, which for equal bodies, or for an
-    incompressible one on a rigid one, is no assumption. Where load and displacement of an elastic contact change at
-    once, `work` and `slip_loss` are of second order in the time between two instants, which is divided for that; the
-    force is exact.
+    All histories are linear between the instants. Load and displacement of the first instant are put on at once, the
+    load first. Stick or slip is decided element by element.
 
-    `error`, of the force, compares with half the steps, or two rules of summation where all is elastic, and bounds what
-    a sum over even elements misses where stick or contact ends between two of them.
+    Args:
+        material: a material (then a half-space of it), or a `Foundation` of E* (then give `tangential`).
+        shape: the body, such as `em.Sphere`.
+        time: instants [s], ascending, shape (n,).
+        displacement: tangential displacement of the body [m], shape (n,).
+        friction: Coulomb's coefficient, zero and infinity included.
+        load: normal force [N], a number or one for each instant.
+        depth: depth [m] in place of a load, likewise; below zero above the surface.
+        tangential: the `Foundation` of G*; it follows from a material.
+        elements: elements over the radius of the contact; by default 200,000 for an elastic contact, 2,000 else.
+        steps: steps between two instants; by default 1 for an elastic contact, 16 else.
 
-    Raises `InputError` for what has no meaning, such as a dashpot that is to follow a sudden depth. An instant at which
-    the contact is wider than the body or the grid is NaN, with `converged=False`. Differentiable in moduli, times,
-    shape, friction, load, depth and displacement. Source: Cattaneo 1938; Mindlin 1949; Popov & Hess 2015, ch. 5.
+    Returns:
+        An `em.Shear` with one value for each instant. `error` is that of the force: the difference to half the steps,
+        or between two rules of summation where all is elastic, and a bound on what a sum over even elements misses. An
+        instant at which the contact is wider than the body or the grid is NaN with `converged=False`.
+
+    Raises:
+        InputError: for what has no meaning, such as a dashpot that is to follow a sudden depth.
+
+    Exact for elastic bodies on straight paths in (depth, displacement); otherwise of second order in the steps. Where
+    load and displacement of an elastic contact change at once, `work` and `slip_loss` are of second order in the time
+    between two instants; the force is exact. Normal and tangential loading do not influence each other otherwise, which
+    is exact for equal bodies, or for an incompressible one on a rigid one. Differentiable in moduli, times, shape,
+    friction, load, depth and displacement.
+
+    Source: Cattaneo 1938; Mindlin 1949; Popov & Hess 2015, ch. 5.
     """
     normal, tangential = _laws(material, tangential)
     if not isinstance(shape, AbstractShape):
@@ -143,7 +165,7 @@ def shear(
     ]
     inputs.append(("elements and steps", f"{elements} on a half line, {steps} between two instants"))
     measured = shared(normal.range, tangential.range)
-    moved = is_traced(displacement) or bool(displacement[0] != 0)  # else nobody asks for the first instant
+    moved = is_traced(displacement) or bool(displacement[0] != 0)  # else nothing happens at the first instant
     beyond = history_beyond(measured, time, value, None, 1.0, slid=displacement, at_once=moved, stacklevel=3)
     return Shear(
         time=time,

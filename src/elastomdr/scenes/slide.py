@@ -1,8 +1,10 @@
 """Transient sliding of one body: from rest, with jumps of velocity and load."""
 
+from __future__ import annotations
+
 import math
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
@@ -15,7 +17,8 @@ from ..mapping.lines import AbstractLines, SingleLine
 from ..mapping.rough_line import RoughLine
 from ..mapping.shapes import Cylinder
 from ..material.relaxation import Relaxation
-from ..results.slide import Slide
+from ..results.history import Slide
+from ..results.words import describe
 from ..solve.over_line import indenter, rough
 from ..solve.refine import Levels, finest, refine
 from ..solve.sizes import contact_sizes, shared_level
@@ -23,53 +26,72 @@ from ..solve.slide import Forces, march, padded
 from ..solve.timeline import cut, timeline
 from .ages import sliding_beyond
 from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
-from .steady import BARE, LAYER, contact, describe
+from .several import over_materials
+from .steady import BARE, LAYER, contact
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials, Number
 
 _ACROSS = 40  # elements over the contact on the coarsest level
 _ROOM = 5e6  # elements times steps times branches marched sooner than another program is compiled
 
 
+@over_materials
 @in_float64
 def slide(
-    material: Any,
-    shape: Any,
+    material: Materials,
+    shape: Indenter | RoughLine,
     *,
-    time: Any,
-    position: Any,
-    load: Any = None,
-    depth: Any = None,
-    temperature: Any = None,
+    time: ArrayLike,
+    position: ArrayLike,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    temperature: Number | None = None,
     rtol: float = 1e-3,
     elements: int | None = None,
 ) -> Slide:
     """Sliding of a body over rubber at rest, through any history of position and load, or of position and depth.
 
     The history is linear between the instants. At the first one the body is put down, at once, with the load or depth
-    given there, on rubber that was never touched; where two instants are equal, load or depth jump.
+    given there, on rubber that was never touched. Where two instants are equal, load or depth jump.
 
-    - `time` [s], ascending, equal neighbours allowed; `position` [m] of the body at these instants.
-    - `shape`: an indenter, or an `em.RoughLine`, whose load and forces are means per length of line [N/m].
-    - `load` [N, or N/m], or `depth` [m]: a number, or one for each instant. `temperature` [K] is one number.
-    - `rtol`, 1e-1 to 1e-6: the error of mu to be met, relative to the largest mu of the history (or to 0.03 of the
-      slope of the body, if that is more: at rest mu is zero but for the grid).
-    - `elements` of the coarser of two levels: taken under `jax.jit`, `grad` and `vmap`, where the size of the contact
-      is not known beforehand (`time` must be plain numbers there).
+    Args:
+        material: a material (then a half-space of it), or a `Foundation` (two bodies, a layer).
+        shape: an indenter, or an `em.RoughLine`, whose load and forces are means per length of line [N/m].
+        time: instants [s], ascending, equal neighbours allowed, shape (n,).
+        position: place of the body at these instants [m], shape (n,).
+        load: normal force [N, or N/m], a number or one for each instant.
+        depth: indentation depth [m], in place of a load, likewise.
+        temperature: one temperature [K], for a material with a shift law.
+        rtol: error of mu to be met, relative to the largest mu of the history (or to 0.03 of the slope of the body, if
+            that is more), 1e-1 to 1e-6.
+        elements: number of elements of the coarser of two levels, needed under `jax.jit`, `grad` and `vmap`, where the
+            size of the contact is not known beforehand (`time` must be plain numbers there).
 
-    Only the elements that the body can touch are marched. This is the bare line of the textbook: a direction average is
-    defined for steady motion only. Converges to `em.friction(..., average=None)`. Raises `InputError`; points that do
-    not converge are NaN and counted in one `ConvergenceWarning`. Source: Popov & Hess 2015, ch. 7; `docs/theory.md`.
+    Returns:
+        An `em.Slide` with one value for each instant. Points that do not converge are NaN with `converged=False`; one
+        `ConvergenceWarning` counts them.
+
+    Raises:
+        InputError: for instants that descend, arguments whose lengths do not match, and neither or both of load and
+            depth.
+
+    Exact for the bare line of the textbook, to which a direction average does not apply: it is defined for steady
+    motion only. Long slides end in `em.friction(..., model=em.Line())`.
+
+    Source: Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
     per_length = isinstance(shape, RoughLine)
     foundation = as_foundation(material)
     if per_length and foundation.per_area:
         raise InputError("material must be a half-space under a RoughLine, got a layer: give the material itself.")
     lines = None if per_length else contact(foundation, shape)[0]
+    body: Any = shape if lines is None else lines
     history = given_history(foundation, time, position, load, depth, temperature, rtol, elements, per_length)
-    found, plan = _rough(shape, history) if lines is None else _indenter(lines, history)
+    found, plan = _rough(body, history) if lines is None else _indenter(lines, history)
     model = LINE if per_length else LAYER if foundation.per_area or isinstance(shape, Cylinder) else BARE
     what = describe_line(shape) if per_length else describe(shape)
     inputs = [("material", foundation.name or "given directly"), ("shape", what), *history.inputs]
-    body: Any = shape if lines is None else lines
     beyond = sliding_beyond(history, body, found.forces.depth, history.value, stacklevel=3)
     return _pack(history, found, plan, model, (*inputs, *beyond.said), per_length, beyond.points)
 
@@ -140,7 +162,7 @@ def _within(
         count = 32 * math.ceil(float(length) / spacing / 32)
         line = timeline(history.time, history.position, history.value, spacing, history.shortest, 0)
     size, outside = [0, 0], [False]
-    largest = lines.shape.largest_contact
+    largest: Any = lines.shape.largest_contact
     deepest = np.inf
     if is_traced(largest) or not np.isinf(largest):
         deepest = jnp.where(jnp.isinf(largest), jnp.inf, lines.depth(largest * (1 - 1e-12)))

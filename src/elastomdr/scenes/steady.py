@@ -1,32 +1,36 @@
 """What friction and rolling share: from a user's arguments to a plan and its result."""
 
+from __future__ import annotations
+
 import dataclasses
 import warnings
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
 
-from .._runtime import Array, as_float64, is_traced, nan_unless, positive, require
+from .._runtime import Array, is_traced, nan_unless, require
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.direction import BARE_LINE
 from ..mapping.lines import AbstractLines, SingleLine, Strips
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch, PowerLaw
 from ..material.relaxation import Relaxation
+from ..models import Averaged, HalfSpace
 from ..results.curve import Contact
+from ..results.words import brief, describe
 from ..solve.passage import Control
 from ..solve.plan import Plan, make_plan
 from ..solve.sweep import run
 from .beyond import steady_beyond
+from .choice import of_smooth
+from .points import check_rtol, steady_points
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
 CORRECTED = "MDR line averaged over directions, corrected for an asymmetric contact (estimate for the half-space)"
 BARE = "bare MDR line (textbook; overstates the losses of a half-space by up to a factor of 2)"
-_FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
-_UNITS = {"radius": " m", "length": " m"}
 LAYER = "thin layer of independent elements (exact for the layer; no direction average needed)"
 
 
@@ -64,85 +68,62 @@ class Steady(NamedTuple):
 
 def set_up(
     quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
-    average: str | None, rtol: float, skip: bool,
+    model: Any, rtol: float, skip: bool,
 ) -> Scene:  # fmt: skip
     """Checks the arguments and plans the scene. Raises `InputError` for whatever has no meaning."""
     lines, foundation = contact(material, shape)
-    if pressure is not None:
-        raise InputError(
-            f"pressure belongs to a rough surface; a {shape.label} takes load or depth, got pressure={pressure}."
-        )
+    no_pressure(shape, pressure)
     if (load is None) == (depth is None):
         given = "neither" if load is None else f"load={load} and depth={depth}"
         raise InputError(f"load or depth must be given, and only one of them, got {given}.")
-    if average not in ("direction", "corrected", None):
-        raise InputError(f"average must be 'direction', 'corrected' or None (the bare line), got {average!r}.")
-    if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
-        rtol = rtol.item()
-    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-1:
-        raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
+    chosen = of_smooth(model, quantity, shape.label)
+    if isinstance(chosen, HalfSpace):
+        raise InputError(f"model must be em.Averaged() or em.Line() on the line of a {shape.label}, got {chosen!r}.")
+    check_rtol(rtol)
     control: Control = "load" if depth is None else "depth"
-    velocity, value = as_float64("velocity", velocity), as_float64(control, load if depth is None else depth)
-    positive("velocity", velocity)
-    positive(control, value)
-    law, kelvin = foundation.law(), None
-    arrays = [velocity, value]
-    if temperature is not None:
-        kelvin = as_float64("temperature", temperature)
-        if foundation.shift is None:
-            raise InputError(
-                f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift "
-                "law; give the material one with shift=em.WLF(...), or leave the temperature out."
-            )
-        arrays.append(kelvin)
-    try:
-        result_shape = np.broadcast_shapes(*(np.shape(a) for a in arrays))
-    except ValueError as error:
-        shapes = ", ".join(str(np.shape(a)) for a in arrays)
-        raise InputError(f"velocity, {control} and temperature must broadcast, got shapes {shapes}.") from error
-    factor = foundation.shift.a(kelvin) if kelvin is not None and foundation.shift is not None else 1.0
-    traced = is_traced(law, lines, velocity, value, factor)
-    numpy = jnp if traced else np
-
-    def flat(array: Any) -> Any:
-        return numpy.broadcast_to(array, result_shape).reshape(-1)
-
-    if not traced:
+    law, given = foundation.law(), {control: load if depth is None else depth}
+    points = steady_points(foundation, lines, velocity=velocity, temperature=temperature, **given)
+    kelvin, value, reduced = points.kelvin, points.full(points.value).reshape(-1), points.reduced.reshape(-1)
+    if not points.traced:
         _check_size(lines, control, value)
-        if 0 in result_shape:
-            raise InputError(f"velocity, {control} and temperature must not be empty, got shape {result_shape}.")
-        if kelvin is not None:
-            check_shift(kelvin, velocity, factor)
-    reduced = flat(velocity * factor)
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
-    model = LAYER if layer else {"direction": AVERAGED, "corrected": CORRECTED, None: BARE}[average]
+    averaged = isinstance(chosen, Averaged) and not layer
+    corrected = averaged and isinstance(chosen, Averaged) and chosen.corrected
+    words = LAYER if layer else (CORRECTED if corrected else AVERAGED) if averaged else BARE
     name = f"{describe(shape)} on {foundation.name or ('a layer' if layer else 'a half-space')}"
     plan = make_plan(
-        quantity, name, model, law, lines, control, None if traced else flat(value), None if traced else reduced,
-        int(np.prod(result_shape)), 1 if kelvin is None else int(np.size(kelvin)),
-        average is not None and not layer, float(rtol), skip,
+        quantity, name, words, law, lines, control, None if points.traced else value,
+        None if points.traced else reduced, int(np.prod(points.shape)), 1 if kelvin is None else int(np.size(kelvin)),
+        averaged, float(rtol), skip,
     )  # fmt: skip
-    plan = dataclasses.replace(plan, range=foundation.range, corrected=average == "corrected")
+    plan = dataclasses.replace(plan, range=foundation.range, corrected=corrected)
     inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
-    inputs.append((control, brief(value, "N" if control == "load" else "m")))
-    inputs.append(("velocity", brief(velocity, "m/s")))
+    inputs.append((control, brief(points.value, "N" if control == "load" else "m")))
+    inputs.append(("velocity", brief(points.velocity, "m/s")))
     if kelvin is not None:
         inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
-    broadcast = None if kelvin is None else numpy.broadcast_to(kelvin, result_shape)
     return Scene(
         foundation,
         law,
         lines,
         control,
-        flat(value),
-        flat(velocity),
+        value,
+        points.full(points.velocity).reshape(-1),
         reduced,
-        broadcast,
-        result_shape,
+        points.full(kelvin),
+        points.shape,
         plan,
         tuple(inputs),
     )
+
+
+def no_pressure(shape: AbstractShape, pressure: Any) -> None:
+    """Refuses a pressure on a smooth body. Raises `InputError`."""
+    if pressure is not None:
+        raise InputError(
+            f"pressure belongs to a rough surface; a {shape.label} takes load or depth, got pressure={pressure}."
+        )
 
 
 def solve(scene: Scene) -> Steady:
@@ -195,7 +176,7 @@ def _sunk(scene: Scene) -> str:
     if scene.plan.averaged and float(np.asarray(scene.law.equilibrium)) == 0:
         text += (
             " in the slow directions of the average, since a liquid (equilibrium modulus 0) carries nothing at rest: "
-            "give em.Paraboloid, or average=None"
+            "give em.Paraboloid, or model=em.Line()"
         )
     return f"{text}."
 
@@ -219,7 +200,7 @@ def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
             raise InputError(
-                "material must be a layer under a Cylinder, got a half-space: use em.layer(material, thickness, ...). "
+                "material must be a layer under a Cylinder, got a half-space: use em.springs(material, thickness). "
                 "A cylinder on a half-space is no MDR problem."
             )
         return SingleLine(shape), foundation
@@ -231,41 +212,10 @@ def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
 def _check_size(lines: AbstractLines, control: Control, value: Any) -> None:
     largest = float(np.asarray(lines.shape.largest_contact))
     if control == "depth" and np.isfinite(largest):
-        with jax.enable_x64(True):
-            deepest = float(lines.depth(jnp.asarray(largest * (1 - 1e-12))))
+        deepest = float(lines.depth(np.array(largest * (1 - 1e-12))))
         require(
             "depth",
             value,
             f"below {deepest:.4g} m, where the contact reaches the end of the profile",
             lambda d: d < deepest,
         )
-
-
-def check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
-    with np.errstate(over="ignore", invalid="ignore"):
-        kelvin, reduced = np.broadcast_arrays(kelvin, velocity * np.asarray(factor))
-        bad = ~((reduced > 1 / _FASTEST) & (reduced < _FASTEST))
-    if bad.any():
-        raise InputError(
-            f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} and {_FASTEST:g} m/s, got "
-            f"{float(kelvin[bad].flat[0]):g} K with v a_T = {float(reduced[bad].flat[0]):.3g} m/s: too far from where "
-            "the shift law was measured."
-        )
-
-
-def describe(shape: AbstractShape) -> str:
-    numbers = [
-        f"{name} {float(np.asarray(x)):.6g}{_UNITS.get(name, '')}"
-        for name, x in vars(shape).items()
-        if not isinstance(x, bool) and not is_traced(x) and np.ndim(x) == 0
-    ]
-    return ", ".join([shape.label, *numbers])
-
-
-def brief(array: Any, unit: str) -> str:
-    if is_traced(array):
-        return "traced"
-    array = np.asarray(array)
-    if array.size and array.min() == array.max():
-        return f"{float(array.flat[0]):.6g} {unit}"
-    return f"{array.min():.4g} to {array.max():.4g} {unit} ({array.size} values)"

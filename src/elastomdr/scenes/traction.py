@@ -1,24 +1,31 @@
-"""Steady rolling with creep: traction, stick and slip, and the rolling loss beside it."""
+"""Steady rolling with creepage: traction, stick and slip, and the rolling loss beside it."""
+
+from __future__ import annotations
 
 import dataclasses
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, known, nan_unless, positive, require
+from .._runtime import Array, as_float64, in_float64, is_traced, known, nan_unless, positive, require
+from .._trees import replaced
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation, same_shift
 from ..mapping.lines import SingleLine
 from ..mapping.shapes import AbstractShape, Cylinder
-from ..material.validity import shared, with_range
+from ..material.validity import shared
 from ..results.friction_law import FrictionLaw
 from ..results.traction import Traction
+from ..results.words import brief, describe
 from ..solve.brush import Rolling, carter, tractions
+from .several import over_materials
 from .shear import _laws
-from .steady import Contact, brief, describe, set_up, solve
+from .steady import Contact, set_up, solve
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials, ModelLike
 
 _ROUNDING = 1e-14  # error of the traction over (1 + mu) F_N that no computation is without
 _STEPS = (1024, 8192, 65536)  # of the march, where elements stick again after they have slipped
@@ -26,65 +33,81 @@ BRUSH = "MDR line of elements with Coulomb friction (brush); rolling loss: "
 CARTER = "Carter's elastic half-plane (exact for equal bodies, or an incompressible one on a rigid one)"
 
 
+@over_materials
 @in_float64
 def traction(
-    material: Any,
-    shape: Any,
+    material: Materials,
+    shape: Indenter,
     *,
-    velocity: Any,
-    creep: Any = None,
-    slip: Any = None,
-    friction: Any,
-    load: Any = None,
-    depth: Any = None,
-    temperature: Any = None,
-    tangential: Any = None,
-    average: str | None = "direction",
+    velocity: ArrayLike,
+    creepage: ArrayLike | None = None,
+    slip: ArrayLike | None = None,
+    friction: ArrayLike | FrictionLaw,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    tangential: Foundation | None = None,
+    model: ModelLike | None = None,
     rtol: float = 1e-6,
 ) -> Traction:
-    """Tractive force of a body that rolls with a creep, or brakes with a slip, and its rolling loss.
+    """Tractive force of a body that rolls with a creepage, or brakes with a slip, and its rolling loss.
 
-    `creep` is the velocity of slip of the rigid body over the rolling velocity, its sign that of the traction. In its
-    place `slip`, below 1, is that velocity over the speed of the road under the wheel, as tyre engineers count it:
-    then `velocity` is the road's, V, and a wheel that brakes with the slip s rolls at (1 - s) V with the creep
+    Arguments broadcast. A wheel that brakes with the slip s on a road at V rolls at (1 - s) V with the creepage
     s/(1 - s), so that it slides at s V; one that drives has a negative slip.
 
-    `friction` is Coulomb's coefficient, zero and infinity included, or an `em.FrictionLaw`: then it is that at the
-    sliding velocity of the body, |creep| v, at `temperature`, and at the mean pressure of the contact (for a cylinder
-    F_N over length and width of the contact, else over the circle as wide as the contact is long). That leaves out how
-    the shear of the elements changes along the contact, with which those that slip are slower than the body near the
-    leading edge and faster near the trailing one. `velocity`, `creep` or `slip`, `friction`, `load` (or `depth`) and
-    `temperature` broadcast. Traction is that of the MDR line (a half-space's elements also know of each other
-    sideways: its initial slope is lower, by 10 % for an elastic sphere with nu = 0.25, Kalker 1967); the rolling
-    loss is that of `em.rolling` with the same `average`. A cylinder on an elastic half-space is Carter's problem,
-    solved in closed form. The tangential law G* follows from a material; with a `Foundation` give it as `tangential`,
-    whose shift law serves where `material` is elastic and has none, as under a tyre: its structure carries the load,
-    its tread is sheared.
+    Args:
+        material: a material (then a half-space of it), or a `Foundation` of E* (then give `tangential`).
+        shape: the body that rolls, such as `em.Paraboloid` or `em.Cylinder`.
+        velocity: rolling velocity [m/s]; with `slip` that of the road.
+        creepage: velocity of slip of the rigid body over the rolling velocity [-]; its sign is the traction's.
+        slip: in place of a creepage, velocity of slip over that of the road [-], below 1.
+        friction: Coulomb's coefficient, zero and infinity included; or an `em.FrictionLaw`, taken at the sliding
+            velocity of the body, |creepage| v, at `temperature`, and at the mean pressure of the contact.
+        load: normal force [N].
+        depth: depth [m] in place of a load.
+        temperature: temperature [K], for a material with a shift law or a friction law.
+        tangential: the `Foundation` of G*; it follows from a material. Its shift law serves where `material` is elastic
+            and has none, as under a tyre: the structure carries the load, and the tread is sheared.
+        model: model of the rolling loss, as for `em.rolling`.
+        rtol: relative error to be met, 1e-3 to 1e-10.
 
-    Raises `InputError` for bodies that do not roll and for what `em.rolling` refuses. A point that failed is NaN with
-    `converged=False`. Source: Popov & Hess 2015, ch. 5; Carter 1926.
+    Returns:
+        An `em.Traction`. A point that failed is NaN with `converged=False`.
+
+    Raises:
+        InputError: for bodies that do not roll, for neither or both of creepage and slip, and for what `em.rolling`
+            refuses.
+
+    Exact for a row of springs (brush) and for a cylinder on an elastic half-space (Carter). On a half-space traction is
+    that of the MDR line, whose initial slope is higher, by 10 % for an elastic sphere with nu = 0.25 (Kalker 1967). A
+    friction law taken at one sliding velocity leaves out that elements near the leading edge slide more slowly than the
+    body, and those near the trailing edge faster.
+
+    Source: Popov & Hess 2015, ch. 5; Carter 1926.
     """
     if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
         raise InputError(f"shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a {shape.label}.")
     law = friction if isinstance(friction, FrictionLaw) else None
-    velocity, creep, slip, road = _kinematics(velocity, creep, slip)
+    velocity, creepage, slip, road = _kinematics(velocity, creepage, slip)
     friction = 0.0 if law is not None else as_float64("friction", friction)
     require("friction", friction, "zero or positive, infinity included", lambda x: x >= 0)
     foundation = as_foundation(material)
-    shapes = [np.shape(x) for x in (velocity, creep, friction)]
+    shapes = [np.shape(x) for x in (velocity, creepage, friction)]
     try:
         together = np.broadcast_shapes(*shapes)
     except ValueError as error:
-        raise InputError(f"velocity, creep and friction must broadcast, got shapes {shapes}.") from error
-    xp = jnp if is_traced(velocity, creep, friction) else np
+        raise InputError(f"velocity, creepage and friction must broadcast, got shapes {shapes}.") from error
+    xp: Any = jnp if is_traced(velocity, creepage, friction) else np
     velocity = xp.broadcast_to(velocity, together)
     if isinstance(shape, Cylinder) and foundation.per_area is False:
-        found = _carter(foundation, shape, velocity, creep, friction if law is None else law, load, depth, temperature)
+        found = _carter(
+            foundation, shape, velocity, creepage, friction if law is None else law, load, depth, temperature
+        )
         return _braked(found, slip, road)
     normal, sheared = _laws(material, tangential)
     if temperature is not None:
         normal = _shifted(normal, sheared)
-    normal = with_range(normal, shared(normal.range, sheared.range))
+    normal = replaced(normal, range=shared(normal.range, sheared.range))
     if normal.per_area and not isinstance(shape, Cylinder):
         raise InputError(
             "material must be a half-space under a body of revolution, or a layer under a Cylinder, got a layer under "
@@ -92,26 +115,26 @@ def traction(
         )
     scene = set_up(
         "rolling", normal, shape, velocity=velocity, load=load, depth=depth, pressure=None, temperature=temperature,
-        average=average, rtol=rtol, skip=True,
+        model=model, rtol=rtol, skip=True,
     )  # fmt: skip
     assert isinstance(scene.lines, SingleLine)
     found = solve(scene)
     rules = scene.plan.rules
     if law is not None:
         friction = _at_contact(
-            law, shape, creep, found.velocity, scene.temperature, found.normal_force, found.contact, found.converged
+            law, shape, creepage, found.velocity, scene.temperature, found.normal_force, found.contact, found.converged
         )
-    xp = jnp if is_traced(found.mu, creep, friction, sheared) else np
+    xp = jnp if is_traced(found.mu, creepage, friction, sheared) else np
 
     def flat(field: Any) -> Any:
         return xp.broadcast_to(field, scene.shape).reshape(-1)
 
     rolling = Rolling(
         scene.law, sheared.law(), scene.lines, scene.reduced, flat(found.contact.leading),
-        flat(found.contact.trailing), flat(friction), abs(flat(creep)),
+        flat(found.contact.trailing), flat(friction), abs(flat(creepage)),
     )  # fmt: skip
     rule = rules[0] if scene.plan.traced else rules[-1]
-    # Without creep nothing pulls, and no error is small against that.
+    # Without creepage nothing pulls, and no error is small against that.
     rounding = _ROUNDING * flat(found.normal_force) * (1 + xp.where(xp.isfinite(rolling.friction), rolling.friction, 0))
     # Where errors cannot be looked at, the number of steps that is nearly always enough.
     pulled = known(tractions(rolling, rule, _STEPS[1] if is_traced(rolling) else _STEPS[0]))
@@ -127,18 +150,18 @@ def traction(
         warnings.warn(
             f"{lost} of {good.size} tractions did not converge; they are NaN.", ConvergenceWarning, stacklevel=3
         )
-    force = nan_unless(good, xp.sign(creep) * pulled.force)
+    force = nan_unless(good, xp.sign(creepage) * pulled.force)
     inputs = list(found.inputs)
     place = [name for name, _ in inputs].index("relative tolerance")
-    inputs[place:place] = _said(creep, friction, law)
+    inputs[place:place] = _said(creepage, friction, law)
     answer = Traction(
         velocity=found.velocity,
-        creep=xp.broadcast_to(creep, scene.shape),
+        creepage=xp.broadcast_to(creepage, scene.shape),
         friction=xp.broadcast_to(friction, scene.shape),
         coefficient=force / found.normal_force,
         force=force,
         stick=nan_unless(good, pulled.stick),
-        slip_power=abs(force * creep) * found.velocity,
+        slip_power=abs(force * creepage) * found.velocity,
         rolling=found.mu,
         normal_force=found.normal_force,
         depth=found.depth,
@@ -154,16 +177,16 @@ def traction(
     return _braked(answer, slip, road)
 
 
-def _kinematics(velocity: Any, creep: Any, slip: Any) -> tuple[Any, Any, Any, Any]:
-    """Rolling velocity and creep, and where a slip was given that slip and the velocity of the road, else None."""
-    if (creep is None) == (slip is None):
-        got = "neither" if creep is None else "both"
-        raise InputError(f"creep or slip must be given, and only one of them, got {got}.")
+def _kinematics(velocity: Any, creepage: Any, slip: Any) -> tuple[Array, Array, Array | None, Array | None]:
+    """Rolling velocity and creepage, and where a slip was given that slip and the velocity of the road, else None."""
+    if (creepage is None) == (slip is None):
+        got = "neither" if creepage is None else "both"
+        raise InputError(f"creepage or slip must be given, and only one of them, got {got}.")
     velocity = as_float64("velocity", velocity)
     if slip is None:
-        creep = as_float64("creep", creep)
-        require("creep", creep, "finite", np.isfinite)
-        return velocity, creep, None, None
+        creepage = as_float64("creepage", creepage)
+        require("creepage", creepage, "finite", np.isfinite)
+        return velocity, creepage, None, None
     slip = as_float64("slip", slip)
     accepted = "finite and below 1, a part of the road's velocity (a locked wheel slides: em.friction)"
     require("slip", slip, accepted, lambda s: np.isfinite(s) & (s < 1))
@@ -181,21 +204,21 @@ def _braked(found: Traction, slip: Any, road: Any) -> Traction:
     """The answer with the slip that was asked for, if one was."""
     if slip is None:
         return found
-    said = [pair for pair in found.inputs if pair[0] != "creep"]
-    place = next(i for i, pair in enumerate(said) if pair[0] == "velocity")
-    told = f"{brief(slip, '').strip()}; of the velocity V of the road, (V - v)/V, with v that of rolling"
-    said[place : place + 1] = [("velocity of the road", brief(road, "m/s")), ("slip", told)]
+    rows = [pair for pair in found.inputs if pair[0] != "creepage"]
+    place = next(i for i, pair in enumerate(rows) if pair[0] == "velocity")
+    counted = f"{brief(slip, '').strip()}; of the velocity V of the road, (V - v)/V, with v that of rolling"
+    rows[place : place + 1] = [("velocity of the road", brief(road, "m/s")), ("slip", counted)]
     xp = jnp if is_traced(slip, road) else np
     shape = np.shape(found.force)
     slip, road = xp.broadcast_to(slip, shape), xp.broadcast_to(road, shape)
-    return dataclasses.replace(found, slip=slip, road=road, inputs=tuple(said))
+    return dataclasses.replace(found, slip=slip, road=road, inputs=tuple(rows))
 
 
-def _said(creep: Any, friction: Any, law: FrictionLaw | None) -> list[tuple[str, str]]:
-    said = brief(friction, "").strip()
+def _said(creepage: Any, friction: Any, law: FrictionLaw | None) -> list[tuple[str, str]]:
+    words = brief(friction, "").strip()
     if law is not None:
-        said = f"{said}, of a friction law at the body's sliding velocity ({', '.join(law.axes())})"
-    return [("creep", brief(creep, "").strip()), ("friction coefficient", said)]
+        words = f"{words}, of a friction law at the body's sliding velocity ({', '.join(law.axes())})"
+    return [("creepage", brief(creepage, "").strip()), ("friction coefficient", words)]
 
 
 def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
@@ -206,7 +229,7 @@ def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
     law = normal.law()
     elastic = not law.moduli.size and not is_traced(law.viscosity) and float(law.viscosity) == 0
     if elastic and sheared.shift is not None:
-        return eqx.tree_at(lambda f: f.shift, normal, sheared.shift, is_leaf=lambda x: x is None)
+        return replaced(normal, shift=sheared.shift)
     if sheared.shift is not None and not same_shift(normal.shift, sheared.shift):
         raise InputError(
             f"tangential must have the same shift law as material, got {sheared.shift} and {normal.shift}; bring both "
@@ -216,9 +239,9 @@ def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
 
 
 def _at_contact(
-    law: FrictionLaw, shape: Any, creep: Any, velocity: Any, kelvin: Any, force: Any, contact: Contact, good: Any
+    law: FrictionLaw, shape: Any, creepage: Any, velocity: Any, kelvin: Any, force: Any, contact: Contact, good: Any
 ) -> Any:
-    """The law's mu at each contact; without creep at its lowest velocity, which decides nothing there."""
+    """The law's mu at each contact; without creepage at its lowest velocity, which decides nothing there."""
     axes, given = law.axes(), {}
     if "temperature" in axes:
         if kelvin is None:
@@ -228,12 +251,19 @@ def _at_contact(
         length = contact.leading + contact.trailing
         area = length * shape.length if isinstance(shape, Cylinder) else jnp.pi * (0.5 * length) ** 2
         given["pressure"] = jnp.where(good, force / area, law.pressure[0])
-    slip = jnp.prod(jnp.stack(jnp.broadcast_arrays(jnp.abs(creep), velocity)), axis=0)
+    slip = jnp.prod(jnp.stack(jnp.broadcast_arrays(jnp.abs(creepage), velocity)), axis=0)
     return law(jnp.where(slip > 0, slip, law.velocity[0]), **given)
 
 
 def _carter(
-    foundation: Any, shape: Cylinder, velocity: Any, creep: Any, friction: Any, load: Any, depth: Any, temperature: Any
+    foundation: Any,
+    shape: Cylinder,
+    velocity: Any,
+    creepage: Any,
+    friction: Any,
+    load: Any,
+    depth: Any,
+    temperature: Any,
 ) -> Traction:
     law = foundation.law()
     mu_law: FrictionLaw | None = friction if isinstance(friction, FrictionLaw) else None
@@ -243,7 +273,7 @@ def _carter(
         )
     if law.moduli.size or (not is_traced(law) and law.viscosity > 0):
         raise InputError(
-            "material must be elastic for a cylinder on a half-space (Carter's problem), or a layer (em.layer): a "
+            "material must be elastic for a cylinder on a half-space (Carter's problem), or a layer (em.springs): a "
             "viscoelastic half-plane is no MDR problem."
         )
     load = as_float64("load", load)
@@ -252,21 +282,21 @@ def _carter(
         raise InputError("temperature must be left out for an elastic half-plane, on which it has no effect.")
     if mu_law is not None:
         half = carter(law.equilibrium, shape.radius, load / shape.length, 1.0, 0.0)[2]
-        friction = _at_contact(mu_law, shape, creep, velocity, temperature, load, Contact(half, half), True)
+        friction = _at_contact(mu_law, shape, creepage, velocity, temperature, load, Contact(half, half), True)
     if not is_traced(friction) and np.isinf(np.asarray(friction)).any():
         raise InputError(
             "friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges."
         )
-    arrays = velocity, creep, friction, load
-    velocity, creep, friction, load = jnp.broadcast_arrays(*(jnp.asarray(x) for x in arrays))
-    ratio, stick, half = carter(law.equilibrium, shape.radius, load / shape.length, friction, abs(creep))
+    arrays = velocity, creepage, friction, load
+    velocity, creepage, friction, load = jnp.broadcast_arrays(*(jnp.asarray(x) for x in arrays))
+    ratio, stick, half = carter(law.equilibrium, shape.radius, load / shape.length, friction, abs(creepage))
     zero = jnp.zeros_like(ratio)
-    force = jnp.sign(creep) * ratio * load
+    force = jnp.sign(creepage) * ratio * load
     inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
-    inputs += [("load", brief(load, "N")), ("velocity", brief(velocity, "m/s")), *_said(creep, friction, mu_law)]
+    inputs += [("load", brief(load, "N")), ("velocity", brief(velocity, "m/s")), *_said(creepage, friction, mu_law)]
     return Traction(
-        velocity=velocity, creep=creep, friction=friction, coefficient=force / load, force=force, stick=stick,
-        slip_power=abs(force * creep) * velocity, rolling=zero, normal_force=load, depth=zero + jnp.nan,
+        velocity=velocity, creepage=creepage, friction=friction, coefficient=force / load, force=force, stick=stick,
+        slip_power=abs(force * creepage) * velocity, rolling=zero, normal_force=load, depth=zero + jnp.nan,
         contact=Contact(half, half), error=zero, converged=jnp.ones(ratio.shape, bool), temperature=None,
         model=CARTER, plan="closed form", inputs=tuple(inputs),
     )  # fmt: skip

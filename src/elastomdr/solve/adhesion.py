@@ -18,8 +18,8 @@ import jax
 import jax.numpy as jnp
 
 from .._runtime import Array
+from ..foundation.decay import phi1, phi2
 from ..foundation.modes import Modes
-from ..foundation.step import phi1, phi2
 from ..mapping.disc import Disc
 from ..mapping.shapes import FlatPunch
 from ..material.relaxation import Relaxation

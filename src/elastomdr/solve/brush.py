@@ -1,7 +1,7 @@
-"""Steady tractive rolling: elements that enter at the leading edge, are sheared by the creep, and slip where they must.
+"""Steady tractive rolling: elements enter at the leading edge, are sheared by the creepage and slip where they must.
 
 In the frame of the contact an element that has come a distance r from the leading edge and has not slipped is sheared
-by xi r, xi the creep, so that it carries the traction of a ramp,
+by xi r, xi the creepage, so that it carries the traction of a ramp,
 
     tau_stick(r) = xi [G_inf r + sum_k G_k s_k (1 - exp(-r/s_k)) + eta v],    s_k = v tau_k,
 
@@ -11,11 +11,11 @@ in units of force per length, as the normal q. It slips from the distance c on a
 
 with q and Q exact from `solve.integrals`. An elastic paraboloid has F_x/(mu F_N) = 1 - (1 - zeta)^3, zeta = xi R
 G*/(2 a mu E*) (Popov & Hess 2015, ch. 5; the brush of tyre mechanics). An element that has slipped stays slipping as
-long as its own recovery is slower than the creep. Whether it is, is looked at step by step; where one sticks again (a
+long as its own recovery is slower than the creepage, which is checked step by step; where one sticks again (a
 dashpot, or tangential relaxation faster than the normal one), the force is that of the march, second order in its
-step, less where slip begins and ends within one: its error is the change on halving the step.
+step, of first order where a dashpot slips or slip begins within one: its error is the change on halving the step.
 
-A tangential dashpot asks for xi eta v at once, and elements slip over a distance c_0 behind the leading edge where mu q
+A tangential dashpot needs xi eta v at once, and elements slip over a distance c_0 behind the leading edge where mu q
 is less. Where that ends within the first steps of the march, of length h, it is not resolved: the elements lag by at
 most xi h, so that the traction is off by at most h [tau_stick(l) - xi eta v] + h tau_stick(h), l the length of the
 contact. That counts as error.
@@ -30,10 +30,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array
-from ..foundation.ramp import ramp_weights
+from ..foundation.decay import ramp_weights
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
-from .integrals import Passage, exit_density, normal_force
+from .integrals import part_of_contact
+from .memory import Passage
 from .rule import Rule
 
 _HALVINGS = 45
@@ -50,7 +51,7 @@ class Rolling(NamedTuple):
     leading: Float[Array, " points"]  # a [m]
     trailing: Float[Array, " points"]  # b [m]
     friction: Float[Array, " points"]
-    creep: Float[Array, " points"]  # xi, without its sign
+    creepage: Float[Array, " points"]  # xi, without its sign
 
 
 class Tractions(NamedTuple):
@@ -70,13 +71,10 @@ def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
     passage = Passage(r.normal, r.lines, rule, r.velocity)
     fixed = jax.lax.stop_gradient(r)
 
-    def ratio(distance: Array) -> Array:
-        return (distance / r.leading - 1)[None]
-
     def excess(distance: Array, r: Rolling) -> Array:
         passage = Passage(r.normal, r.lines, rule, r.velocity)
-        ratio = (distance / r.leading - 1)[None]
-        return _limit(r.friction, exit_density(passage, r.leading, ratio)[0]) - _ramp(r, distance)[0]
+        density = part_of_contact(passage, r.leading, distance - r.leading)[0]
+        return _limit(r.friction, density) - _ramp(r, distance)[0]
 
     marched, stick, first, again = _march(r, length, steps)
     coarse = _march(fixed, length, steps // 2)[0]
@@ -93,10 +91,10 @@ def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
     low, high = jax.lax.fori_loop(0, _HALVINGS, halve, (low, high))
     distance = 0.5 * (low + high)
     # No derivative of the distance is needed: at its end both tractions are equal.
-    distance = jnp.where(jnp.isinf(r.friction) | (r.creep == 0), length, jnp.where(r.friction == 0, 0.0, distance))
+    distance = jnp.where(jnp.isinf(r.friction) | (r.creepage == 0), length, jnp.where(r.friction == 0, 0.0, distance))
     weight = r.lines.weight(r.leading)[0]
-    every = normal_force(passage, r.leading, ratio(length))[0]
-    before, missed = normal_force(passage, r.leading, ratio(distance))
+    every = part_of_contact(passage, r.leading, r.trailing)[1]
+    _, before, missed = part_of_contact(passage, r.leading, distance - r.leading)
     sliding = jnp.where(distance < length, _limit(r.friction, every - before), 0.0)
     smooth = weight * _ramp(r, distance)[1] + sliding
     rounding = jnp.where(distance < length, _ROUNDING * _limit(r.friction, every), 0.0) + 1e-13 * jnp.abs(smooth)
@@ -116,7 +114,7 @@ def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
 def _early_slip(r: Rolling, length: Array, steps: int) -> Array:
     """Bound on the traction per weight that slip within the first two steps takes."""
     slope = r.lines.slope(r.leading[None], r.leading, jnp.zeros((1, 1), int))[0]
-    dashpot = r.creep * r.tangential.viscosity * r.velocity
+    dashpot = r.creepage * r.tangential.viscosity * r.velocity
     slips = dashpot > _limit(r.friction, r.normal.viscosity * r.velocity * slope)
     h = length * _places(steps)[2]
     return jnp.where(slips, h * (_ramp(r, length)[0] - dashpot + _ramp(r, h)[0]), 0.0)
@@ -136,7 +134,7 @@ def _ramp(r: Rolling, distance: Array) -> tuple[Array, Array]:
     moduli = law.moduli[:, None]
     traction = law.equilibrium * distance + jnp.sum(moduli * (early + late), axis=0) * distance + dashpot
     summed = 0.5 * law.equilibrium * distance**2 + jnp.sum(moduli * late, axis=0) * distance**2 + dashpot * distance
-    return r.creep * traction, r.creep * summed
+    return r.creepage * traction, r.creepage * summed
 
 
 @functools.cache
@@ -173,9 +171,9 @@ def _march(r: Rolling, length: Array, steps: int) -> tuple[Array, Array, Array, 
         free = tangential.equilibrium * shear + jnp.sum(decay * p, axis=0)
         stiffness = tangential.equilibrium + jnp.sum(tangential.moduli[:, None] * mean, axis=0)
         stiffness = stiffness + tangential.viscosity * r.velocity / h
-        trial = free + stiffness * r.creep * h
+        trial = free + stiffness * r.creepage * h
         slips = trial > limit
-        moved = jnp.where(slips, (limit - free) / stiffness, r.creep * h)
+        moved = jnp.where(slips, (limit - free) / stiffness, r.creepage * h)
         new = jnp.where(slips, limit, trial)
         p = decay * p + tangential.moduli[:, None] * mean * moved
         restuck = slipped & ~slips & (trial < limit * (1 - 1e-9)) & (i < steps - 1)
@@ -185,7 +183,7 @@ def _march(r: Rolling, length: Array, steps: int) -> tuple[Array, Array, Array, 
         return (f, p, shear + moved, new, total, stuck, first, again | restuck, slipped | slips), None
 
     place = jnp.asarray(_places(steps))
-    start = r.creep * tangential.viscosity * r.velocity
+    start = r.creepage * tangential.viscosity * r.velocity
     start = jnp.minimum(start, _limit(r.friction, normal.viscosity * r.velocity * slope(zero)))
     no = jnp.zeros(length.shape, bool)
     carry = (rest(normal), rest(tangential), zero, start, zero, zero, jnp.full(length.shape, steps), no, no)
@@ -194,7 +192,7 @@ def _march(r: Rolling, length: Array, steps: int) -> tuple[Array, Array, Array, 
     return total, stuck, first, again
 
 
-def carter(modulus: Any, radius: Any, line_load: Any, friction: Any, creep: Any) -> tuple[Array, Array, Array]:
+def carter(modulus: Any, radius: Any, line_load: Any, friction: Any, creepage: Any) -> tuple[Array, Array, Array]:
     """Carter's cylinder on an elastic half-plane: F_x/F_N, the part of the contact that sticks, and its half-width.
 
     F_x/(mu F_N) = 1 - (1 - xi R/(mu a))^2 up to full slip, a^2 = 4 w R/(pi E*), w the load per length [N/m], for equal
@@ -203,6 +201,6 @@ def carter(modulus: Any, radius: Any, line_load: Any, friction: Any, creep: Any)
     Johnson 1985, ch. 8.
     """
     half = jnp.sqrt(4 * line_load * radius / (jnp.pi * modulus))
-    part = jnp.clip(creep * radius / jnp.where(friction > 0, friction * half, 1.0), 0.0, 1.0)
+    part = jnp.clip(creepage * radius / jnp.where(friction > 0, friction * half, 1.0), 0.0, 1.0)
     part = jnp.where(friction > 0, part, 1.0)
     return friction * part * (2 - part), 1 - part, half

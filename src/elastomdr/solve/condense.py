@@ -9,6 +9,8 @@ of the rest, over the whole range of passages of the scene, and the cheapest are
 stays within the budget.
 """
 
+from __future__ import annotations
+
 import dataclasses
 
 import numpy as np
@@ -41,7 +43,7 @@ def choose(law: Relaxation, shortest: float, longest: float, rtol: float, kinked
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
     if not (moduli > 0).any():
         return Condensation(moduli.size)
-    passages = np.geomspace(shortest, longest, 65) if longest > shortest else np.array([shortest])
+    passages = np.exp(np.linspace(np.log(shortest), np.log(longest), 65 if longest > shortest else 1))
     z = passages[:, None] / times
     loss = np.sum(moduli * z / (1 + z**2), axis=1) + float(law.viscosity) / passages
     modulus = float(law.equilibrium) + np.sum(moduli / (1 + z), axis=1) + float(law.viscosity) / passages
@@ -60,7 +62,7 @@ def choose(law: Relaxation, shortest: float, longest: float, rtol: float, kinked
 
 
 def condensed(law: Relaxation, how: Condensation) -> Relaxation:
-    """The relaxation function with its slow and its fast branches lumped, `filled` so that few sizes are compiled."""
+    """The relaxation function with its slow and its fast branches lumped."""
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
     springs, dashpots, kept = ([k for k in x if moduli[k] > 0] for x in (how.springs, how.dashpots, how.kept))
     fewer = [(moduli[kept], times[kept])]
@@ -71,7 +73,7 @@ def condensed(law: Relaxation, how: Condensation) -> Relaxation:
         first, second = (moduli[dashpots] * times[dashpots]).sum(), (moduli[dashpots] * times[dashpots] ** 2).sum()
         fewer.append(((first / second * first)[None], (second / first)[None]))
     moduli, times = (np.concatenate(part) for part in zip(*fewer, strict=True))
-    return filled(Relaxation(law.equilibrium, moduli, times, law.viscosity))
+    return Relaxation(law.equilibrium, moduli, times, law.viscosity)
 
 
 def filled(law: Relaxation) -> Relaxation:

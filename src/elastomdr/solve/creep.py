@@ -21,8 +21,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array
+from ..foundation.decay import phi1, phi2
 from ..foundation.modes import Modes
-from ..foundation.step import phi1, phi2
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
 

@@ -17,7 +17,7 @@ _STAGES = ((1, 2, 3, 4), (1, 2, 3, 4, 5, 6, 7, 8), (1, 2, 3, 4, 6, 8, 10, 12, 16
 # Of the last correction. The error left is 0.02 of it in the median and 0.4 at most on smooth solids, but up to 4 with
 # branches a millionth as long as the contact or a strong dashpot. Where corrections shrink slowly, each to r of the one
 # before, r/(1 - r) of it is left, and 12 to 21 times it was seen where they do not shrink. One that is small by chance
-# says nothing, which those before it show (benchmarks/stress_motion.py).
+# says nothing, which those before it show (benchmarks/robustness/stress_motion.py).
 _SHARE, _SLOWEST, _BY_CHANCE = 4.0, 20.0, 0.5
 _ROUNDING = 1e-9  # relative correction below which it is not for a series any more to shrink
 _LOOSER = 100  # times rtol: what a duration may miss

@@ -30,38 +30,44 @@ thermal foundation of the MDR (2 lambda dx per element) is for spots at rest: at
 the root of it.
 """
 
-from typing import Any, NamedTuple
+from __future__ import annotations
 
-import equinox as eqx
+from typing import TYPE_CHECKING, Any, NamedTuple
+
 import numpy as np
-from jaxtyping import Float
-from scipy.special import erf, i0e, k0e, k1e
 
-from .._runtime import as_float64, in_float64, not_negative, plain, positive
-from ..foundation.law import Foundation
-from ..mapping.direction import isotropic_loss
+from .._runtime import as_float64, not_negative, numpy_unless_traced, plain, positive
+from .._trees import Tree, fill
 from ..mapping.spectrum import AbstractSpectrum
-from ..material.relaxation import Relaxation
+from .roads import read, tables
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from .._types import ArrayLike, Number
 
 _PER_DECADE = 40  # wave numbers and distances, trapezoidal rule in their logarithm
-_ANGLES = 32  # midpoint rule in t, cos(phi) = sech t; converges exponentially
 _FAR = 1e-3  # smallest distance, in half waves of the upper cutoff
 
 
-class Heat(eqx.Module):
-    """What conducts the heat of friction: the rubber's `conductivity` [W/(m K)] and `heat_capacity` [J/(m^3 K)].
+class Heat(Tree):
+    """What conducts the heat of friction, for `em.friction(heat=...)`; its methods are closed forms of moving sources.
 
-    The heat capacity is per volume, density times specific heat. Handed to `em.friction(heat=...)`; its methods are
-    the closed forms for single moving sources. Raises `InputError`.
+    Args:
+        conductivity: thermal conductivity of the rubber [W/(m K)].
+        heat_capacity: heat capacity per volume, density times specific heat [J/(m^3 K)].
+
+    Raises:
+        InputError: for values that are not positive.
     """
 
     conductivity: float  # lambda [W/(m K)]
     heat_capacity: float  # rho c [J/(m^3 K)]
 
-    def __init__(self, conductivity: Any, heat_capacity: Any):
+    def __init__(self, conductivity: Number, heat_capacity: Number):
         for name, value in (("conductivity", conductivity), ("heat_capacity", heat_capacity)):
             positive(name, plain(name, value))
-        self.conductivity, self.heat_capacity = float(conductivity), float(heat_capacity)
+        fill(self, conductivity=float(conductivity), heat_capacity=float(heat_capacity))
 
     @property
     def diffusivity(self) -> float:
@@ -71,8 +77,8 @@ class Heat(eqx.Module):
     def words(self) -> str:
         return f"conductivity {self.conductivity:.4g} W/(m K), heat capacity {self.heat_capacity:.4g} J/(m^3 K)"
 
-    @in_float64
-    def uniform_flux(self, flux: Any, time: Any) -> Float[np.ndarray, "..."]:
+    @numpy_unless_traced
+    def uniform_flux(self, flux: ArrayLike, time: ArrayLike) -> Float[np.ndarray, "..."]:
         """Surface temperature rise [K] of a half-space under an even `flux` [W/m^2] after `time` [s]; exact.
 
         dT = 2 q sqrt(t/(pi lambda rho c)). Carslaw & Jaeger 1959, 2.9. Raises `InputError`.
@@ -81,8 +87,10 @@ class Heat(eqx.Module):
         not_negative("time", time)
         return 2 * flux * np.sqrt(time / (np.pi * self.conductivity * self.heat_capacity))
 
-    @in_float64
-    def moving_band(self, flux: Any, half_width: Any, velocity: Any, x: Any) -> Float[np.ndarray, "..."]:
+    @numpy_unless_traced
+    def moving_band(
+        self, flux: ArrayLike, half_width: ArrayLike, velocity: ArrayLike, x: ArrayLike
+    ) -> Float[np.ndarray, "..."]:
         """Steady surface temperature rise [K] at `x` [m] from the middle of an endless band that moves towards +x.
 
         `flux` q [W/m^2] on |x| < b = `half_width` [m], at `velocity` v [m/s]; x moves with it, the trailing edge is
@@ -98,8 +106,8 @@ class Heat(eqx.Module):
         w = velocity / (2 * self.diffusivity)
         return flux / (np.pi * self.conductivity * w) * (_jaeger(w * (x + half)) - _jaeger(w * (x - half)))
 
-    @in_float64
-    def moving_disc(self, flux: Any, radius: Any, velocity: Any) -> Float[np.ndarray, "..."]:
+    @numpy_unless_traced
+    def moving_disc(self, flux: ArrayLike, radius: ArrayLike, velocity: ArrayLike) -> Float[np.ndarray, "..."]:
         """Steady temperature rise [K], mean over a disc of `radius` a [m] and even `flux` q [W/m^2], moving at v.
 
             dT = (2 q a/lambda) int_0^1 (2/pi) [acos s - s sqrt(1 - s^2)] I0(2 w a s) exp(-2 w a s) ds,   w = v/2D,
@@ -107,6 +115,8 @@ class Heat(eqx.Module):
         exact at every Peclet number w a: the bracket is the overlap of two discs at the distance 2 a s. At rest
         8 q a/(3 pi lambda) (Carslaw & Jaeger 1959, 10.5). To 1e-9. Raises `InputError`.
         """
+        from scipy.special import i0e
+
         flux, radius, velocity = _arrays(flux=flux, radius=radius, velocity=velocity)
         positive("radius", radius)
         not_negative("velocity", velocity)
@@ -121,6 +131,8 @@ class Heat(eqx.Module):
 
 def _jaeger(u: np.ndarray) -> np.ndarray:
     """int_0^u exp(-s) K0(|s|) ds."""
+    from scipy.special import k0e, k1e
+
     size = np.maximum(np.abs(u), 1e-300)
     ahead = 1 + size * np.exp(-2 * size) * (k0e(size) - k1e(size))
     behind = size * (k0e(size) + k1e(size)) - 1
@@ -139,34 +151,23 @@ class Scales(NamedTuple):
     share: Float[np.ndarray, "n waves"]  # s_q, sums to one
 
 
-def scales(
-    foundation: Foundation, surface: AbstractSpectrum, reduced: Float[np.ndarray, " n"], pressure: float
-) -> Scales:
+def scales(foundation: Any, surface: AbstractSpectrum, reduced: Float[np.ndarray, " n"], pressure: float) -> Scales:
     """Apparent contact share P and share s of the friction, by wave number, at v a_T and the nominal pressure."""
+    from scipy.special import erf
+
     count = max(24, int(np.ceil(_PER_DECADE * np.log10(surface.q_high / surface.q_low))))
     q = np.geomspace(surface.q_low, surface.q_high, count + 1)
     width = np.log(q[1] / q[0])
-    omega = reduced[:, None] * q
-    cosine = 1 / np.cosh(12.0 * (np.arange(_ANGLES) + 0.5) / _ANGLES)
-    stiff, law = np.zeros_like(omega), foundation.law()
-    for c in cosine:  # a quarter of the circle, dphi = sech t dt
-        stiff += 4 * 12.0 / _ANGLES * c * _square_modulus(law, omega * c) / pressure**2
+    log_omega = np.log(reduced[:, None] * q)
+    of = tables(foundation.complex_modulus, np.exp(log_omega.min()), np.exp(log_omega.max()))
     slope = q**4 * surface.at(q)  # q^3 C dq, per dlog q
-    rate = slope * stiff / 8
+    rate = slope * read(of, of.stiffness, log_omega) / (8 * pressure**2)
     spread = np.concatenate([np.zeros((reduced.size, 1)), np.cumsum(0.5 * width * (rate[:, 1:] + rate[:, :-1]), 1)], 1)
     with np.errstate(divide="ignore"):
         area = erf(0.5 / np.sqrt(spread))
-    share = slope * area * isotropic_loss(law, omega)
+    share = slope * area * read(of, of.drag, log_omega)
     share[:, [0, -1]] *= 0.5
     return Scales(q, area, share / share.sum(axis=1, keepdims=True))
-
-
-def _square_modulus(law: Relaxation, omega: np.ndarray) -> np.ndarray:
-    """|E*|^2, without the price of a call of JAX for each of many small arrays."""
-    x = omega[..., None] * np.asarray(law.times)
-    storage = float(law.equilibrium) + (x / (x + 1 / x)) @ np.asarray(law.moduli)
-    loss = omega * float(law.viscosity) + (1 / (x + 1 / x)) @ np.asarray(law.moduli)
-    return storage**2 + loss**2
 
 
 def rise(heat: Heat, at: Scales, velocity: Float[np.ndarray, " m"]) -> Float[np.ndarray, "m n"]:
@@ -174,6 +175,8 @@ def rise(heat: Heat, at: Scales, velocity: Float[np.ndarray, " m"]) -> Float[np.
 
     The double integral of this file's head, by the trapezoidal rule in log r and log k, to about 1e-3.
     """
+    from scipy.special import i0e, k0e
+
     step = np.log(at.q[1] / at.q[0])
     near = np.arange(1, int(np.ceil(-np.log(_FAR) / step)) + 1)
     r = np.concatenate([np.pi / at.q, np.pi / at.q[-1] * np.exp(-step * near)])  # descending

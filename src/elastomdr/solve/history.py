@@ -25,7 +25,7 @@ from .panels import NODES, missed, missed_layers
 
 _COARSE = 49  # elements that bracket the edges, at least
 _SEARCH = 8  # steps of that search
-_FLAT = 1e-9  # change of a force, relative, below which it tells nothing of where the edge is
+_FLAT = 1e-9  # change of a force, relative, below which it does not show where the edge is
 _SIZES = (32, 64, 104, 208, 320, 512)  # numbers of instants that are compiled
 
 

@@ -9,7 +9,7 @@ After the turn, d' = 0, the contact shrinks. Elements touched after the instant 
 
     int_{t_1}^t E(t - s) d'(s) ds + eta d'(t) = 0,  and then  F = E_inf A(d(t_1)) + sum_k exp(-(t - t_1)/tau_k) F_k(t_1)
 
-(Ting 1966; on the line it says that each element leaves at zero force). Nothing else
+(Ting 1966; on the line each element leaves at zero force). Nothing else
 can happen in a free impact: F >= 0 lets the velocity only fall, so that it changes sign once, and the body retreats
 ever faster from a surface that recovers ever more slowly. All of this is exact for the half-space.
 
@@ -30,7 +30,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array
-from ..foundation.ramp import ramp_weights
+from ..foundation.decay import ramp_weights
 from ..mapping.reach import contact_measure
 from ..mapping.shapes import AbstractShape, FlatPunch
 from .peak import peak

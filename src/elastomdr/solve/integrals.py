@@ -7,85 +7,104 @@ Every element sees the same history, so with E(t) the foundation's relaxation fu
     F_N   = int E(r/v) [g(a) - g(r - b)] dr              normal force
     F_x   = int E(r/v) C(r) dr                           friction force,    r from 0 to a + b
 
-with C(r) = int_{-b}^{a-r} g'(x) g'(x + r) dx, the autocorrelation of the slope, which knows nothing of the material. A
-dashpot eta adds eta v g'(-b), eta v [g(a) - g(b)] and eta v C(0). `foundation.moments` makes the integrals exact in the
-branches. Axes of all arrays: lines, panels, samples or branches, points.
+with C(r) = int_{-b}^{a-r} g'(x) g'(x + r) dx. A dashpot eta adds eta v g'(-b), eta v [g(a) - g(b)] and eta v C(0). What
+a branch adds to them follows from its `memory` at both edges; see there. Axes: (variants,) lines, branches, points.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
 
-import jax
-import jax.numpy as jnp
-from jaxtyping import Float
+import abc
+from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from .._arrays import fixed, xp
 from .._runtime import Array
 from ..foundation.modes import Modes
-from ..foundation.moments import contract
-from ..foundation.step import phi1
-from ..mapping.lines import AbstractLines
-from ..material.relaxation import Relaxation
-from .rule import Rule, gauss
+from .memory import Passage, direct, memory, one_panel
 
-_UNSEEN = 3.0  # the autocorrelation is sampled as the integrals are, and misses as much once more on either factor
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
-
-class Passage(NamedTuple):
-    """What is the same for all integrals of one call."""
-
-    law: Relaxation
-    lines: AbstractLines
-    rule: Rule
-    velocity: Float[Array, " points"]
+_NOTHING = 1e-13  # of a difference, over what it is the difference of
+_ROUNDING = float(np.finfo(np.float64).eps)
+_TILT = 1e-5  # relative, over which the slope at the trailing edge changes by a known amount
+_UNSEEN = 3.0  # slope and force density are sampled alike, and either misses as much once more
 
 
 def exit_density(p: Passage, size: Array, ratio: Array) -> Float[Array, "lines points"]:
     """Line force density q(-b) at the trailing edges b = ratio times entry."""
-    span = _Span(p, size, ratio)
-    return _integrate(p, span, span.slope_samples())[0] + span.dashpot_density()
-
-
-def normal_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, " points"], Float[Array, " points"]]:
-    """Normal force [N] of all lines, and its estimated sampling error."""
-    span = _Span(p, size, ratio)
-    force, tail = _integrate(p, span, span.indentation_samples())
-    return _total(p, size, force + span.dashpot_force(), tail)
+    return _contact(p, size, ratio).density()[0]
 
 
 def balance(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, "lines points"], Float[Array, " points"]]:
-    """`exit_density` and `normal_force` together: the two equations of a passage, at the cost of one."""
-    span = _Span(p, size, ratio)
-    both = jnp.stack([span.slope_samples(), span.indentation_samples()])
-    density, force = _integrate(p, span, both)[0]
-    force = jnp.sum(p.lines.weight(size) * (force + span.dashpot_force()), axis=0)
-    return density + span.dashpot_density(), force
+    """`exit_density` and the normal force [N]: the two equations of a passage, at the cost of one."""
+    contact = _contact(p, size, ratio)
+    return contact.density()[0], xp.sum(p.lines.weight(size) * contact.force()[0], axis=0)
 
 
-def friction_force(p: Passage, size: Array, ratio: Array) -> tuple[Float[Array, " points"], Float[Array, " points"]]:
-    """Friction force [N] of all lines, and its estimated sampling error.
+class Slopes(NamedTuple):
+    """Both equations of a passage on a single line, and their derivatives by its edges a and b, (1, points)."""
 
-    Branches slower than the passage are nearly springs. Their integral is taken of 1 - exp(-r/s), beside the exact
-    int C dr = [g(a) - g(b)]^2/2, so that a loss of 1e-20 of the stored energy keeps its digits.
+    density: Array  # q(-b)
+    force: Array  # F_N, without the weight of the line
+    density_entry: Array  # dq/da
+    density_exit: Array  # dq/db
+    force_entry: Array  # dF_N/da; dF_N/db = q(-b)
+
+
+def balance_and_slopes(p: Passage, size: Array, ratio: Array) -> Slopes:
+    """`balance` of a line whose profile does not depend on the size of the contact, with derivatives in closed form.
+
+    dq/da = E(L/v) g'(a),  dF_N/da = g'(a) int E dr,  dq/db = -E(0) g'(b) + int dE/dr g'(r - b) dr, by parts, L = a + b.
+    A dashpot adds -eta v g''(b) to the last one, here by a difference: enough for a search.
     """
-    span = _Span(p, size, ratio)
-    correlation = _autocorrelation(p, size, span.entry, span.exit)
-    samples = correlation(span.positions(jnp.zeros_like(span.exit)))
-    moduli = p.law.moduli[:, None]
-    kept, gone, slow = _memories(p, span, samples)
-    total = jnp.sum(moduli * jnp.where(slow, -gone, kept), axis=1)
-    tail = jnp.zeros_like(total)
-    if not p.rule.exact:
-        decay = p.velocity * p.law.times[:, None]
-        before, z = moduli * jnp.exp(-span.start / decay), span.width / decay
-        slowed = -moduli * jnp.expm1(-(span.start + span.width) / decay)
-        felt = jnp.where(slow[:, None], slowed, before * phi1(z))
-        tail = _tail(p, before, span.width * _legendre(p.rule, samples), z, jnp.sum(felt, axis=-2, keepdims=True))
-    springs = p.law.equilibrium + jnp.sum(jnp.where(slow, moduli, 0.0), axis=1)
-    dashpot = p.velocity * p.law.viscosity * correlation(jnp.zeros_like(_spread(span.exit)))[:, 0, 0]
-    rise = span.rise()
-    # Of a loss below 1e-30 of the stored energy nothing is left but how the trailing edge was rounded.
-    blur = 4 * jnp.finfo(rise.dtype).eps * jnp.abs(span.slope_at_exit()) * span.entry
-    tail = tail + jax.lax.stop_gradient(springs * blur * (jnp.abs(rise) + blur))
-    return _total(p, size, 0.5 * springs * rise**2 + dashpot + total, tail)
+    contact = _contact(p, size, ratio)
+    law, length, gone = p.law, contact.entry + contact.exit, contact.gone()
+    left = law.equilibrium + law.moduli.sum() - law.moduli @ gone  # E(L/v)
+    passed = law.equilibrium * length + p.velocity * ((law.moduli * law.times) @ gone)  # int E dr
+    steep, at_exit = contact.steep, contact.at_exit
+    glassy = (law.equilibrium + law.moduli.sum()) * at_exit
+    falling = -glassy - (law.moduli / law.times) @ contact.kept()[0] / p.velocity
+    # Of a liquid that forgets at once nothing is left but rounding, on which a search would believe to have arrived.
+    falling = xp.where(xp.abs(falling) > _NOTHING * xp.abs(glassy), falling, 0.0)
+    drag = p.velocity * law.viscosity
+    bent = 0.0
+    if np.ndim(drag) and xp.any(drag > 0):
+        bent = (contact.slope(contact.exit * (1 - _TILT)) - at_exit) / (_TILT * contact.exit)
+    return Slopes(
+        density=contact.density()[0], force=contact.force()[0], density_entry=left * steep,
+        density_exit=falling + drag * bent, force_entry=steep * (passed + drag),
+    )  # fmt: skip
+
+
+def part_of_contact(p: Passage, size: Array, trailing: Float[Array, " points"]) -> tuple[Array, Array, Array]:
+    """q(-b) of a single line at any place -b of the contact, the force Q = int q dx [N] from there to the leading edge,
+    and its sampling error."""
+    law = p.law
+    kept, lost, way = direct(p, size, trailing)
+    drag = p.velocity * law.viscosity
+    line = xp.zeros((1, 1), int)
+    slope = xp.sign(trailing) * p.lines.slope(xp.abs(trailing)[None], size, line)
+    rise = p.lines.profile(p.lines.entry(size), size, line) - p.lines.profile(xp.abs(trailing)[None], size, line)
+    density = law.equilibrium * rise + xp.sum(law.moduli[:, None] * kept[0], axis=-2) - drag * slope
+    force = law.equilibrium * way + xp.sum(law.moduli[:, None] * p.decay * lost, axis=-2) + drag * rise
+    return density[0], *_total(p, size, force, 0.0)
+
+
+class Forces(NamedTuple):
+    """Both forces of all lines [N], and their estimated sampling errors."""
+
+    normal: Float[Array, " points"]
+    normal_error: Float[Array, " points"]
+    friction: Float[Array, " points"]
+    friction_error: Float[Array, " points"]
+
+
+def forces(p: Passage, size: Array, ratio: Array) -> Forces:
+    """Normal and friction force; `p` is tabulated in full."""
+    contact = _contact(p, size, ratio, full=True)
+    return Forces(*_total(p, size, contact.force(), 0.0), *_total(p, size, contact.drag(), contact.blur()))
 
 
 def branch_losses(
@@ -102,161 +121,179 @@ def branch_losses(
     is lost in free recovery, where y_k = sum_j Y_jk m_j e^{-t/lambda_j}: E_k tau_k int y_k'^2 dt in closed form. Exact
     where the sampling is; their sum is the friction force. Derived here.
     """
-    span = _Span(p, size, ratio)
-    correlation = _autocorrelation(p, size, span.entry, span.exit)
-    kept, gone, slow = _memories(p, span, correlation(span.positions(jnp.zeros_like(span.exit))))
-    force, lag, _ = _memories(p, span, span.slope_samples())
-    rise = span.rise()
-    left = rise[:, None]
-    inside = p.law.moduli[:, None] * jnp.where(slow, left * lag - gone - 0.5 * lag**2, kept - 0.5 * force**2)
+    contact = _contact(p, size, ratio, full=True)
+    slow, left = contact.slow(), contact.rise()[:, None]
+    kept, gone = (x[0] for x in contact.worked())
+    force, lag = contact.kept()[0], contact.lost()[0]
+    inside = p.law.moduli[:, None] * xp.where(slow, left * lag - gone - 0.5 * lag**2, kept - 0.5 * force**2)
     friction = p.law.moduli * p.law.times
     present = modes.gain > 0
-    share = jnp.where(present, 1 / jnp.where(present, modes.norm, 1.0), 0.0)
-    m = jnp.einsum("jk,k,lkp->ljp", modes.shape, friction, jnp.where(slow, lag, left - force))
+    share = xp.where(present, 1 / xp.where(present, modes.norm, 1.0), 0.0)
+    m = xp.einsum("jk,k,lkp->ljp", modes.shape, friction, xp.where(slow, lag, left - force))
     m = share[:, None] * (m + p.law.viscosity * left)
     rates = modes.rate[:, None] + modes.rate
-    decay = modes.rate[:, None] * modes.rate / jnp.where(rates > 0, rates, 1.0)
-    after = jnp.einsum("k,ik,jk,ij,lip,ljp->lkp", friction, modes.shape, modes.shape, decay, m, m, optimize="greedy")
-    dashpot = p.velocity * correlation(jnp.zeros_like(_spread(span.exit)))[:, 0, 0]
-    dashpot = p.law.viscosity * (dashpot + jnp.einsum("ij,lip,ljp->lp", decay, m, m, optimize="greedy"))
+    decay = modes.rate[:, None] * modes.rate / xp.where(rates > 0, rates, 1.0)
+    after = xp.einsum("k,ik,jk,ij,lip,ljp->lkp", friction, modes.shape, modes.shape, decay, m, m, optimize="greedy")
+    dashpot = p.velocity * contact.square()[0]
+    dashpot = p.law.viscosity * (dashpot + xp.einsum("ij,lip,ljp->lp", decay, m, m, optimize="greedy"))
     weight = p.lines.weight(size)
-    return jnp.sum(weight * dashpot, axis=0), jnp.sum(weight[:, None] * (inside + after), axis=0)
+    return xp.sum(weight * dashpot, axis=0), xp.sum(weight[:, None] * (inside + after), axis=0)
 
 
-def _memories(p: Passage, span: "_Span", samples: Array) -> tuple[Array, Array, Array]:
-    """int e^{-r/s_k} h dr and int (1 - e^{-r/s_k}) h dr from samples of h, and which branches take the second, since
-    they are slower than the passage: arrays (lines, branches, points)."""
-    c = jnp.asarray(span.width * _legendre(p.rule, samples))
-    decay = p.velocity * p.law.times[:, None]
-    slow = decay > (span.entry + span.exit)[:, None]
-    before, z = jnp.exp(-span.start / decay), span.width / decay
-    # 1 - mu_0 = (z/2)(mu_0 + mu_1), hence the third row; one call serves all three.
-    zero = jnp.zeros_like(c)
-    later = jnp.concatenate([zero[:1], c[1:]])
-    first = jnp.concatenate([c[:1], c[:1], zero[2:]])
-    fast, later, first = contract(jnp.stack([c, later, first], axis=1), z)
-    relaxed = -jnp.expm1(-span.start / decay) * c[0] + before * (0.5 * z * first - later)
-    return jnp.sum(before * fast, axis=1), jnp.sum(relaxed, axis=1), slow
-
-
-def _total(p: Passage, size: Array, force: Array, tail: Array) -> tuple[Array, Array]:
+def _total(p: Passage, size: Array, force: Float[Array, "variants lines points"], blur: Array | float):
     """Sum of all lines, and the error of that sum: of sampling along the lines, and of their finite number."""
     weight = p.lines.weight(size)
-    parts = weight * force
-    error = jnp.sum(weight * tail, axis=0) + jax.lax.stop_gradient(p.lines.summation_error(parts))
-    return jnp.sum(parts, axis=0), error
+    parts = weight * force[0]
+    missed = xp.zeros_like(force[0]) + blur
+    if force.shape[0] > 1:
+        change = xp.abs(force[1:] - force[0])
+        missed = missed + p.rule.safety * change[0] + _UNSEEN * change[1]
+    error = xp.sum(weight * missed, axis=0) + p.lines.summation_error(parts)
+    return xp.sum(parts, axis=0), fixed(error)
 
 
-class _Span:
-    """The stretch of contact of every line: its edges, its panels, and the profile sampled on them."""
+def _contact(p: Passage, size: Array, ratio: Array, full: bool = False) -> "_Contact":
+    return (_OnePanel if p.rule.exact and not p.rule.split else _TwoSides)(p, size, ratio, full)
+
+
+class _Contact(abc.ABC):
+    """What a stretch of contact adds up to."""
 
     def __init__(self, p: Passage, size: Array, ratio: Array):
-        self.p, self.size = p, size
-        self.line = jnp.arange(p.lines.count)[:, None, None, None]
+        self.p, self.size, self.line = p, size, xp.arange(p.lines.count)[:, None]
         self.entry = p.lines.entry(size)
         self.exit = ratio * self.entry
-        self.start, self.width = _panels(p.rule, self.entry, self.exit)
+        self.places = xp.stack([self.entry, self.exit])
+        self.high, self.low = p.lines.profile(self.places, size, self.line)
+        self.steep, self.at_exit = self.slope(self.places)
 
-    def positions(self, exit: Array) -> Float[Array, "lines panels nodes points"]:
-        nodes = jnp.asarray(gauss(self.p.rule.nodes)[0])[:, None]
-        return self.start + self.width * nodes - _spread(exit)
-
-    def slope_samples(self) -> Float[Array, "lines panels nodes points"]:
-        return self.p.lines.slope(self.positions(self.exit), self.size, self.line)
-
-    def indentation_samples(self) -> Float[Array, "lines panels nodes points"]:
-        return self._profile(_spread(self.entry)) - self._profile(self.positions(self.exit))
+    def slope(self, x: Array) -> Array:
+        return self.p.lines.slope(x, self.size, self.line)
 
     def rise(self) -> Float[Array, "lines points"]:
         """Indentation left at the trailing edge, g(a) - g(b)."""
-        return (self._profile(_spread(self.entry)) - self._profile(_spread(self.exit)))[:, 0, 0]
+        return self.high - self.low
 
-    def slope_at_exit(self) -> Float[Array, "lines points"]:
-        return self.p.lines.slope(_spread(self.exit), self.size, self.line)[:, 0, 0]
+    def slow(self) -> Array:
+        """Which branches are slower than the passage."""
+        return self.p.decay > (self.entry + self.exit)[:, None]
 
-    def dashpot_density(self) -> Float[Array, "lines points"]:
-        return -self.p.velocity * self.p.law.viscosity * self.slope_at_exit()
+    @abc.abstractmethod
+    def gone(self) -> Float[Array, "lines branches points"]:
+        """1 - e^{-(a + b)/s}."""
 
-    def dashpot_force(self) -> Float[Array, "lines points"]:
-        return self.p.velocity * self.p.law.viscosity * self.rise()
+    @abc.abstractmethod
+    def kept(self) -> Float[Array, "variants lines branches points"]:
+        """int e^{-r/s} g'(r - b) dr: at the trailing edge, the force in a branch over its modulus."""
 
-    def _profile(self, x: Array) -> Array:
-        return self.p.lines.profile(x, self.size, self.line)
+    @abc.abstractmethod
+    def lost(self) -> Float[Array, "variants lines branches points"]:
+        """int (1 - e^{-r/s}) g'(r - b) dr: the displacement of its dashpot."""
 
+    @abc.abstractmethod
+    def moment(self) -> Float[Array, "variants lines points"]:
+        """int x g'(x) dx."""
 
-def _integrate(p: Passage, span: _Span, samples: Array) -> tuple[Array, Array]:
-    """int E(r/v) h(r) dr from samples of h (..., lines, panels, nodes, points), and what its last two polynomials
-    add.
-    """
-    c = span.width * _legendre(p.rule, samples)
-    decay = p.velocity * p.law.times[:, None]
-    before = p.law.moduli[:, None] * jnp.exp(-span.start / decay)
-    z = span.width / decay
-    value = jnp.sum(before * contract(c, z), axis=(-3, -2))
-    value = value + p.law.equilibrium * jnp.sum(c[0], axis=(-3, -2))
-    if p.rule.exact:
-        return value, jnp.zeros_like(value)
-    felt = p.law.equilibrium + jnp.sum(before * phi1(z), axis=-2, keepdims=True)
-    return value, _tail(p, before, c, z, felt)
+    @abc.abstractmethod
+    def worked(self) -> tuple[Array, Array]:
+        """int e^{-r/s} C dr and int (1 - e^{-r/s}) C dr."""
 
+    @abc.abstractmethod
+    def square(self) -> Float[Array, "variants lines points"]:
+        """C(0) = int g'^2 dx."""
 
-def _tail(p: Passage, before: Array, c: Array, z: Array, felt: Array) -> Array:
-    """Error of sampling: what the last two polynomials add, and what Gauss' rule misses of those that it cannot see.
+    def density(self) -> Float[Array, "variants lines points"]:
+        law = self.p.law
+        density = _over_branches(law.moduli, self.kept()) + law.equilibrium * self.rise()
+        return density - self.p.velocity * law.viscosity * self.at_exit
 
-    The rule misses about the 2n-th coefficient, reached from the n/2-th and the n-th as in `Strips.summation_error`;
-    `felt` is the mean over each panel of the modulus that it is multiplied by.
-    """
-    before, c, z, felt = jax.lax.stop_gradient((before, c, z, felt))
-    last = jnp.zeros_like(c).at[-2:].set(c[-2:])
-    seen = p.rule.safety * jnp.abs(jnp.sum(before * contract(last, z), axis=(-3, -2)))
-    if not p.rule.split or p.lines.count > 1:
-        return seen  # smooth bodies: their coefficients fall too fast for it to matter
-    half = c.shape[0] // 2
-    end, middle = jnp.max(jnp.abs(c[-2:]), axis=0), jnp.max(jnp.abs(c[half - 2 : half]), axis=0)
-    unseen = end * jnp.minimum(end / jnp.where(middle > 0, middle, 1.0), 1.0)
-    return seen + _UNSEEN * jnp.sum(felt * unseen, axis=(-3, -2))
+    def force(self) -> Float[Array, "variants lines points"]:
+        """F_N without the weight of the lines: int v_k dx = s_k y_k, since s v_k' = v_k - s g'."""
+        law, rise = self.p.law, self.rise()
+        elastic = self.exit * rise + self.moment()
+        force = self.p.velocity * _over_branches(law.moduli * law.times, self.lost()) + law.equilibrium * elastic
+        return force + self.p.velocity * law.viscosity * rise
 
+    def drag(self) -> Float[Array, "variants lines points"]:
+        """F_x without the weight of the lines.
 
-def _legendre(rule: Rule, samples: Float[Array, "... nodes points"]) -> Float[Array, "nodes ... 1 points"]:
-    """Legendre coefficients in 1 - 2c of the samples on each panel, the polynomials' axis first."""
-    return jnp.einsum("...ib,ij->j...b", samples, jnp.asarray(gauss(rule.nodes)[2]))[..., None, :]
+        Branches slower than the passage are nearly springs. Their integral is taken of 1 - exp(-r/s), beside the exact
+        int C dr = [g(a) - g(b)]^2/2, so that a loss of 1e-20 of the stored energy keeps its digits.
+        """
+        law, slow = self.p.law, self.slow()
+        kept, gone = self.worked()
+        total = _over_branches(law.moduli, xp.where(slow, -gone, kept))
+        return 0.5 * self._springs() * self.rise() ** 2 + self.p.velocity * law.viscosity * self.square() + total
 
+    def blur(self) -> Float[Array, "lines points"]:
+        """Of a loss below 1e-30 of the stored energy nothing is left but how the trailing edge was rounded."""
+        blur = 4 * _ROUNDING * xp.abs(self.at_exit) * self.entry
+        return self._springs() * blur * (xp.abs(self.rise()) + blur)
 
-def _panels(rule: Rule, entry: Array, exit: Array) -> tuple[Array, Array]:
-    """Start and width in r of each panel: arrays (lines, panels, 1, points). An exit ahead of the apex is negative."""
-    zero, length = jnp.zeros_like(entry), entry + exit
-    split = [zero, jnp.maximum(exit, 0.0), jnp.minimum(entry, length), length]
-    ends = jnp.stack(split if rule.split else [zero, length], axis=1)
-    widths = ends[:, 1:] - ends[:, :-1]
-    fractions = jnp.asarray(rule.fractions)[:, None]
-    start = ends[:, :-1, None] + widths[:, :, None] * fractions[:-1]
-    width = widths[:, :, None] * (fractions[1:] - fractions[:-1])
-    shape = (entry.shape[0], -1, 1, entry.shape[1])
-    return start.reshape(shape), width.reshape(shape)
+    def _springs(self) -> Array:
+        """Modulus of the equilibrium spring and of the branches that are nearly springs."""
+        slow = xp.where(self.slow(), self.p.law.moduli[:, None], 0.0)
+        return self.p.law.equilibrium + xp.sum(slow, axis=-2)
 
 
-def _autocorrelation(p: Passage, size: Array, entry: Array, exit: Array):
-    """C(r) at distances (lines, panels, nodes, points), by Gauss' rule between the kinks of both factors."""
-    c, w, _ = gauss(p.rule.nodes)
-    fractions = p.rule.fractions
-    line = jnp.arange(p.lines.count)[:, None, None, None]
-
-    def correlation(r: Array) -> Array:
-        low, high = -_spread(exit) + 0 * r, _spread(entry) - r
-        bounds = [low, jnp.clip(-r, low, high), jnp.clip(0 * r, low, high), high] if p.rule.split else [low, high]
-        ends, shares = jnp.stack(bounds), jnp.asarray(fractions).reshape(-1, 1, 1, 1, 1, 1)
-        spans = ends[1:] - ends[:-1]
-        start, width = ends[:-1] + shares[:-1] * spans, (shares[1:] - shares[:-1]) * spans
-
-        def add(i, total):
-            x = start + width * jnp.asarray(c)[i]
-            product = p.lines.slope(x, size, line) * p.lines.slope(x + r, size, line)
-            return total + jnp.asarray(w)[i] * jnp.sum(width * product, axis=(0, 1))
-
-        return jax.lax.fori_loop(0, p.rule.nodes, add, jnp.zeros_like(r))
-
-    return correlation
+def _over_branches(weights: Array, terms: Float[Array, "*n branches points"]) -> Float[Array, "*n points"]:
+    """Sum over the branches, weighted."""
+    return weights @ terms
 
 
-def _spread(edge: Float[Array, "lines points"]) -> Float[Array, "lines 1 1 points"]:
-    return edge[:, None, None, :]
+class _OnePanel(_Contact):
+    """A contact that one panel covers from its trailing edge on, since the slope is one polynomial."""
+
+    def __init__(self, p: Passage, size: Array, ratio: Array, full: bool):
+        super().__init__(p, size, ratio)
+        self.whole = one_panel(p, size, self.exit, full)
+
+    def gone(self):
+        return self.whole.fade[0]
+
+    def kept(self):
+        return self.whole.ahead
+
+    def lost(self):
+        return self.whole.ahead_lost
+
+    def moment(self):
+        return self.whole.moment[..., 0, :]
+
+    def worked(self):
+        return self.whole.work, self.whole.work_lost
+
+    def square(self):
+        return self.whole.square[..., 0, :]
+
+
+class _TwoSides(_Contact):
+    """A contact from the memory at its two edges."""
+
+    def __init__(self, p: Passage, size: Array, ratio: Array, full: bool):
+        super().__init__(p, size, ratio)
+        both = memory(p, size, self.places, full)
+        self.ahead, self.behind = (both.each(lambda x, i=i: x[i]) for i in (0, 1))
+        self.fading = -self.exit[:, None] / p.decay
+        self.force_of_branch = xp.exp(self.fading) * self.ahead.near - self.behind.far
+
+    def gone(self):
+        return -xp.expm1(-(self.entry + self.exit)[:, None] / self.p.decay)
+
+    def kept(self):
+        return self.force_of_branch
+
+    def lost(self):
+        return self.ahead.near_lost - xp.expm1(self.fading) * self.ahead.near - self.behind.far_lost
+
+    def moment(self):
+        return (self.ahead.moment + self.behind.moment)[..., 0, :]
+
+    def worked(self):
+        a, b = self.ahead, self.behind
+        high, low = self.high[:, None], self.low[:, None]
+        gone = a.work_lost + b.work_lost - high * b.near_lost - low * a.near_lost + a.near_lost * b.near_lost
+        return a.work + b.work - a.near * b.near, gone
+
+    def square(self):
+        return (self.ahead.square + self.behind.square)[..., 0, :]

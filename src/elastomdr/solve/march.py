@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .._runtime import Array, is_traced
+from .._runtime import Array, in_float64, is_traced
 from ..foundation.step import ContactStep, Elements, RigidSurface, rest
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
@@ -56,6 +56,7 @@ class _Passing(eqx.Module):
         return (top - self.lines.profile(entry * (1 - 2 * t), self.size, line)).reshape(-1)
 
 
+@in_float64
 def march_passages(
     law: Relaxation,
     lines: AbstractLines,

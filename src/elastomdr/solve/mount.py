@@ -1,20 +1,31 @@
 """What a body that slides or presses hangs on."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import equinox as eqx
 
 from .._runtime import positive, scalar
 
+if TYPE_CHECKING:
+    from .._types import Number
+
 
 class Mount(eqx.Module):
-    """A mass m [kg] on a spring k [N/m] and a damper c [N s/m] beside it; per metre of line under a rough line."""
+    """A mass on a spring and a damper beside it; per metre of line under a rough line.
 
-    mass: Any
-    stiffness: Any = 0.0
-    damping: Any = 0.0
+    Args:
+        mass: mass [kg].
+        stiffness: stiffness of the spring [N/m].
+        damping: constant of the damper [N s/m].
+    """
 
-    def for_line(self, load: Any, normal_force: Any) -> "Mount":
+    mass: Number
+    stiffness: Number = 0.0
+    damping: Number = 0.0
+
+    def for_line(self, load: Number, normal_force: Number) -> "Mount":
         """The share that a metre of rough line has of this mount of a whole body, load/normal_force of it.
 
         `load` [N/m] of the line, `normal_force` [N] of the whole body on the rubber, for which the line stands. Raises

@@ -7,7 +7,7 @@ e_k = exp(-h/tau_k), g_k = E_k (1-e_k) tau_k/h and S = E_inf + eta/h + sum g_k a
     u_free),
 
 and the period starts at the highest point of the line, which touches in every steady motion: u = d there. The work of
-that motion is summed exactly when it is asked for: with z_k = h/tau_k and a_k = (1 - e_k)/z_k
+that motion is summed exactly on demand: with z_k = h/tau_k and a_k = (1 - e_k)/z_k
 
     int q du = du [E_inf (u + u+)/2 + du (eta/h + sum E_k (1 - a_k)/z_k) + sum a_k f_k],
 
@@ -94,7 +94,7 @@ def sweep(
     branches: Float[np.ndarray, "branches lanes"],  # f_k at the start
     by: Coefficients,
     free: Stretches | None,  # passes stretches that nothing can touch in one go
-    slow: int,  # number of branches whose sums are asked for, from the first on
+    slow: int,  # number of branches whose sums are needed, from the first on
     exact: bool,
 ) -> Swept:
     """Runs through one period from u = d.

@@ -1,6 +1,6 @@
 """The periodic state of a rough line and, for a given load, its depth, by quasi-Newton sweeps.
 
-One sweep from a state f_k(0) tells how far that state is from a periodic one. The motion that the sweep has found would
+One sweep from a state f_k(0) shows how far that state is from a periodic one. The motion that the sweep has found would
 leave, when repeated for ever, the branch at
 
     f_k(0) + [f_k(T) - f_k(0) + g_k (u(0) - u(T))]/(1 - exp(-T/tau_k)),

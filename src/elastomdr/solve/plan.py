@@ -1,5 +1,7 @@
 """The plan: a scene turned into the least work that answers it, before anything is computed."""
 
+from __future__ import annotations
+
 import dataclasses
 import math
 
@@ -144,11 +146,11 @@ def _described(plan: Plan) -> list[str]:
 
 def _frequencies(plan: Plan, passing: tuple[float, float]) -> str:
     text = f"passages dissipate most about 2 v a_T/a, {passing[0]:.1g} to {passing[1]:.1g} rad/s"
-    if plan.range is None or plan.range.frequency is None:
+    if plan.range is None or plan.range.omega is None:
         return text
-    if not plan.range.frequency:
+    if not plan.range.omega:
         return f"{text}: the range of the material is empty, the data determine its loss modulus nowhere"
-    low, high = plan.range.frequency
+    low, high = plan.range.omega
     where = "within" if low <= SLOWEST * passing[0] and passing[1] <= high else "beyond"
     text += f", and last up to {1 / (SLOWEST * passing[0]):.1g} s"
     return f"{text}: {where} the range of the material, {low:.3g} to {high:.3g} rad/s"

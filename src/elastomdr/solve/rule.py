@@ -1,5 +1,7 @@
 """How finely the smooth part of the contact integrals is sampled."""
 
+from __future__ import annotations
+
 import dataclasses
 import functools
 import math
@@ -9,29 +11,32 @@ import numpy as np
 from ..mapping.profile import Profile
 from ..mapping.shapes import AbstractShape, Cone, Cylinder, Paraboloid, PowerLaw
 
-_STEEP = 8.0  # exponent of a power law from which it is a punch with a rounded edge
+_NARROW = 0.3  # how far a power law's panels reach towards its apex
 
 
 @dataclasses.dataclass(frozen=True)
 class Rule:
     """Gauss-Legendre nodes per panel, and where the panels end.
 
-    The contact integrals run over the distance r behind the leading edge. A profile that is smooth through its apex
-    needs one panel. A kink at the apex shows in the integrands at r = b and r = a (trailing and leading edge), so
-    `split` puts panel ends there; `fractions` divides each part further.
+    The profile is sampled from the apex outwards. `fractions` divides the whole contact, or, of a profile from points,
+    the way from each point to the next.
     """
 
     nodes: int
-    split: bool = False
+    split: bool = False  # a kink at the apex, where contact may end
     fractions: tuple[float, ...] = (0.0, 1.0)
-    exact: bool = False  # the integrands are polynomials that the nodes integrate exactly
+    exact: bool = False  # the slope is a polynomial that the nodes sample exactly
     strips: int = 16  # over the half-width of a contact that is solved in strips
-    safety: float = 1.0  # on the error estimate, where a profile has kinks that the nodes straddle
+    safety: float = 1.0  # on the error estimate, where the profile is not analytic within a panel
 
     @property
     def samples(self) -> int:
-        """Samples of the profile along one contact."""
-        return self.nodes * (len(self.fractions) - 1) * (3 if self.split else 1)
+        """Samples of the profile along one contact, or between two of its points."""
+        return self.nodes * (len(self.fractions) - 1)
+
+    def coarser(self) -> "Rule":
+        """A rule to begin the search with."""
+        return dataclasses.replace(self, nodes=min(self.nodes, 6), fractions=(0.0, *self.fractions[:0:-2][::-1]))
 
 
 @functools.cache
@@ -44,16 +49,16 @@ def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def graded(levels: int, ratio: float = 0.15) -> tuple[float, ...]:
-    """Divisions of [0, 1] that shrink geometrically towards both ends, for an algebraic singularity there."""
-    left = [0.0] + [0.5 * ratio**k for k in range(levels, 0, -1)]
-    return tuple(left + [0.5] + [1 - x for x in reversed(left)])
+    """Divisions of [0, 1] that shrink geometrically towards 0, for an algebraic singularity there."""
+    return (0.0, *(ratio**k for k in range(levels, 0, -1)), 1.0)
 
 
 def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0, strips: bool = False) -> tuple[Rule, ...]:
     """Rules for a shape, coarse to fine; the first is expected to meet `rtol`, the others wait for where it does not.
 
     `smallest` is the ratio of the radius of a sphere to the contact radius, if known: the profile of a sphere is
-    analytic up to R, so that its Legendre series falls as rho^-m with rho = R/a + sqrt((R/a)^2 - 1). On `strips` beside
+    analytic up to R, so that its Legendre series from the apex to a falls as rho^-m, rho = c + sqrt(c^2 - 1) with
+    c = 2R/a - 1. On `strips` beside
     the axis a body is rounded over the strip's distance y from it, f(sqrt(x^2 + y^2)): even powers stay polynomials,
     all others are divided ever finer towards the apex.
     """
@@ -64,7 +69,7 @@ def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0, strips: boo
     if power % 2:
         rules = tuple(Rule(nodes, split=True, fractions=graded(levels)) for nodes, levels in ((8, 3), (12, 3), (16, 4)))
     if isinstance(shape, Profile):
-        rules = tuple(rule for rule in rules if len(rule.fractions) <= 7) or _along_line(shape, 1e-6, smallest)[:1]
+        rules = tuple(Rule(10, split=True, fractions=graded(levels), safety=30.0) for levels in (2, 4, 6))
     counts = (16, 32, 64) if rtol >= 1e-7 else (32, 64, 128)
     if power < 2:  # the tip leaves a kink across the strips
         rules, counts = rules[1:], (48, 96)
@@ -73,29 +78,31 @@ def ladder(shape: AbstractShape, rtol: float, smallest: float = 0.0, strips: boo
 
 def _along_line(shape: AbstractShape, rtol: float, smallest: float) -> tuple[Rule, ...]:
     if isinstance(shape, (Paraboloid, Cylinder)):
-        return (Rule(4, exact=True),)
+        return (Rule(2, exact=True),)
     if isinstance(shape, Cone):
         return (Rule(2, split=True, exact=True),)
     if isinstance(shape, PowerLaw) and shape.exponent == int(shape.exponent) and shape.exponent <= 10:
-        return (Rule(2 * int(shape.exponent), split=bool(shape.exponent % 2), exact=True),)
+        return (Rule(int(shape.exponent), split=bool(shape.exponent % 2), exact=True),)
+    digits = math.log10(10 / rtol)
     if isinstance(shape, PowerLaw):
-        levels = max(2, math.ceil(math.log10(1 / rtol) / shape.exponent))
-        steps = (graded(levels + more) for more in (0, 2, 4))
-        if shape.exponent > _STEEP:  # the apex is flat; what has to be divided is the rise of the last 1/n at the edges
-            levels = math.ceil(math.log2(shape.exponent))
-            steps = (graded(levels + more, 0.5) for more in (-1, 0, 1))
-        return tuple(Rule(n, split=True, fractions=f) for n, f in zip((8, 10, 14), steps, strict=True))
-    if isinstance(shape, Profile):
-        # The profile's points leave kinks of order 5/2: the error falls as pieces^-2.5, and the estimate, the last
-        # polynomials' part, is up to 70 times below it (measured on spheres, cones and wavy bodies).
-        pieces = (1, 2, 6, 16, 48)[sum(rtol < bound for bound in (1e-4, 1e-5, 1e-7)) :]
+        # Slopes x^(n-1): panels so narrow that few nodes show one, down to where what is left does not count.
+        ratio = max(_NARROW, math.exp(-3 / shape.exponent))
+        per_level = shape.exponent * math.log10(1 / ratio)
         return tuple(
-            Rule(10, split=True, fractions=tuple(np.linspace(0, 1, n + 1).tolist()), safety=70.0) for n in pieces
-        )
+            Rule(
+                max(6, math.ceil(1.4 * (digits + more))), split=True,
+                fractions=graded(max(2, math.ceil((digits + more - 1) / per_level)), ratio),
+            )
+            for more in (0, 2, 4)
+        )  # fmt: skip
+    if isinstance(shape, Profile):
+        # Behind each point the slope has a root of the distance to it.
+        rungs = ((8, 0), (8, 1), (10, 3), (12, 6), (14, 9))[sum(rtol < bound for bound in (1e-4, 1e-8)) :]
+        return tuple(Rule(n, split=True, fractions=graded(levels), safety=3.0) for n, levels in rungs)
     sizes = (8, 10, 12, 14, 16, 20, 24, 32)
     needed = sizes[4]
     if smallest > 1:
-        rho = smallest + math.sqrt(smallest**2 - 1)
+        rho = 2 * smallest - 1 + math.sqrt((2 * smallest - 1) ** 2 - 1)
         needed = math.log(10 / rtol) / math.log(rho) + 3
     first = next((n for n in sizes if n >= needed), sizes[-1])
     finer = (2 * first, sizes[-1]) if 2 * first < sizes[-1] else (sizes[-1],)

@@ -34,7 +34,7 @@ class Line(NamedTuple):
     u: Float[Array, " n"]  # [m]
     f: Float[Array, "k n"]  # [Pa m]
     q: Float[Array, " n"]  # [Pa m]
-    velocity: Float[Array, " n"] | None  # [m/s], which only a dashpot asks for
+    velocity: Float[Array, " n"] | None  # [m/s], which only a dashpot needs
     stored: Float[Array, " n"]  # in the branches [Pa m^2]
     w: Float[Array, " n"]  # where the rigid surface is [m]
 
@@ -92,8 +92,8 @@ def _edges(excess: Float[Array, " n"]) -> tuple[Float[Array, " n-1"], Float[Arra
     """What the positive part of a line from a to b, a b < 0, has less than the mean of max(0, a) and max(0, b)."""
     a, b = excess[:-1], excess[1:]
     between = a * b < 0
-    apart = jnp.where(between, 2 * jnp.abs(a - b), 1.0)
-    return jnp.where(between, a * b / apart, 0.0), jnp.where(between, (a + b) / apart, 0.0)
+    span = jnp.where(between, 2 * jnp.abs(a - b), 1.0)
+    return jnp.where(between, a * b / span, 0.0), jnp.where(between, (a + b) / span, 0.0)
 
 
 def felt_by(weight: Array, q: Array, slope: Array, excess: Array | None) -> tuple[Array, Array]:
@@ -158,9 +158,9 @@ def _corrected(
     """The depth after one step of Newton's from `depth`, and the stiffness there."""
     now, stiffness = carried(slope, depth - level)
     stiffness = jax.lax.stop_gradient(spring + stiffness)
-    nobody = stiffness <= 0
-    step = (force - spring * depth - now) / jnp.where(nobody, 1.0, stiffness)
-    return jnp.where(nobody, lowest + force / slope, depth + step), stiffness
+    empty = stiffness <= 0
+    step = (force - spring * depth - now) / jnp.where(empty, 1.0, stiffness)
+    return jnp.where(empty, lowest + force / slope, depth + step), stiffness
 
 
 def _newton(level: Array, lowest: Array, slope: Array, spring: Any, force: Array, active: Array) -> tuple[Array, Array]:
@@ -168,9 +168,9 @@ def _newton(level: Array, lowest: Array, slope: Array, spring: Any, force: Array
     stiffness = spring + total(slope, jnp.where(active, 1.0, 0.0))
     # Without a spring one element at least carries the load. (The place of the least level takes long to find.)
     alone = slope if slope.ndim == 0 else jnp.max(jnp.where(level == lowest, slope, 0.0))
-    nobody = stiffness <= 0
-    load = force + jnp.where(nobody, alone * lowest, total(slope, jnp.where(active, level, 0.0)))
-    return load / jnp.where(nobody, alone, stiffness), stiffness
+    empty = stiffness <= 0
+    load = force + jnp.where(empty, alone * lowest, total(slope, jnp.where(active, level, 0.0)))
+    return load / jnp.where(empty, alone, stiffness), stiffness
 
 
 def kept(holds: Array, function: Callable[..., Any], *args: Any) -> Any:

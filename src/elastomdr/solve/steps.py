@@ -20,8 +20,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array, is_traced
+from ..foundation.decay import phi1
 from ..foundation.modes import Modes
-from ..foundation.step import Elements, advance, coefficients, phi1, rest
+from ..foundation.step import Elements, advance, coefficients, rest
 from ..mapping.disc import Disc, gauss
 from ..material.relaxation import Relaxation
 

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from .._runtime import Array
-from ..foundation.modes import Modes
-from ..foundation.step import phi1
+from ..errors import InputError
+from ..foundation.decay import phi1
+from ..foundation.modes import Modes, recovery_modes
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
+from .control import Course, refined
 from .history import edges as edges_of
 from .history import indent_between, padded
 from .many import over_histories
@@ -22,6 +24,37 @@ from .panels import NODES, cuts
 
 _CUTS = cuts(1)  # of the panels
 _POINTS, _WEIGHTS = legendre.leggauss(12)
+_RTOL = 1e-6  # of a depth that is solved again in between
+
+
+class Elements(NamedTuple):
+    """The elements of an indentation and what was asked for: what a result carries along to find its surface."""
+
+    law: Relaxation  # at the temperature
+    disc: Disc
+    course: Course
+
+    def at(self, depth: np.ndarray, r: np.ndarray, time: float, what: str) -> np.ndarray:
+        """The "pressure" or "displacement" at radii r [m] and one time [s], after the axes of the histories.
+
+        `depth` are the depths that were found, time along the last axis. Raises `InputError`.
+        """
+        modes = recovery_modes(self.law)
+        leading, instants = depth.shape[:-1], depth.shape[-1]
+        rows = [None if part is None else np.reshape(part, (-1, instants)) for part in self.course]
+        values = []
+        for i, row in enumerate(depth.reshape(-1, instants)):
+            history = Course(*(None if part is None else part[i] for part in rows))
+            first, last = history.time[0], history.time[-1]
+            if not first <= time <= last:
+                raise InputError(f"time must be within the history, {first:g} to {last:g} s, got {time:g}.")
+            if not np.isfinite(row).all():
+                values.append(np.full(r.shape, np.nan))
+                continue
+            knots = refined(self.law, modes, self.disc, history, row, _RTOL)
+            surface = surface_at(self.law, modes, self.disc, *knots, time)
+            values.append(getattr(surface, what)(r))
+        return np.stack(values).reshape((*leading, *r.shape))
 
 
 class Surface(NamedTuple):

@@ -1,21 +1,25 @@
 """Carries out a plan: all points of a scene at once, direction-averaged or not, to the tolerance asked for."""
 
-from typing import NamedTuple
+from __future__ import annotations
 
-import jax
-import jax.numpy as jnp
+from typing import TYPE_CHECKING, NamedTuple
+
 import numpy as np
-from jaxtyping import Float
 
-from .._runtime import Array, is_traced
+from .._arrays import compiled, fixed, xp
+from .._runtime import Array
 from ..mapping.direction import asymmetry, directions, interpolation_error, quadrature_error
 from ..mapping.lines import AbstractLines
+from ..mapping.profile import Profile
 from ..mapping.shared_curve import SharedCurve, at_points, average, between_orders, shared_curve
 from ..material.relaxation import Relaxation
-from .condense import condensed
+from .condense import condensed, filled
 from .passage import Control, Passages, solve_passages
 from .plan import TRACED, Plan, traced_level
 from .rule import Rule
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _ROUNDING = 1e-13  # relative, for what no estimate sees
 _CORRECTED = 6  # by which the correction for an asymmetric contact may enlarge the error of the average
@@ -23,7 +27,7 @@ _LEVELS = 5  # how often the steps of an average are halved where its error asks
 _BENT = 3  # by which errors are enlarged where friction may bend, and its series converge by powers only
 _UNSEEN = 0.3  # of the tolerance: what directions of one velocity were off beyond their estimate, for r^3 to r^8
 _BATCH = 4096  # points solved at once, and
-_NUMBERS = 5_000_000  # of the largest array, 40 MB: both bound the memory
+_NUMBERS = 200_000  # of panels times branches, some 100 MB in all: both bound the memory
 
 
 class Sweep(NamedTuple):
@@ -45,7 +49,8 @@ def run(
 ) -> Sweep:
     """The friction of every point of a plan; points that miss the tolerance come back with `line.converged` False."""
     if plan.traced:
-        return _traced(plan, law, lines, value, velocity)
+        # One program; a march looks at its errors where it can, under `jax.grad` for one.
+        return (_traced if plan.marched else _traced_at_once)(plan, law, lines, value, velocity)
     law = condensed(law, plan.condensation)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
@@ -56,13 +61,13 @@ def run(
     else:
         deep = _solve(plan, law, lines, "depth", value, velocity, rtol) if plan.control == "depth" else None
         load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
-        averaged = _shared if plan.shared else _direct
-        mu, error, sampling, good, own, sunk = averaged(plan, law, lines, load, velocity, rtol, 0)
+        averaged, known = _shared if plan.shared else _direct, []
+        mu, error, sampling, good, own, sunk = averaged(plan, law, lines, load, velocity, rtol, 0, known)
         for level in range(1, _LEVELS + 1):
             left = good & ~(error <= rtol * mu) & (sampling <= rtol * mu)
             if not left.any():
                 break
-            again = averaged(plan, law, lines, load[left], velocity[left], rtol, level)
+            again = averaged(plan, law, lines, load[left], velocity[left], rtol, level, known)
             mu[left], error[left], sampling[left], good[left] = again[:4]
             _put(own, left, again[4])
             sunk |= again[5]
@@ -82,16 +87,15 @@ def _sunk(lines: AbstractLines, passages: Passages) -> bool:
 
 def _against_half_space(plan: Plan, mu: Array, error: Array, own: Passages) -> tuple[Array, Array, Array]:
     """Friction, its numerical error and the model's: the average as it is, or corrected for an asymmetric contact."""
-    numpy = jnp if is_traced(mu) else np
     found = asymmetry(mu, own.mu, own.leading, own.trailing, own.exponent)
     if not plan.corrected:
         return mu, error, mu * found.bound
-    factor = numpy.exp(-found.excess)
+    factor = xp.exp(-found.excess)
     error = factor * (error + found.sensitivity * (error + mu * own.error / own.mu))
     return mu * factor, error, mu * factor * found.corrected
 
 
-def _shared(plan, law, lines, load, velocity, rtol, level):
+def _shared(plan, law, lines, load, velocity, rtol, level, known):
     """Velocities at the same load share one line curve, and where they are more than its nodes, its passages too."""
     loads, curve = np.unique(load, return_inverse=True)
     chosen = [np.flatnonzero(curve == i) for i in range(loads.size)]
@@ -101,7 +105,7 @@ def _shared(plan, law, lines, load, velocity, rtol, level):
     alone = np.concatenate(few) if few else np.zeros(0, int)
     every_load = np.concatenate([np.repeat(loads, sizes), load[alone]])
     every_velocity = np.concatenate([grid.velocity for grid in grids] + [velocity[alone]])
-    every = _solve(plan, law, lines, "load", every_load, every_velocity, rtol)
+    every = _solve_new(plan, law, lines, every_load, every_velocity, rtol, known)
     own = Passages(*(np.zeros(load.shape, field.dtype) for field in every))
     _put(own, alone, Passages(*(field[sum(sizes) :] for field in every)))
     mu, error, sampling = (np.empty_like(velocity) for _ in range(3))
@@ -157,11 +161,12 @@ def _read_off(grid: SharedCurve, line: Passages, rtol: float) -> tuple[Passages,
     return Passages(*[*np.exp(fine).T, error, precise]), precise
 
 
-def _direct(plan, law, lines, load, velocity, rtol, level):
+def _direct(plan, law, lines, load, velocity, rtol, level, known):
     """Every velocity has its own directions: for few points, or where each has its own load."""
     rule = directions(rtol, level)
     slowed = velocity[:, None] * rule.cosines
-    every = _solve(plan, law, lines, "load", np.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel(), rtol)
+    loads = np.broadcast_to(load[:, None], slowed.shape).ravel()
+    every = _solve_new(plan, law, lines, loads, slowed.ravel(), rtol, known)
     every = Passages(*(field.reshape(slowed.shape) for field in every))
     own = Passages(*(field[:, 0].copy() for field in every))  # the first direction is the motion itself
     mu = every.mu @ rule.weights
@@ -171,49 +176,85 @@ def _direct(plan, law, lines, load, velocity, rtol, level):
     return mu, error, sampling, every.converged.all(axis=1), own, _sunk(lines, every)
 
 
+def _solve_new(
+    plan: Plan, law: Relaxation, lines: AbstractLines, load: Array, velocity: Array, rtol: float,
+    known: list[tuple[Array, Array, Passages]],
+) -> Passages:  # fmt: skip
+    """Passages at given loads, but for those `known` from longer steps of the average, to which it adds the others."""
+    if not known:
+        known.append((load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol)))
+        return known[0][2]
+    asked = list(zip(load.tolist(), velocity.tolist(), strict=True))
+    before = {pair for loads, velocities, _ in known for pair in zip(loads.tolist(), velocities.tolist(), strict=True)}
+    new = np.array([pair not in before for pair in asked], bool)
+    if new.any():
+        load, velocity = load[new], velocity[new]
+        start = _between(*_joined(known), load, velocity)
+        known.append((load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol, start)))
+    loads, velocities, every = _joined(known)
+    row = {pair: i for i, pair in enumerate(zip(loads.tolist(), velocities.tolist(), strict=True))}
+    rows = [row[pair] for pair in asked]
+    return Passages(*(field[rows] for field in every))
+
+
+def _joined(known: list[tuple[Array, Array, Passages]]) -> tuple[Array, Array, Passages]:
+    loads, velocities, parts = zip(*known, strict=True)
+    every = Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
+    return np.concatenate(loads), np.concatenate(velocities), every
+
+
+def _between(loads: Array, velocities: Array, known: Passages, load: Array, velocity: Array) -> Passages:
+    """Passages to begin a search with: both edges from passages at the same loads and velocities nearby."""
+    ratio = np.clip(known.trailing / known.leading, 1e-15, 1 - 4e-16)
+    leading, trailing, good = np.empty_like(load), np.empty_like(load), np.zeros(load.shape, bool)
+    for each in np.unique(load):
+        there, here = np.flatnonzero((loads == each) & known.converged), load == each
+        if there.size:
+            there = there[np.argsort(velocities[there])]
+            at, place = np.log(velocity[here]), np.log(velocities[there])
+            leading[here] = np.exp(np.interp(at, place, np.log(known.leading[there])))
+            share = np.interp(at, place, np.log(ratio[there] / (1 - ratio[there])))
+            trailing[here], good[here] = leading[here] / (1 + np.exp(-share)), True
+    blank = np.full(load.shape, np.nan)
+    return Passages(blank, load, blank, blank, leading, trailing, blank, blank, good)
+
+
 def _solve(
     plan: Plan, law: Relaxation, lines: AbstractLines, control: Control, value: Array, velocity: Array,
-    rtol: float,
+    rtol: float, start: Passages | None = None,
 ) -> Passages:  # fmt: skip
-    """Passages as NumPy arrays, in batches, with the rules of the plan tried in turn where the error asks for it."""
+    """Passages as NumPy arrays, with the rules of the plan tried in turn where the error asks for it."""
     wanted = 0.1 * rtol
     value, velocity = np.asarray(value), np.asarray(velocity)
     if plan.marched:
         from .march import march_passages  # loads diffrax, which the other routes do without
 
-        return _as_numpy(march_passages(law, lines, control, value, velocity, max(wanted, 1e-9)))
+        return march_passages(filled(law), lines, control, value, velocity, max(wanted, 1e-9))
+    part = _in_batches(law, lines, plan.rules[0], control, value, velocity, start)
+    for finer in plan.rules[1:]:
+        left = part.converged & ~(part.error <= wanted * part.mu)
+        if not np.any(left):
+            break
+        start = Passages(*(field[left] for field in part))
+        _put(part, np.asarray(left), _in_batches(law, lines, finer, control, value[left], velocity[left], start))
+    return part
+
+
+def _in_batches(
+    law: Relaxation, lines: AbstractLines, rule: Rule, control: Control, value: Array, velocity: Array,
+    start: Passages | None = None,
+) -> Passages:  # fmt: skip
+    """`solve_passages` for as many points at once as the memory is meant to hold."""
+    panels = (len(rule.fractions) - 1) * (rule.strips if lines.count > 1 else 1)
+    panels *= lines.shape.r.size if isinstance(lines.shape, Profile) else 1
+    most = int(np.clip(_NUMBERS // (panels * (1 + law.moduli.size)), 16, _BATCH))
+    if velocity.size <= most:
+        return solve_passages(law, lines, rule, control, value, velocity, start)
     parts = []
-    finest = max(plan.rules, key=lambda rule: rule.samples * rule.strips)
-    each = finest.samples**2 // finest.nodes * (finest.strips if lines.count > 1 else 1)
-    batch = int(np.clip(_NUMBERS // each, 16, _BATCH))
-    for start in range(0, velocity.size, batch):
-        here = slice(start, start + batch)
-        part = _padded(law, lines, plan.rules[0], control, value[here], velocity[here])
-        for finer in plan.rules[1:]:
-            if not np.any(part.converged & (part.error > wanted * part.mu)):
-                break
-            part = _padded(law, lines, finer, control, value[here], velocity[here])
-        parts.append(part)
+    for some in np.array_split(np.arange(velocity.size), -(-velocity.size // most)):
+        begun = None if start is None else Passages(*(field[some] for field in start))
+        parts.append(solve_passages(law, lines, rule, control, value[some], velocity[some], begun))
     return Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
-
-
-def _padded(law, lines, rule: Rule, control: Control, value: Array, velocity: Array) -> Passages:
-    """Solves with the number of points rounded up, so that few sizes are compiled."""
-    count = velocity.size
-    size = next(n for n in _sizes() if n >= count)
-    fill = [(0, size - count)]
-    out = solve_passages(law, lines, rule, control, np.pad(value, fill, "edge"), np.pad(velocity, fill, "edge"))
-    return Passages(*(np.asarray(field)[:count] for field in out))
-
-
-def _sizes():
-    """Few and far between where points cost less than compiling for their number."""
-    yield 64
-    size = 320
-    while True:
-        yield size
-        yield size * 3 // 2
-        size *= 2
 
 
 def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array) -> Sweep:
@@ -235,7 +276,7 @@ def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, vel
         around = directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends))
         load = value if plan.control == "load" else solve("depth", value, velocity).normal_force
         slowed = velocity[:, None] * around.cosines
-        every = solve("load", jnp.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel())
+        every = solve("load", xp.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel())
         every = Passages(*(field.reshape(slowed.shape) for field in every))
         own = Passages(*(field[:, 0] for field in every))  # the first direction is the motion itself
         mu = every.mu @ around.weights
@@ -244,10 +285,9 @@ def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, vel
         error = quadrature + every.error @ around.weights
         good = every.converged.all(axis=1)
         mu, error, model_error = _against_half_space(plan, mu, error, own)
-    error = jax.lax.stop_gradient(error + mu * _ROUNDING)
-    good = jax.lax.stop_gradient(good & (error <= plan.rtol * mu))
-    return Sweep(mu, error, own._replace(converged=good), jax.lax.stop_gradient(model_error))
+    error = fixed(error + mu * _ROUNDING)
+    good = fixed(good & (error <= plan.rtol * mu))
+    return Sweep(mu, error, own._replace(converged=good), fixed(model_error))
 
 
-def _as_numpy(passages: Passages) -> Passages:
-    return Passages(*(np.asarray(field) for field in passages))
+_traced_at_once = compiled("plan")(_traced)

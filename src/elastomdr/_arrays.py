@@ -1,0 +1,218 @@
+"""One source for numbers and for what JAX transforms: the array namespace `xp`, and what differs besides.
+
+While a public call of numbers runs, `xp` stands for NumPy; if one of its arguments is traced, or the call belongs to
+what only JAX computes, for `jax.numpy`. A formula is written once, over `xp`. A tracer that reaches NumPy raises.
+"""
+
+from __future__ import annotations
+
+import functools
+import sys
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+import numpy as np
+
+from ._compiled import keep_compiled_code
+from ._trees import Tree
+
+if TYPE_CHECKING:
+    import jax
+
+    Array = jax.Array | np.ndarray  # JAX while tracing or inside a computation, NumPy where values are handed out
+else:
+    Array = Any
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class _Mode(threading.local):
+    numpy = False  # of a new thread, and outside of public calls
+
+
+_mode = _Mode()
+
+
+class _Namespace:
+    """NumPy or `jax.numpy`, whichever is to be used at the moment and in this thread."""
+
+    def __getattr__(self, name: str) -> Any:
+        if _mode.numpy:
+            return getattr(np, name)
+        import jax.numpy as jnp
+
+        return getattr(jnp, name)
+
+
+xp: Any = _Namespace()
+
+
+def on_numpy() -> bool:
+    """Whether `xp` is NumPy at the moment."""
+    return _mode.numpy
+
+
+def numpy_unless_traced(function: Callable[P, R]) -> Callable[P, R]:
+    """Runs `function` on NumPy, or, if JAX traces one of its arguments, on `jax.numpy` with 64-bit types."""
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        if is_traced(args, kwargs):
+            return on_jax(function, *args, **kwargs)
+        before, _mode.numpy = _mode.numpy, True
+        try:
+            with np.errstate(all="ignore"):
+                return function(*args, **kwargs)
+        finally:
+            _mode.numpy = before
+
+    return wrapper
+
+
+def in_float64(function: Callable[P, R]) -> Callable[P, R]:
+    """Runs `function` on JAX with 64-bit types enabled and leaves the caller's JAX setting as it was.
+
+    Arrays in its answer that are not traced come back as NumPy arrays: JAX's own would be rounded to float32 by the
+    caller's next operation under JAX's default configuration.
+    """
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        return on_jax(function, *args, **kwargs)
+
+    return wrapper
+
+
+def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
+    """One call on JAX with 64-bit types; see `in_float64`."""
+    import jax
+
+    keep_compiled_code()
+    before, _mode.numpy = _mode.numpy, False
+    try:
+        with jax.enable_x64(True):
+            return jax.tree.map(as_numpy, function(*args, **kwargs))
+    finally:
+        _mode.numpy = before
+
+
+def as_numpy(leaf: Any) -> Any:
+    """A NumPy array in place of an array of JAX's that is not traced; anything else as it is."""
+    jax = sys.modules.get("jax")
+    if jax is not None and isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer):
+        return np.asarray(leaf)
+    return leaf
+
+
+def is_traced(*trees: Any) -> bool:
+    """Whether any leaf is under a JAX transformation, so that its value cannot be looked at."""
+    tracer = getattr(getattr(sys.modules.get("jax"), "core", None), "Tracer", None)
+    return tracer is not None and any(_holds(tree, tracer) for tree in trees)
+
+
+_PLAIN = {np.ndarray, np.float64, np.bool_, float, int, bool, str, type(None)}
+
+
+def _holds(tree: Any, tracer: type) -> bool:
+    if type(tree) in _PLAIN:
+        return False
+    if isinstance(tree, (tuple, list)):
+        return any(_holds(part, tracer) for part in tree)
+    if isinstance(tree, (Tree, dict)):
+        return any(_holds(part, tracer) for part in (tree if isinstance(tree, dict) else vars(tree)).values())
+    if isinstance(tree, tracer):
+        return True
+    import jax
+
+    return any(isinstance(leaf, tracer) for leaf in jax.tree.leaves(tree))
+
+
+def compiled(*static: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """`jax.jit`, with some arguments static, where JAX computes; the function itself where NumPy does."""
+
+    def mark(function: Callable[P, R]) -> Callable[P, R]:
+        program: Any = None
+
+        @functools.wraps(function)
+        def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+            nonlocal program
+            if _mode.numpy:
+                return function(*args, **kwargs)
+            if program is None:
+                import jax
+
+                program = jax.jit(function, static_argnames=static)
+            return program(*args, **kwargs)
+
+        return wrapper
+
+    return mark
+
+
+def while_loop(condition: Callable[[Any], Any], body: Callable[[Any], Any], state: Any) -> Any:
+    """`jax.lax.while_loop`."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.while_loop(condition, body, state)
+    while condition(state):
+        state = body(state)
+    return state
+
+
+def fori_loop(start: int, stop: int, body: Callable[[Any, Any], Any], state: Any) -> Any:
+    """`jax.lax.fori_loop`."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.fori_loop(start, stop, body, state)
+    for i in range(start, stop):
+        state = body(i, state)
+    return state
+
+
+def fixed(tree: Any) -> Any:
+    """`jax.lax.stop_gradient`."""
+    if _mode.numpy:
+        return tree
+    import jax
+
+    return jax.lax.stop_gradient(tree)
+
+
+def arrays(tree: Any) -> Any:
+    """Its leaves as arrays of `xp`; on NumPy they are already."""
+    if _mode.numpy:
+        return tree
+    import jax
+
+    return jax.tree.map(jax.numpy.asarray, tree)
+
+
+def each(function: Callable[[Any], Any], over: Any) -> Any:
+    """`jax.lax.map`: the results of a function of each entry along the first axis, stacked; one array each."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.map(function, over)
+    return np.stack([function(entry) for entry in over])
+
+
+def scan(step: Callable[[Any, Any], Any], state: Any, over: Any) -> Any:
+    """`jax.lax.scan` over named tuples of arrays or None: the states after each entry of `over`, stacked.
+
+    An array of `over` with one entry along its first axis serves every step.
+    """
+    length = max(x.shape[0] for x in over if x is not None)
+    if not _mode.numpy:
+        import jax
+
+        over = jax.tree.map(lambda x: jax.numpy.broadcast_to(x, (length, *x.shape[1:])), over)
+        return jax.lax.scan(lambda before, x: (step(before, x),) * 2, state, over)[1]
+    states = []
+    for i in range(length):
+        state = step(state, type(over)(*(None if x is None else x[min(i, x.shape[0] - 1)] for x in over)))
+        states.append(state)
+    return type(state)(*(None if x[0] is None else np.stack(x) for x in zip(*states, strict=True)))

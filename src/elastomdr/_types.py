@@ -1,0 +1,74 @@
+"""The types of arguments, for editors and type checkers only: other modules import them under `TYPE_CHECKING`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias, TypedDict
+
+if TYPE_CHECKING:
+    import jax
+    import numpy as np
+
+    from .foundation.law import Foundation, TabulatedFoundation
+    from .mapping.rough_line import RoughLine
+    from .mapping.shapes import AbstractShape
+    from .mapping.spectrum import AbstractSpectrum
+    from .material.prony import Prony
+    from .material.shift import AbstractShift
+    from .material.tabulated import TabulatedModulus
+    from .material.validity import Range
+    from .models import Model
+
+
+class HasArray(Protocol):
+    """What NumPy makes an array of, such as a column of pandas or xarray."""
+
+    def __array__(self) -> np.ndarray: ...
+
+
+Array: TypeAlias = "jax.Array | np.ndarray"  # JAX's where it traces, NumPy's otherwise
+ComplexArray: TypeAlias = "jax.Array | np.ndarray[Any, np.dtype[np.complex128]]"
+Scalar: TypeAlias = "float | jax.Array"  # JAX's where it traces, a Python float otherwise
+Number: TypeAlias = "float | np.number | np.ndarray | jax.Array"  # one; arrays without a shape
+ArrayLike: TypeAlias = "Number | HasArray | Sequence[Number] | Sequence[Sequence[Number]] | Sequence[HasArray]"
+
+Kind: TypeAlias = Literal["shear", "tensile"]
+Solid: TypeAlias = "Prony | TabulatedModulus"  # of which a file or the library may hold either
+Material: TypeAlias = "Prony | TabulatedModulus | Foundation | TabulatedFoundation"
+Materials: TypeAlias = "Material | Sequence[Material]"  # one, or several along the first axis of the result
+RangeLike: TypeAlias = "Range | dict[str, tuple[float, float]] | dict[str, list[float]]"
+
+Indenter: TypeAlias = "AbstractShape"  # a smooth body
+Surface: TypeAlias = "RoughLine | AbstractSpectrum"  # a rough one
+ModelName: TypeAlias = Literal["averaged", "line", "multiscale", "persson", "half-space"]
+ModelLike: TypeAlias = "Model | ModelName"
+
+Convention: TypeAlias = Literal["2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"]
+Motion: TypeAlias = Literal["friction", "rolling"]
+LawName: TypeAlias = Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"]
+Style: TypeAlias = Literal["paper"]  # of a figure
+
+
+class Store(Protocol):
+    """Keeps finished parts of a computation."""
+
+    def get(self, key: str, /) -> np.ndarray | None: ...
+    def put(self, key: str, arrays: np.ndarray, /) -> None: ...
+
+
+class Properties(TypedDict, total=False):
+    """The keyword arguments of `em.Prony` that are no moduli."""
+
+    kind: Kind
+    poisson: Number | None
+    bulk: Number | None
+    shift: AbstractShift | None
+    name: str
+    citation: str
+    range: RangeLike | None
+
+
+class DashpotProperties(Properties, total=False):
+    """With a parallel dashpot."""
+
+    viscosity: Number

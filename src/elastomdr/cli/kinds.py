@@ -1,0 +1,50 @@
+"""The kinds of scenes of each command, and reading a file as one of them."""
+
+import tomllib
+from pathlib import Path
+
+from ..errors import InputError
+from ..files import read_bytes
+from .history import Impact, Indentation, IndentationByPoints
+from .scene import Scene
+from .schema import decode, keys_of
+from .stages import BodySlide, SurfaceSlide
+from .steady import BodyFriction, ConveyorScene, Rolling, SurfaceFriction, WarmingScene
+from .wheel import Traction, WheelTraction
+
+_MOST_BYTES = 10_000_000  # a scene is a page of text; what is larger is some other file
+
+# Of each command, the kind that a scene is by default last.
+KINDS: dict[str, tuple[type[Scene], ...]] = {
+    "friction": (SurfaceFriction, BodyFriction),
+    "rolling": (WarmingScene, ConveyorScene, Rolling),
+    "indent": (IndentationByPoints, Indentation),
+    "impact": (Impact,),
+    "slide": (SurfaceSlide, BodySlide),
+    "traction": (WheelTraction, Traction),
+}
+
+
+def read_scene(verb: str, path: Path) -> Scene:
+    """A scene of the command `verb` from its file. Raises `InputError` for whatever is wrong."""
+    try:
+        content = tomllib.loads(read_bytes(path, _MOST_BYTES).decode())
+    except OSError as error:
+        raise InputError(f"the scene cannot be read: {error.strerror or error}.") from error
+    except (ValueError, RecursionError) as error:  # not UTF-8, not TOML, no valid path
+        raise InputError(f"the scene is not valid TOML: {error}.") from error
+    kind = next((kind for kind in KINDS[verb] if kind.fits(content)), KINDS[verb][-1])
+    for key in content:
+        if key not in keys_of(kind):
+            _refuse(verb, kind, key, isinstance(content[key], dict | list))
+    return decode(kind, content)
+
+
+def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
+    """Raises `InputError` for a key that other kinds of scenes have."""
+    name = f"[{key}]" if table else key
+    if any(key in keys_of(other) for other in KINDS[verb]):
+        raise InputError(f"{name} does not belong to a scene of this kind: {kind.__doc__}")
+    homes = [home for home, kinds in KINDS.items() if any(key in keys_of(other) for other in kinds)]
+    if homes:
+        raise InputError(f"{name} belongs to elastomdr {', '.join(homes)}, not to elastomdr {verb}.")

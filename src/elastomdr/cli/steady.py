@@ -1,0 +1,170 @@
+"""Scenes of `elastomdr friction`, `rolling` and `plan`: steady sliding and rolling, its heat, a whole belt."""
+
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+import msgspec
+
+import elastomdr as em
+
+from ..errors import InputError
+from .indenter import AnyShape, Cylinder
+from .scene import Contact, Layer, OfBodies, Scene, body, load, on_axes
+from .schema import Instants, Several, Sweep, Table, Text, given, named
+from .surface import AnySurface, Heat
+from .units import (
+    Conductance,
+    Duration,
+    Force,
+    HeatCapacity,
+    Length,
+    LineLoad,
+    LineMass,
+    LoadedMass,
+    Pressure,
+    Temperature,
+    Velocity,
+)  # fmt: skip
+
+
+class BodyContact(Contact):
+    """How the body is pressed on and how fast it moves."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("load", "depth")
+    load: Annotated[Several[Force] | None, "normal force"] = None
+    depth: Annotated[Several[Length] | None, "indentation depth, in place of the load"] = None
+
+
+class SurfaceContact(Contact):
+    """How the surface is pressed on and how fast it slides."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("pressure", "load", "depth")
+    pressure: Annotated[Several[Pressure] | None, "nominal pressure"] = None
+    load: Annotated[Several[LineLoad] | None, "force per length of a line, in place of the pressure"] = None
+    depth: Annotated[Several[Length] | None, "depth of the highest point of a line, in place of it"] = None
+
+
+class Rolling(OfBodies):
+    """Rolling resistance of a body."""
+
+    call: ClassVar[str] = "rolling"
+    indenter: Annotated[AnyShape, "the rigid body"]
+    contact: Annotated[BodyContact, "how it is pressed on and moved"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        return on_axes({"shape": body(self.indenter, folder)} | self.common(folder) | self.contact.arguments())
+
+
+class BodyFriction(Rolling):
+    """Friction of a body."""
+
+    call: ClassVar[str] = "friction"
+    measured: Annotated[Text | None, "measured friction, a table beside the scene, drawn over the curve"] = None
+
+
+class SurfaceFriction(OfBodies):
+    """Friction of a rough surface."""
+
+    mark: ClassVar[str] = "surface"
+    call: ClassVar[str] = "friction"
+    surface: Annotated[AnySurface, "the rough surface"]
+    contact: Annotated[SurfaceContact, "how it is pressed on and moved"]
+    heat: Annotated[Heat | None, "flash temperature"] = None
+    measured: Annotated[Text | None, "measured friction, a table beside the scene, drawn over the curve"] = None
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        with named("[surface]"):
+            surface = self.surface.isotropic(folder)
+        heat = {} if self.heat is None else {"heat": em.Heat(self.heat.conductivity, self.heat.heat_capacity)}
+        return on_axes({"shape": surface} | self.common(folder) | self.contact.arguments() | heat)
+
+
+class WarmingContact(Contact):
+    """How the body is pressed on and how fast it rolls."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("load",)
+    load: Annotated[Several[Force], "normal force"]
+
+
+class Warming(Table):
+    """A rolling body that its own resistance heats."""
+
+    ambient: Annotated[Several[Temperature], "temperature of the surroundings"]
+    conductance: Annotated[Conductance, "from the body to its surroundings"]
+    capacity: Annotated[HeatCapacity | None, "heat capacity of the body, for the way to the steady state"] = None
+    duration: Annotated[Duration | None, "how long the body rolls"] = None
+    points: Annotated[Instants, "instants of that time"] = 121
+    hottest: Annotated[Temperature | None, "highest temperature looked at, by default the material's"] = None
+
+    def __post_init__(self) -> None:
+        if (self.capacity is None) != (self.duration is None):
+            raise InputError("capacity and duration belong together: give both for the history, or neither.")
+
+
+class WarmingScene(OfBodies):
+    """Temperature of a rolling body."""
+
+    mark: ClassVar[str] = "warming"
+    call: ClassVar[str] = "warming"
+    temperature: Annotated[None, "the body finds its own"] = None
+    indenter: Annotated[AnyShape, "the rigid body"]
+    contact: Annotated[WarmingContact, "how it is pressed on and moved"]
+    warming: Annotated[Warming, "what heats and cools it"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        import numpy as np
+
+        found = {"shape": body(self.indenter, folder)} | self.common(folder) | self.contact.arguments()
+        found |= given(self.warming, "ambient", "conductance", "capacity", "hottest")
+        if self.warming.duration is not None:
+            found["time"] = np.linspace(0, self.warming.duration, self.warming.points)
+        return on_axes(found)
+
+
+class ConveyorContact(Table):
+    """How fast the belt runs."""
+
+    velocity: Annotated[Sweep[Velocity], "velocity of the belt"]
+
+
+class Conveyor(Table):
+    """A belt conveyor: roll and cover of the scene on the carry side, one roll in a set on the return side."""
+
+    spacing: Annotated[Length, "distance of the sets of idlers on the carry side"]
+    shares: Annotated[
+        Annotated[list[float], msgspec.Meta(min_length=1)] | None,
+        "of the load on a set, by roll; 1 by default",
+    ] = None
+    belt: Annotated[LineMass, "mass of the belt per length"]
+    goods: Annotated[Several[LoadedMass], "mass of the goods per length"]
+    return_spacing: Annotated[Length, "distance of the rolls on the return side"]
+    return_length: Annotated[Length | None, "length of such a roll; by default that of all rolls of a set"] = None
+    return_thickness: Annotated[Length | None, "of the cover that it dents; by default that of the layer"] = None
+
+
+class ConveyorScene(Scene):
+    """Power of a belt conveyor."""
+
+    mark: ClassVar[str] = "conveyor"
+    call: ClassVar[str] = "conveyor"
+    indenter: Annotated[Cylinder, "one roll of the carry side"]
+    layer: Annotated[Layer, "the cover that it dents"]
+    contact: Annotated[ConveyorContact, "how fast the belt runs"]
+    conveyor: Annotated[Conveyor, "the belt"]
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        belt, roll, layer = self.conveyor, self.indenter, self.layer
+        material = load(folder, "material", self.material)
+        carried, back = (
+            em.springs(material, thickness, bonded=layer.bonded)
+            for thickness in (layer.thickness, belt.return_thickness or layer.thickness)
+        )
+        shares = belt.shares or [1.0]
+        length = belt.return_length or len(shares) * roll.length
+        with named("[conveyor]"):
+            sides = {
+                "carry": em.Idlers(carried, body(roll, folder), spacing=belt.spacing, shares=shares),
+                "back": em.Idlers(back, em.Cylinder(roll.radius, length), spacing=belt.return_spacing),
+            }
+        found = given(self, "temperature") | self.numerics.chosen() | given(belt, "belt", "goods")
+        return sides | on_axes(found | {"velocity": self.contact.velocity})

@@ -1,0 +1,20 @@
+"""The public names of `elastomdr.fit` and where they live, for editors and type checkers."""
+
+from ..io.data import Dma as Dma
+from ..io.data import FitWarning as FitWarning
+from ..io.data import dma as dma
+from ..io.data import join as join
+from ..io.data import relaxation as relaxation
+from .calibration import Calibration as Calibration
+from .calibration import calibrate as calibrate
+from .cards import abaqus_card as abaqus_card
+from .cards import ansys_card as ansys_card
+from .cards import plain_card as plain_card
+from .grosch import FrictionMaster as FrictionMaster
+from .grosch import friction_master as friction_master
+from .master import MasterCurve as MasterCurve
+from .master import master_curve as master_curve
+from .pipeline import MaterialFit as MaterialFit
+from .pipeline import material as material
+from .series import PronyFit as PronyFit
+from .series import prony as prony

@@ -1,0 +1,305 @@
+"""Figures of a fit: master curve and band, shift factors, Cole-Cole, van Gurp-Palmen; matplotlib only when drawn."""
+
+import warnings
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..results.plotting import FAINT, INK, PALETTE, Ask, begin, frame, saved, write_title
+
+if TYPE_CHECKING:
+    from .grosch import FrictionMaster
+    from .master import MasterCurve
+    from .pipeline import MaterialFit
+    from .series import PronyFit
+
+_BLUE, _RED, _BAND = PALETTE[0], PALETTE[4], "#e08214"
+_NO_VERTICAL = 1e-4  # standard deviation of log10 b_T below which a fit had no vertical shifts to find
+_SHOWN = 10  # temperatures that a legend names
+
+
+def figures(fit: "MaterialFit") -> dict[str, bytes]:
+    """Name to PNG image of everything there is to see of a material's fit."""
+    found = {"master": saved(draw_prony(fit.prony))}
+    if fit.master.temperature.size > 1:
+        found["shifts"] = saved(draw_shifts(fit.master))
+    if fit.master.omega.size:
+        found["cole-cole"] = saved(draw_cole_cole(fit.prony))
+        found["van-gurp-palmen"] = saved(draw_van_gurp_palmen(fit.master))
+    return found
+
+
+def draw_master(master: "MasterCurve", ax: Any = None, style: str | None = None) -> Any:
+    """Shifted data, one colour per isotherm, with the smooth curve and its 95 % band."""
+    ax = _axes(ax, style)
+    _logarithmic(ax)
+    _data(ax, master)
+    if master.omega.size:
+        omega = np.geomspace(*master.window, 300)
+        _band(ax, master.band(omega), "smooth spectrum")
+    else:
+        t = np.geomspace(1 / master.window[1], 1 / master.window[0], 300)
+        _relaxation_band(ax, master.relaxation_band(t), "smooth spectrum")
+    _label_moduli(ax, master.kind, bool(master.omega.size))
+    _title(ax, f"Master curve at {master.reference - 273.15:.4g} °C", master.source)
+    return ax
+
+
+def draw_prony(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any:
+    """Data and series over frequency (or time), with the 95 % band; the series beyond the data is dashed."""
+    ax = _axes(ax, style)
+    _logarithmic(ax)
+    if fit.master is not None:
+        _data(ax, fit.master)
+    elif fit.omega.size:
+        ax.plot(fit.omega, fit.storage, "o", color=_BLUE, markersize=_dot(ax), label="storage modulus")
+        ax.plot(fit.omega, fit.loss, "s", color=_RED, markersize=_dot(ax), markerfacecolor="none", label="loss modulus")
+    else:
+        ax.plot(fit.time, fit.relaxation, "o", color=_BLUE, markersize=_dot(ax), label="relaxation modulus")
+    low, high = fit.window
+    if fit.omega.size:
+        wide = np.geomspace(low / 10, high * 10, 400)
+        for values, label in zip(fit.moduli_at(wide), ("beyond the data", None), strict=True):
+            ax.plot(wide, values, "--", color=FAINT, linewidth=0.9, zorder=2, label=label)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            _band(ax, fit.band(np.geomspace(low, high, 300)), f"Prony series, {fit.terms} terms")
+    else:
+        wide = np.geomspace(1 / high / 10, 10 / low, 400)
+        ax.plot(wide, fit.relaxation_at(wide), "--", color=FAINT, linewidth=0.9, zorder=2, label="beyond the data")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            band = fit.relaxation_band(np.geomspace(1 / high, 1 / low, 300))
+        _relaxation_band(ax, band, f"Prony series, {fit.terms} terms")
+    _label_moduli(ax, fit.kind, bool(fit.omega.size))
+    named = (("storage", fit.storage_residual), ("loss", fit.loss_residual), ("relaxation", fit.relaxation_residual))
+    residuals = ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size))
+    place = f" at {fit.master.reference - 273.15:.4g} °C" if fit.master is not None else ""
+    _title(ax, f"{fit.material.name or 'Prony series'}{place}", f"rms relative residuals: {residuals}")
+    return ax
+
+
+def draw_shifts(master: "MasterCurve", ax: Any = None, style: str | None = None) -> Any:
+    """Horizontal shift factors with 95 % intervals and the laws through them; vertical ones below, where there are."""
+    vertical = ax is None and master.log10_b_std.max() >= _NO_VERTICAL
+    ax = _axes(ax, style, {"nrows": 2, "sharex": True, "height_ratios": (3, 1)} if vertical else None)
+    lower = ax._elastomdr.panels[1] if vertical else None
+    celsius = master.temperature - 273.15
+    ax.errorbar(
+        celsius, master.log10_a, 1.96 * master.log10_a_std, fmt="none", ecolor=FAINT, capsize=0.7 * _dot(ax), zorder=2
+    )
+    for poor, face, label in ((False, _BLUE, "shifted, 95 % interval"), (True, "white", "not separable from b_T")):
+        at = master.ambiguous == poor
+        if at.any():
+            ax.plot(
+                celsius[at],
+                master.log10_a[at],
+                "o",
+                color=_BLUE,
+                markerfacecolor=face,
+                markersize=_dot(ax),
+                label=label,
+            )
+    fine = np.linspace(celsius.min(), celsius.max(), 200)
+    for name, style in (("WLF", "-"), ("Arrhenius", ":")):
+        if name in master.laws:
+            fit = master.laws[name]
+            label = f"{name}, rms {fit.rms:.2g} decades"
+            ax.plot(fine, np.asarray(fit.law._log10_a(fine + 273.15)), style, color=_RED, label=label, zorder=1)
+    ax.axvline(master.reference - 273.15, color="#cccccc", linewidth=0.8, zorder=0)
+    ax.set_ylabel("log10 a_T [-]")
+    ax.legend(frameon=False, fontsize=_size(ax))
+    if lower is not None:
+        lower.errorbar(celsius, master.log10_b, 1.96 * master.log10_b_std, fmt="o", color=_BLUE, ecolor=FAINT,
+                       capsize=0.7 * _dot(ax), markersize=_dot(ax))  # fmt: skip
+        lower.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
+        lower.set_ylabel("log10 b_T [-]")
+    (ax if lower is None else lower).set_xlabel("Temperature [°C]")
+    for each in (ax, lower) if lower is not None else (ax,):
+        frame(each)
+    _title(ax, f"Shift factors about {master.reference - 273.15:.4g} °C", master.source)
+    return ax
+
+
+def draw_cole_cole(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any:
+    """Loss against storage modulus: shifts of frequency drop out, what remains off the line is misfit."""
+    ax = _axes(ax, style)
+    master = fit.master
+    storage, loss = (fit.storage, fit.loss) if master is None else (master.storage, master.loss)
+    lifted = master is not None and bool(np.abs(master.log10_b).max() > 1e-3)
+    colours = _BLUE if master is None else _colours(master, master.isotherm)
+    line = fit.moduli_at(np.geomspace(fit.window[0], fit.window[1], 400))
+    _logarithmic(ax)
+    _widen(ax, np.concatenate([storage, line[0]]), np.concatenate([loss, line[1]]))
+    ax.scatter(storage, loss, c=colours, s=_dot(ax) ** 2, zorder=3)
+    ax.plot(*line, color=INK, linewidth=1.2, zorder=4)
+    letter = "G" if fit.kind == "shear" else "E"
+    ax.set(xlabel=f"Storage modulus {letter}' [Pa]", ylabel=f"Loss modulus {letter}'' [Pa]")
+    frame(ax)
+    _legend(ax, master)
+    _title(ax, "Cole-Cole", "line: Prony series" + ("; vertical shifts applied" if lifted else ""))
+    return ax
+
+
+def draw_van_gurp_palmen(master: "MasterCurve", ax: Any = None, style: str | None = None) -> Any:
+    """Phase angle against modulus as measured, unshifted: one curve means thermorheologically simple."""
+    ax = _axes(ax, style)
+    modulus = np.hypot(master.dma.storage, master.dma.loss)
+    angle = np.degrees(np.arctan2(master.dma.loss, master.dma.storage))
+    ax.set(xscale="log")
+    _widen(ax, modulus)
+    ax.scatter(modulus, angle, c=_colours(master, master.isotherm), s=_dot(ax) ** 2, zorder=3)
+    letter = "G" if master.kind == "shear" else "E"
+    ax.set(xlabel=f"Modulus |{letter}*| [Pa]", ylabel="Phase angle [°]")
+    frame(ax)
+    _legend(ax, master)
+    _title(ax, "Van Gurp-Palmen", "as measured, no shift of any kind")
+    return ax
+
+
+def draw_friction_master(master: "FrictionMaster", ax: Any = None, style: str | None = None) -> Any:
+    """Measured friction over reduced velocity, one colour per temperature, with the smooth curve and its band."""
+    ax = _axes(ax, style)
+    levels = master.temperature
+    colours = _scale(levels.size)
+    for i, kelvin in enumerate(levels):
+        at = master.number == i
+        ax.semilogx(
+            master.velocity[at],
+            master.mu[at],
+            "o",
+            color=colours[i],
+            markersize=_dot(ax),
+            label=_celsius(float(kelvin)),
+        )
+    v = np.geomspace(master.velocity.min(), master.velocity.max(), 300)
+    value, low, high = master.curve(v)
+    (line,) = ax.semilogx(v, value, color=INK, linewidth=1.2)
+    ax.fill_between(v, low, high, color=FAINT, alpha=0.25, linewidth=0)
+    ax.set(xlabel="Reduced velocity v a_T [m/s]", ylabel="Friction coefficient [-]")
+    frame(ax)
+    outside = _legend_outside(ax, *ax.get_legend_handles_labels())
+    ax.legend([line], ["smooth curve, 95 % band"], frameon=False, fontsize=_size(ax), loc="best")
+    ax.add_artist(outside)
+    outside.set_clip_on(False)  # else no room is left for it
+    _title(ax, f"Measured friction shifted to {master.reference - 273.15:.4g} °C", "")
+    return ax
+
+
+def _data(ax: Any, master: "MasterCurve") -> None:
+    if master.omega.size:
+        colours = _colours(master, master.isotherm)
+        ax.scatter(master.omega, master.storage, c=colours, s=_dot(ax) ** 2, marker="o", zorder=3)
+        ax.scatter(
+            master.omega, master.loss, s=_dot(ax) ** 2, marker="s", facecolors="none", edgecolors=colours, zorder=3
+        )
+        ax.plot([], [], "o", color=FAINT, markersize=_dot(ax), label="storage modulus")
+        ax.plot([], [], "s", color=FAINT, markersize=_dot(ax), markerfacecolor="none", label="loss modulus")
+    else:
+        ax.scatter(master.time, master.relaxation, c=_colours(master, master.time_isotherm), s=_dot(ax) ** 2, zorder=3)
+        ax.plot([], [], "o", color=FAINT, markersize=_dot(ax), label="relaxation modulus")
+    _legend(ax, master)
+
+
+def _band(ax: Any, band: Any, label: str) -> None:
+    ax.plot(band.omega, band.storage, color=INK, linewidth=1.2, label=label, zorder=4)
+    ax.plot(band.omega, band.loss, color=INK, linewidth=1.2, zorder=4)
+    for low, high in ((band.storage_low, band.storage_high), (band.loss_low, band.loss_high)):
+        once = "95 % interval" if low is band.loss_low else None
+        ax.fill_between(band.omega, low, high, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label=once)
+
+
+def _relaxation_band(ax: Any, band: Any, label: str) -> None:
+    ax.plot(band.time, band.relaxation, color=INK, linewidth=1.2, label=label, zorder=4)
+    limits = band.relaxation_low, band.relaxation_high
+    ax.fill_between(band.time, *limits, color=_BAND, alpha=0.35, linewidth=0, zorder=1, label="95 % interval")
+
+
+def _label_moduli(ax: Any, kind: str, dynamic: bool) -> None:
+    letter = "G" if kind == "shear" else "E"
+    if dynamic:
+        ax.set(xlabel="Reduced angular frequency ω a_T [rad/s]", ylabel=f"Moduli {letter}', {letter}'' [Pa]")
+    else:
+        ax.set(xlabel="Reduced time t/a_T [s]", ylabel=f"Relaxation modulus {letter} [Pa]")
+    frame(ax)
+    handles, labels = ax.get_legend_handles_labels()
+    if labels:
+        first = ax.get_legend()
+        ax.legend(handles, labels, frameon=False, fontsize=_size(ax), loc="best")
+        if first is not None:
+            ax.add_artist(first)
+            first.set_clip_on(False)  # else no room is left for it
+
+
+def _legend(ax: Any, master: "MasterCurve | None") -> None:
+    """Temperatures outside the axes, at most ten of them."""
+    if master is None:
+        return
+    count = master.temperature.size
+    shown = np.unique(np.linspace(0, count - 1, min(count, _SHOWN)).round().astype(int))
+    colours = _scale(count)
+    handles = [ax.plot([], [], "o", color=colours[i], markersize=_dot(ax))[0] for i in shown]
+    labels = [_celsius(float(master.temperature[i])) for i in shown]
+    _legend_outside(ax, handles, labels)
+
+
+def _legend_outside(ax: Any, handles: list[Any], labels: list[str]) -> Any:
+    """Beside the axes; in a paper, above them."""
+    if ax._elastomdr.style.words:
+        place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+    else:
+        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 5, "columnspacing": 0.8, "handlelength": 1}
+    return ax.legend(handles, labels, frameon=False, fontsize=_size(ax), **place)
+
+
+def _celsius(kelvin: float) -> str:
+    return f"{round(kelvin - 273.15, 1) + 0.0:g} °C"  # without the sign of -0
+
+
+def _colours(master: "MasterCurve", number: np.ndarray) -> np.ndarray:
+    return _scale(master.temperature.size)[number]
+
+
+def _scale(count: int) -> np.ndarray:
+    import matplotlib
+
+    return np.asarray(matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, max(count, 2))))[:count]
+
+
+def _axes(ax: Any, style: str | None, panels: Any = None) -> Any:
+    """The axes that were given, or new ones, with room for the temperatures beside them."""
+    ax, canvas = begin(Ask(ax, style), panels)
+    if canvas.own and canvas.style.words:
+        figure = ax.figure
+        figure.set_size_inches(7.4, 4.6)
+        figure.set_layout_engine(None)  # with fixed margins: looking for the best ones takes longer than the fit
+        figure.subplots_adjust(left=0.13, right=0.84, bottom=0.12, top=0.86)
+    return ax
+
+
+def _dot(ax: Any) -> float:
+    """Size of a mark [points]."""
+    return 4.0 if ax._elastomdr.style.words else 2.2
+
+
+def _size(ax: Any) -> float:
+    """Of the letters in a legend."""
+    return ax._elastomdr.style.text - (2 if ax._elastomdr.style.words else 1)
+
+
+def _logarithmic(ax: Any) -> None:
+    """Makes both axes logarithmic before anything is drawn: changed later, limits are those of the data so far."""
+    ax.set(xscale="log", yscale="log")
+    if not ax._elastomdr.style.words:
+        ax.tick_params(which="minor", labelsize=5)  # between powers of ten, where they are few
+
+
+def _widen(ax: Any, *coordinates: np.ndarray) -> None:
+    """Limits for x (and y) that are one value but for rounding, of which matplotlib makes no logarithmic axis."""
+    for values, limit in zip(coordinates, (ax.set_xlim, ax.set_ylim), strict=False):
+        if values.max() < 1.001 * values.min():
+            limit(0.5 * values.min(), 2.0 * values.max())
+
+
+def _title(ax: Any, title: str, small: str) -> None:
+    write_title(ax, ax._elastomdr, title, False, (small if len(small) <= 90 else f"{small[:87]}...", "", ""))

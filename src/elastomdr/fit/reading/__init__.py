@@ -1,1 +1,0 @@
-"""Files of the laboratory into SI arrays: moduli, measured friction, surfaces and their spectra."""

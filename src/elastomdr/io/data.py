@@ -1,0 +1,242 @@
+"""Measured dynamic moduli and relaxation, in SI units, and what is known of where they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float
+
+from .._runtime import as_float64, positive
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Kind
+
+KINDS = ("shear", "tensile")
+_NONE = np.zeros(0)
+_NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
+
+
+class FitWarning(UserWarning):
+    """Issued where measured data were read or used in a way that their owner should know of."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dma:
+    """Dynamic mechanical analysis: storage and loss modulus against angular frequency, relaxation against time.
+
+    Either part may be empty. `warnings` says what was assumed or left out when the data were read, `bad_rows` names
+    each row left out, `units` what each column was in before it was converted to SI.
+    """
+
+    temperature: Float[np.ndarray, " n"]  # T of each point; NaN where it is not known [K]
+    omega: Float[np.ndarray, " n"]  # angular frequency omega [rad/s]
+    storage: Float[np.ndarray, " n"]  # storage modulus [Pa]
+    loss: Float[np.ndarray, " n"]  # loss modulus [Pa]
+    kind: Kind  # what the moduli are
+    time: Float[np.ndarray, " m"] = field(default_factory=lambda: _NONE)  # t after a strain step [s]
+    relaxation: Float[np.ndarray, " m"] = field(default_factory=lambda: _NONE)  # relaxation modulus [Pa]
+    time_temperature: Float[np.ndarray, " m"] = field(default_factory=lambda: _NONE)  # T of those points [K]
+    units: dict[str, str] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    bad_rows: tuple[str, ...] = ()
+    shifted: bool = False  # whether the frequencies are reduced ones: a master curve somebody else made
+    source: str = ""
+    copies: int = 0  # points that were left out because they repeat others
+    columns: tuple[str, ...] = ()  # which columns of the file were taken as what
+
+    def __post_init__(self) -> None:
+        _kind(self.kind)
+        for name, like in (("storage", self.omega), ("loss", self.omega), ("temperature", self.omega),
+                           ("relaxation", self.time), ("time_temperature", self.time)):  # fmt: skip
+            _same(name, np.asarray(getattr(self, name)), "omega" if like is self.omega else "time", like)
+        for name in ("omega", "storage", "loss", "time", "relaxation"):
+            if np.size(getattr(self, name)):
+                _positive(name, getattr(self, name))
+
+    @property
+    def size(self) -> int:
+        """Number of measured points, in frequency and in time."""
+        return self.omega.size + self.time.size
+
+    def __repr__(self) -> str:
+        return f"Dma({self.summary()})"
+
+    def summary(self) -> str:
+        """How many points of what, over which frequencies, times and temperatures, in one line."""
+        parts = []
+        if self.omega.size:
+            low, high = self.omega.min(), self.omega.max()
+            parts.append(f"{self.omega.size} points of storage and loss modulus, {low:.3g} to {high:.3g} rad/s")
+        if self.time.size:
+            parts.append(f"{self.time.size} points of relaxation, {self.time.min():.3g} to {self.time.max():.3g} s")
+        temperature = np.concatenate([self.temperature, self.time_temperature])
+        known = temperature[np.isfinite(temperature)] - 273.15
+        parts.append(f"{known.min():.1f} to {known.max():.1f} degC" if known.size else "temperature not known")
+        return f"{self.kind}, " + ", ".join(parts)
+
+    def at(self, temperature: float) -> "Dma":
+        """The same data, all of them taken at one temperature [K]."""
+        return replace(
+            self,
+            temperature=np.full(self.omega.size, float(temperature)),
+            time_temperature=np.full(self.time.size, float(temperature)),
+        )
+
+
+def dma(
+    omega: ArrayLike,
+    storage: ArrayLike,
+    loss: ArrayLike,
+    temperature: ArrayLike,
+    *,
+    kind: Kind,
+    source: str = "arrays",
+) -> Dma:
+    """Dynamic moduli from arrays in SI units: omega [rad/s], storage and loss [Pa], temperature [K], one per point.
+
+    `temperature` may be one number for all points. `kind` is "shear" or "tensile". Raises `InputError` for arrays that
+    do not match, and for values that are not positive and finite.
+    """
+    omega, g1, g2 = (_positive(n, v) for n, v in (("omega", omega), ("storage", storage), ("loss", loss)))
+    _same("storage", g1, "omega", omega)
+    _same("loss", g2, "omega", omega)
+    return Dma(_temperatures(temperature, omega), omega, g1, g2, _kind(kind), source=source)
+
+
+def relaxation(
+    time: ArrayLike, modulus: ArrayLike, temperature: ArrayLike, *, kind: Kind, source: str = "arrays"
+) -> Dma:
+    """Relaxation moduli from arrays in SI units: time [s], modulus [Pa], temperature [K]; otherwise as `dma`."""
+    t, g = _positive("time", time), _positive("modulus", modulus)
+    _same("modulus", g, "time", t)
+    at = _temperatures(temperature, t)
+    return Dma(_NONE, _NONE, _NONE, _NONE, _kind(kind), time=t, relaxation=g, time_temperature=at, source=source)
+
+
+def join(*parts: Dma) -> Dma:
+    """Several measurements of one material as one: runs, files, frequency and time domain together.
+
+    Raises `InputError` where shear and tensile moduli meet, or raw data and a master curve.
+    """
+    if not parts or not all(isinstance(part, Dma) for part in parts):
+        raise InputError(f"parts must be Dma, as read_dma returns them, got {parts!r:.80}.")
+    if len({part.kind for part in parts}) > 1:
+        raise InputError("parts must be of one kind, got both shear and tensile moduli: convert one of them first.")
+    if len({part.shifted for part in parts}) > 1:
+        raise InputError("parts must be all raw or all shifted, got isotherms and a master curve.")
+
+    def chain(name: str) -> np.ndarray:
+        return np.concatenate([getattr(part, name) for part in parts])
+
+    several = len({part.source for part in parts}) > 1
+    differ = several and len({part.columns for part in parts}) > 1
+    arrays = ("temperature", "omega", "storage", "loss", "time", "relaxation", "time_temperature")
+    return replace(
+        parts[0],
+        **{name: chain(name) for name in arrays},
+        units={
+            key: ", ".join(_each((part.units[key],) for part in parts if key in part.units))
+            for key in dict.fromkeys(key for part in parts for key in part.units)
+        },
+        warnings=_each(part.warnings for part in parts),
+        bad_rows=_each(_bad_rows(part, several) for part in parts),
+        source=", ".join(_each((part.source,) for part in parts)),
+        columns=_each(_columns(part, differ) for part in parts),
+    )
+
+
+def _bad_rows(part: Dma, several: bool) -> tuple[str, ...]:
+    """The rows left out, with their file where there are several."""
+    return tuple(f"{part.source}: {text}" if several and text.startswith("line ") else text for text in part.bad_rows)
+
+
+def _columns(part: Dma, differ: bool) -> tuple[str, ...]:
+    """What was taken as what, with its file where several differ."""
+    return tuple(f"{part.source}: {text}" if differ and "," not in part.source else text for text in part.columns)
+
+
+def _each(lists: Any) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(text for texts in lists for text in texts))
+
+
+def _kind(kind: Any) -> Kind:
+    if kind not in KINDS:
+        raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
+    return kind
+
+
+def _positive(name: str, values: Any) -> np.ndarray:
+    array = np.atleast_1d(as_float64(name, values))
+    if array.ndim != 1 or array.size == 0:
+        raise InputError(f"{name} must be a list of numbers, got an array of shape {array.shape}.")
+    if not (np.isfinite(array) & (array > 0)).all():
+        i = int(np.argmin(np.isfinite(array) & (array > 0)))
+        raise InputError(f"{name} must be positive and finite, got {array[i]:g} (entry {i}).")
+    return array
+
+
+def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None:
+    if values.shape != others.shape:
+        raise InputError(f"{name} must have as many entries as {other}, {others.size}, got {values.size}.")
+
+
+def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
+    array = _positive("temperature", value)
+    if array.size == 1:
+        return np.full(like.size, array[0])
+    _same("temperature", array, "omega", like)
+    return array
+
+
+def without_copies(dma: Dma) -> Dma:
+    """The same data, each point once: a point that agrees in all its numbers with another one is no measurement."""
+    dynamic = np.stack([dma.temperature, dma.omega, dma.storage, dma.loss], axis=1)
+    timed = np.stack([dma.time_temperature, dma.time, dma.relaxation], axis=1)
+    kept, of_time = (np.sort(np.unique(rows, axis=0, return_index=True)[1]) for rows in (dynamic, timed))
+    copies = dma.size - kept.size - of_time.size
+    if not copies:
+        return dma
+    parts = {name: getattr(dma, name)[kept] for name in ("temperature", "omega", "storage", "loss")}
+    parts |= {name: getattr(dma, name)[of_time] for name in ("time", "relaxation", "time_temperature")}
+    return replace(dma, **parts, copies=dma.copies + copies)
+
+
+def describe_list(values: Sequence[float] | np.ndarray, unit: str, most: int = 12) -> str:
+    """Numbers in one line: "-10, 0 and 10 degC"."""
+    texts = [f"{value:.4g}" for value in values]
+    if len(texts) > most:
+        texts = [*texts[: most - 1], f"... (of {len(values)})"]
+    body = texts[0] if len(texts) == 1 else ", ".join(texts[:-1]) + f" and {texts[-1]}"
+    return f"{body} {unit}"
+
+
+def lists(names: tuple[str, ...], values: tuple[Any, ...]) -> list[np.ndarray]:
+    """Values that go together as lists of one length, all positive, or empty where none is given."""
+    missing = [name for name, value in zip(names, values, strict=True) if value is None]
+    if len(missing) == len(names):
+        return [np.zeros(0)] * len(names)
+    if missing:
+        raise InputError(f"{' and '.join(missing)} is missing: {', '.join(names)} go together.")
+    arrays = [np.atleast_1d(as_float64(name, value)) for name, value in zip(names, values, strict=True)]
+    for name, array in zip(names, arrays, strict=True):
+        if array.ndim != 1 or array.shape != arrays[0].shape:
+            raise InputError(
+                f"{name} must be a list with as many entries as {names[0]}, got shapes {array.shape}, "
+                f"{arrays[0].shape}."
+            )
+        positive(name, array)
+    return arrays
+
+
+def untold(rates: np.ndarray) -> str:
+    """What to do about points, of these frequencies or times, whose temperature is not known."""
+    if np.unique(np.log(rates).round(3)).size < _NEW * rates.size:
+        return (
+            "frequencies (or times) repeat, as in several isotherms; give each its own temperature, in a column, or in "
+            "a line 'T = -20 degC' above its block."
+        )
+    return "give temperature, such as temperature=293.15 (--temperature 20degC)."

@@ -1,0 +1,410 @@
+"""`em.read_dma`: dynamic moduli and relaxation from files into SI arrays."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._runtime import plain, positive
+from ..errors import InputError
+from .columns import Column, Quantity, choose, left_out, measured, missing, named, taken, understand
+from .data import KINDS, Dma, FitWarning, describe_list, join, untold
+from .formats import Format, format_of
+from .sheets import read_sheet
+from .tables import Head, Table
+from .units import to_si, usual
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Kind
+
+_POLYMERS = (1e3, 3e10)  # [Pa], between which the largest modulus of a file lies
+QUANTITIES = (
+    Quantity("frequency", "frequency", (r"f|freq\.?|frequency|frequenz|주파수",), option="frequency_unit"),
+    Quantity("frequency", "angular frequency",
+             (r"w|ω|omega|angular frequency|ang\.? freq(uency|\.)?|angular freq\.?|kreisfrequenz|각주파수",),
+             option="frequency_unit"),
+    Quantity("temperature", "temperature",
+             (r"(sample|specimen|probe) temp(\.|erature)?|t[ _]sample|proben?temperatur",
+              r"(?-i:T)|temp\.?|temperature|temperatur|온도",
+              r"t[ _]set|(set|set ?point|program(med)?|target|nominal|furnace|oven|chamber) temp(\.|erature)?|"
+              "solltemperatur"),
+             option="temperature_unit", limits=(100.0, 800.0)),
+    Quantity("time", "time", (r"(?-i:t)|(step )?time|zeit|시간",), option="time_unit"),
+    Quantity("storage", "modulus",
+             (r"storage modulus|storage|stor|s torage|speichermodul|저장 ?탄성(률|계수)|(modulus )?[ge]'|"
+              r"[ge]_?(1|p|prime|stor|storage)|re\([ge]\*?\)|storage (shear|tensile|young'?s) modulus|"
+              r"([ge]|shear|tensile|young'?s)[ _-](stor|storage|storage modulus)",),
+             option="modulus_unit", limits=_POLYMERS),
+    Quantity("loss", "modulus",
+             (r"loss modulus|loss|verlustmodul|손실 ?탄성(률|계수)|(modulus )?[ge]''|"
+              r"[ge]_?(2|pp|dprime|double[_ -]?prime|loss)|im\([ge]\*?\)|loss (shear|tensile|young'?s) modulus|"
+              r"([ge]|shear|tensile|young'?s)[ _-](loss|loss modulus)",), option="modulus_unit"),
+    Quantity("absolute", "modulus", (r"\|[ge]\*\|?|[ge]\*|[ge]_?abs|(complex|dynamic) modulus|komplexer modul",),
+             option="modulus_unit", limits=_POLYMERS),
+    Quantity("phase", "angle", (r"phase ?angle|phase|delta|δ|phasenwinkel",), valid="between 0 and 90 deg"),
+    Quantity("tangent", "ratio",
+             (r"tan_?\(?(d|delta|δ)\)?|tan ?(d|delta|δ)|tand|loss (tangent|factor)|verlustfaktor",)),
+    Quantity("relaxation", "modulus",
+             (r"[ge]_?(relax|t)|[ge]\(t\)|relaxationsmodul|relax|relaxation|완화탄성률|relaxation modulus [ge]|"
+              r"(stress |shear |tensile )?relaxation modulus( [ge]\(t\))?",), option="modulus_unit", limits=_POLYMERS),
+)  # fmt: skip
+_PAIRS = (("storage", "loss"), ("storage", "tangent"), ("absolute", "phase"), ("absolute", "tangent"))
+_SAME = 0.5  # [K], within which two temperatures are one, rounded
+_LAST = 10**9  # behind all columns
+_SHARED = {"time", "frequency"}  # that may stand once, before the columns of several isotherms
+_UNIT = r"deg ?[CFcf]|°\s?[CF]|º\s?[CF]|℃|℉|K|C|kelvin|celsius"
+_PARTS = "step|block|set|sweep|run|curve|interval|segment|abschnitt|messung|experiment|stage"
+_TEMPERATURE = re.compile(  # a remark with nothing but the temperature, and what may number the block
+    rf"[^\w+-]*(?:(?:{_PARTS}|frequency sweep)(?:\s*\d+(?!\d))?[^\w+-]*)?"
+    r"(?:(?:t|temp\.?|temperatur|(?:(?:sample|test) )?temp(?:erature)?|isotherme?|온도)\s*(?:at|of|bei)?|at|bei)?"
+    rf"\s*[=:,;]?\s*(?<!\d)([+-]?\d+(?:[.,]\d+)?)\s*\[?\(?({_UNIT})\W*",
+    re.IGNORECASE,
+)
+_NUMBERED = re.compile(rf"\W*(?:{_PARTS})\s*\d+\s*[CK]\b", re.IGNORECASE)  # "Run 3 C" is its number
+_CONDITION = re.compile(rf"\s*[(\[]\s*([+-]?\d+(?:[.,]\d+)?)\s*({_UNIT}|k?Hz|rad/s)\s*[)\]]")  # E' (-40 °C) [MPa]
+
+
+def read_dma(
+    path_or_paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    *,
+    temperature: ArrayLike | None = None,
+    kind: Kind | None = None,
+    columns: Mapping[str, str | int] | None = None,
+    frequency_unit: str | None = None,
+    modulus_unit: str | None = None,
+    temperature_unit: str | None = None,
+    time_unit: str | None = None,
+) -> Dma:
+    """Dynamic moduli or relaxation from a file, or from several files of one material.
+
+    The formats are those of `elastomdr.io.formats`: tables in text and spreadsheets, exports of TA Q800, TRIOS,
+    Netzsch, RheoCompass and Eplexor, RepTate's files. Isotherms may stand in one table, one below the other, side by
+    side, or in columns such as "E' (-40 degC) [MPa]".
+
+    Args:
+        path_or_paths: a file, or a list of files.
+        temperature: temperature of all points that have none in the files [K], or one for each isotherm without, in
+            their order.
+        kind: "shear" or "tensile": what the moduli are, where the file does not say.
+        columns: columns by quantity (frequency, temperature, storage, loss, absolute, phase, tangent, time,
+            relaxation), for titles that are not recognised or are wrong: a title, or a number from 1, with the unit
+            where the file's is missing or wrong: {"storage": "Modulus 1", "loss": 4, "frequency": "2 [Hz]"};
+            "log10(3)" for logarithms; "10 Hz" for a number that holds for all rows.
+        frequency_unit: unit of frequencies without one, such as "Hz" or "rad/s"; it overrules none in a file.
+        modulus_unit: likewise of moduli, such as "MPa".
+        temperature_unit: likewise of temperatures, "degC" or "K".
+        time_unit: likewise of times, such as "s".
+
+    Returns:
+        The measurement in SI units; `columns` says what was read as what, `bad_rows` which rows are no measurement.
+
+    Raises:
+        InputError: for what cannot be read, what is ambiguous, and units that nobody gives; it says what to give.
+    """
+    if kind is not None and kind not in KINDS:
+        raise InputError(f"kind must be 'shear' or 'tensile', got {kind!r}.")
+    if columns is not None and not isinstance(columns, Mapping):
+        raise InputError(f"columns must be a dict such as {{'storage': 'Modulus 1'}}, got {columns!r}.")
+    units = checked_units(frequency=frequency_unit, modulus=modulus_unit, temperature=temperature_unit, time=time_unit)
+    paths = [path_or_paths] if isinstance(path_or_paths, (str, os.PathLike)) else path_or_paths
+    if not isinstance(paths, Sequence) or not paths or not all(isinstance(one, (str, os.PathLike)) for one in paths):
+        raise InputError(f"path_or_paths must be a file or a list of files, got {path_or_paths!r}.")
+    twice = {str(one) for one in paths if [str(other) for other in paths].count(str(one)) > 1}
+    if twice:
+        raise InputError(f"path_or_paths must name every file once, got {', '.join(sorted(twice))} twice or more.")
+    unmet = dict(columns or {})
+    parts = [part for path in paths for part in _read(Path(path), kind, columns, units, unmet)]
+    if unmet:
+        raise InputError(f"columns must name titles or numbers of columns, got {unmet}, which no file has.")
+    dma = join(*_with_temperatures(parts, temperature))
+    for text in dma.warnings:
+        warnings.warn(text, FitWarning, stacklevel=2)
+    return dma
+
+
+def checked_units(**given: Any) -> dict[str, str]:
+    """The units that a user gives, by kind. Raises `InputError` for what is none of its kind."""
+    for kind, unit in given.items():
+        if unit is not None and not (isinstance(unit, str) and to_si(unit, kind)):
+            raise InputError(f"{kind}_unit must be a unit of {kind} such as {usual(kind)}, got {unit!r}.")
+    return {kind: unit for kind, unit in given.items() if unit is not None}
+
+
+def _read(
+    path: Path, kind: str | None, columns: Mapping[str, Any] | None, units: dict[str, str], unmet: dict[str, Any]
+) -> list[Dma]:
+    """Each table of a file as a measurement; the temperature is NaN where the file has none.
+
+    Roles of `columns` that are found are taken out of `unmet`.
+    """
+    sheet = read_sheet(path)
+    layout = format_of(sheet)
+    found = [part for table in layout.tables(sheet) for part in _parts(sheet.name, table, columns)]
+    parts: list[Dma] = []
+    absent, known, lines, width = "", [], [], 0
+    for table in found:
+        user, constants = named(sheet.name, columns, table, QUANTITIES)
+        for role in {*user, *constants} & unmet.keys():
+            del unmet[role]
+        places = {column.place for column in user.values()}
+        read = [column for head in table.heads if (column := understand(head, QUANTITIES))]
+        read = [one for one in read if one.role not in (*user, *constants) and one.place not in places]
+        lack = _lacking({one.role for one in (*read, *user.values())} | constants.keys() | table.fixed.keys())
+        if lack:
+            if not absent:
+                absent = lack
+                known = [f"{one.place + 1} {one.title!r} as {one.role}" for one in (*read, *user.values())]
+            if lines and len(table.heads) == width and table.rows[0].line > lines[-1]:
+                raise InputError(
+                    f"{sheet.name}: the rows from line {table.rows[0].line} on stand below titles that are not "
+                    f"understood, {', '.join(head.title for head in table.heads)[:80]!r}: leave them out, or name the "
+                    "columns."
+                )
+            continue
+        read = [*_of_kind(sheet.name, read, kind), *user.values()]
+        table = table._replace(fixed=table.fixed | constants)
+        needed = _needed({*(one.role for one in read), *table.fixed})
+        chosen = choose(sheet.name, [one for one in read if one.role in needed], table, units)
+        parts.append(_measurement(sheet.name, layout, table, chosen, kind, units))
+        lines.append(table.rows[0].line)
+        width = len(table.heads)
+    if not parts:
+        raise InputError(missing(sheet.name, known, absent or "there are no columns of moduli", found))
+    without = [i for i, one in enumerate(parts) if not np.isfinite([*one.temperature, *one.time_temperature]).all()]
+    if 0 < len(without) < len(parts):
+        raise InputError(
+            f"{sheet.name}: the rows from line {lines[without[0]]} on have no temperature, and others have: write it "
+            "above them, as 'T = -20 degC', or into a column."
+        )
+    return parts
+
+
+def _lacking(roles: set[str]) -> str:
+    """What is missing to make a measurement of columns, in words; an empty text where nothing is."""
+    moduli = any(set(pair) <= roles for pair in _PAIRS)
+    if (moduli and "frequency" in roles) or {"time", "relaxation"} <= roles:
+        return ""
+    if "relaxation" in roles:
+        return "there is no column of time"
+    lack = [] if "frequency" in roles else ["frequency"]
+    if not moduli:
+        lack += (
+            ["loss modulus (or tangent, phase)"] if {"storage", "absolute"} & roles else ["storage and loss modulus"]
+        )
+    return f"there is no column of {' and '.join(lack)}"
+
+
+def _needed(roles: set[str]) -> tuple[str, ...]:
+    """The roles that make the measurement: rate and both moduli, or time and relaxation, and the temperature."""
+    pair = next((pair for pair in _PAIRS if set(pair) <= roles and "frequency" in roles), None)
+    return ("frequency", *pair, "temperature") if pair else ("time", "relaxation", "temperature")
+
+
+def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Column]:
+    """The columns without moduli of the other kind. Raises `InputError` where nobody says which kind is meant."""
+    letters = {column.letter for column in columns} - {""}
+    if len(letters) < 2:
+        return list(columns)
+    if kind is None:
+        raise InputError(
+            f"{name}: the file has moduli of shear and of tension: give kind='shear' or 'tensile' (--kind)."
+        )
+    found = [column for column in columns if column.letter in ("", "G" if kind == "shear" else "E")]
+    if _lacking({column.role for column in found}):
+        raise InputError(f"{name}: the file has no storage and loss modulus of kind {kind!r}, only one of both.")
+    return found
+
+
+def _measurement(
+    name: str, layout: Format, table: Table, chosen: dict[str, Column], kind: str | None, units: dict[str, str]
+) -> Dma:
+    needed = _needed({*chosen, *table.fixed})
+    chosen = {role: chosen[role] for role in needed if role in chosen}
+    kind = _kind(name, table, chosen, kind, layout)
+    values, good, bad = measured(name, table, chosen, units)
+    if not good.any():
+        raise InputError(f"{name}: no row below {next(iter(chosen.values())).title!r} is a measurement ({bad[0]}).")
+    n = int(good.sum())
+    for role in needed:
+        if role not in values:
+            values[role] = np.full(n, table.fixed.get(role, np.nan))
+    said = {role: _said(column, units) for role, column in chosen.items()}
+    none = np.zeros(0)
+    common: dict[str, Any] = {
+        "kind": kind,
+        "units": said,
+        "warnings": left_out(name, bad, "bad_rows and in the master curve's table"),
+        "bad_rows": tuple(bad),
+        "source": name,
+        "shifted": layout.shifted,
+        "columns": (taken(table, chosen, said) + "; temperature from the text" * ("temperature" in table.fixed),),
+    }
+    if needed[0] == "time":
+        return Dma(none, none, none, none, time=values["time"], relaxation=values["relaxation"],
+                   time_temperature=values["temperature"], **common)  # fmt: skip
+    pair = needed[1], needed[2]
+    return Dma(values["temperature"], values["frequency"], *_moduli(values[pair[0]], values[pair[1]], pair), **common)
+
+
+def _moduli(first: np.ndarray, second: np.ndarray, pair: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
+    """Storage and loss modulus from two columns in SI units: G* = |G*| e^(i delta)."""
+    if pair[1] == "loss":
+        return first, second
+    if pair[1] == "phase":
+        return first * np.cos(second), first * np.sin(second)
+    storage = first if pair[0] == "storage" else first / np.hypot(1.0, second)
+    return storage, storage * second
+
+
+def _said(column: Column, units: dict[str, str]) -> str:
+    kind = "frequency" if column.quantity.kind == "angular frequency" else column.quantity.kind
+    unit = column.unit or units.get(kind, "")
+    return f"{column.log} of {unit}" if column.log else unit
+
+
+def _kind(name: str, table: Table, chosen: Mapping[str, Column], kind: str | None, layout: Format) -> str:
+    letters = {column.letter for column in chosen.values()} - {""}
+    if any(re.search("torque|drehmoment", head.title, re.IGNORECASE) for head in table.heads):
+        letters.add("G")  # torsion is shear
+    found = {"G": "shear", "E": "tensile"}.get("".join(letters), layout.kind if not letters else "")
+    if found and kind and found != kind:
+        raise InputError(f"kind must be {found!r}, as the columns of {name!r} say, got {kind!r}.")
+    if len(letters) > 1 or not (found or kind):
+        raise InputError(
+            f"{name}: whether the moduli are of shear or tension is not in the file; give it, as kind='shear' or "
+            "'tensile' (--kind shear or --kind tensile)."
+        )
+    return found or str(kind)
+
+
+def _parts(name: str, table: Table, columns: Mapping[str, Any] | None) -> list[Table]:
+    """The isotherms in a table; of those side by side only the ones with all the columns that the user names."""
+    parts = _isotherms(name, table)
+    users = named(name, columns, table, QUANTITIES)[0].keys()
+    if len(parts) < 2 or not users:
+        return parts
+    return [part for part in parts if named(name, columns, part, QUANTITIES)[0].keys() == users] or [table]
+
+
+def _isotherms(name: str, table: Table) -> list[Table]:
+    """The isotherms side by side in a table, each with the temperature that stands in its titles or above."""
+    return [part for one in _by_condition(table) for part in _beside(name, one)]
+
+
+def _by_condition(table: Table) -> list[Table]:
+    """A table for each temperature or frequency that stands in titles, as in "E' (-40 degC) [MPa]"; or the table."""
+    groups: dict[tuple[str, float], list[Head]] = {}
+    shared: list[Head] = []
+    for head in table.heads:
+        match = _CONDITION.search(head.title)
+        kind = next((kind for kind in ("temperature", "frequency") if match and to_si(match[2], kind)), "")
+        own = head._replace(title=_CONDITION.sub(" ", head.title, count=1).replace(" /", "/").strip())
+        column = understand(own, QUANTITIES)
+        if match is None or not kind or column is None or column.role in ("frequency", "temperature", "time"):
+            shared.append(head)
+            continue
+        factor, offset = to_si(match[2], kind) or (1.0, 0.0)
+        groups.setdefault((kind, float(match[1].replace(",", ".")) * factor + offset), []).append(own)
+    if not groups:
+        return [table]
+    return [table._replace(heads=[*shared, *heads], fixed=table.fixed | dict([key])) for key, heads in groups.items()]
+
+
+def _beside(name: str, table: Table) -> list[Table]:
+    """A table for each isotherm where the same columns repeat; or the table."""
+    columns = [column for head in table.heads if (column := understand(head, QUANTITIES))]
+    roles = [column.role for column in columns]
+    found = _repeated(roles)
+    if found is None:
+        above = {} if "temperature" in roles else _between(name, table, 0, _LAST)
+        return [table._replace(fixed=above | table.fixed)]
+    once, period = found
+    starts = [columns[i].place for i in range(once, len(columns), period)]
+    heads = {head.place: head for head in table.heads}
+    shared = [heads[column.place] for column in columns[:once]]
+    parts = []
+    for start, end in zip(starts, [*starts[1:], _LAST], strict=True):
+        own = [heads[column.place] for column in columns if start <= column.place < end]
+        above = {} if "temperature" in roles else _between(name, table, 0 if start == starts[0] else start, end)
+        rows = [row for row in table.rows if any(row.cells[h.place : h.place + 1] not in ([], [""]) for h in own)]
+        parts.append(table._replace(heads=[*shared, *own], rows=rows, fixed=above | table.fixed))
+    if once and not all("temperature" in one.fixed for one in parts):
+        return [table]  # two samples, or raw and smoothed values
+    return [part for part in parts if part.rows]
+
+
+def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
+    """The temperature in the text above some columns. Raises `InputError` where there are two."""
+    found = {kelvin: text for row in table.above for at, kelvin, text in _above(row.cells) if first <= at < end}
+    if found and max(found) - min(found) > _SAME:
+        raise InputError(
+            f"{name}: {' and '.join(map(repr, found.values()))} stand above the same columns: leave the one that is "
+            "theirs."
+        )
+    return {"temperature": min(found)} if found else {}
+
+
+def _repeated(roles: Sequence[str]) -> tuple[int, int] | None:
+    """How many columns stand once, and how many repeat behind them; None where none do."""
+    for once in range(len(roles)):
+        if not set(roles[:once]) <= _SHARED:
+            return None
+        rest = roles[once:]
+        for period in range(1, len(rest) // 2 + 1):
+            whole = not _lacking({*roles[:once], *rest[:period]}) and {*rest[:period]}.isdisjoint(roles[:once])
+            if whole and list(rest) == list(rest[:period]) * (len(rest) // period):
+                return once, period
+    return None
+
+
+def _above(cells: Sequence[str]) -> list[tuple[int, float, str]]:
+    """The temperatures that a row of remarks gives, with their columns: one in each cell, or that of the whole row."""
+    whole = [cell for cell in cells if cell]
+    ways = ([",".join(whole)], cells, [" ".join(whole)])  # a decimal comma may have been cut
+    return next((found for way in ways if (found := list(_temperatures(way)))), [])
+
+
+def _temperatures(cells: Sequence[str]) -> Iterator[tuple[int, float, str]]:
+    for place, cell in enumerate(cells):
+        text = re.sub("[\u2212\u2013]", "-", cell.strip())
+        match = _TEMPERATURE.fullmatch(text) if text and len(text) < 80 and not _NUMBERED.match(text) else None
+        si = to_si(match[2].replace(" ", ""), "temperature") if match else None
+        if match and si and (kelvin := float(match[1].replace(",", ".")) * si[0] + si[1]) > 0:
+            yield place, kelvin, text
+
+
+def _with_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
+    """The measurements with the temperatures that the user gives to those without."""
+    without = [i for i, one in enumerate(parts) if not np.isfinite([*one.temperature, *one.time_temperature]).all()]
+    if temperature is None:
+        for i in without:
+            known = np.isfinite(np.concatenate([parts[i].temperature, parts[i].time_temperature]))
+            rates = np.concatenate([parts[i].omega, 1 / parts[i].time])[~known]
+            text = f"{parts[i].source}: there is no temperature, which shifting needs: {untold(rates)}"
+            parts[i] = replace(parts[i], warnings=(*parts[i].warnings, text))
+        return parts
+    given = [float(plain("temperature", one)) for one in (temperature if np.ndim(temperature) else [temperature])]
+    for kelvin in given:
+        positive("temperature", kelvin)
+    if not without:
+        celsius = np.unique(np.concatenate([[*one.temperature, *one.time_temperature] for one in parts]) - 273.15)
+        raise InputError(
+            f"temperature must be left out, got {describe_list(given, 'K')}: the files say "
+            f"{describe_list(np.unique(celsius.round(1)), 'degC')}."
+        )
+    if len(given) not in (1, len(without)):
+        raise InputError(
+            f"temperature must be one number, or one for each of the {len(without)} isotherms without, got "
+            f"{len(given)}."
+        )
+    for i, kelvin in zip(without, given * len(without) if len(given) == 1 else given, strict=True):
+        words = f"temperature {kelvin - 273.15:g} degC, as given"
+        parts[i] = replace(parts[i].at(kelvin), columns=tuple(f"{text}; {words}" for text in parts[i].columns))
+    return parts

@@ -1,0 +1,174 @@
+"""Files into rows of cells: text in several encodings and separators, spreadsheets; numbers with a decimal point."""
+
+import csv
+import importlib.util
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from ..files import read_bytes
+
+_PATIENCE = 60  # seconds for a spreadsheet
+_EXPECTED = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7\u2018\u2019\u201c\u201d\u2013\u2014\u2026\u2022")
+_MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")  # a number, whatever its comma and point mean
+
+
+class Row(NamedTuple):
+    """One line of a file or a sheet; line 0 is the end of a sheet."""
+
+    line: int  # counted from 1
+    cells: list[str]
+
+
+class Sheet(NamedTuple):
+    """A file's rows; `lines` and `separator` are empty for spreadsheets."""
+
+    name: str
+    rows: list[Row]
+    lines: list[str]
+    separator: str = ""
+
+
+def read_sheet(path: str | os.PathLike[str]) -> Sheet:
+    """The rows of a text file or a spreadsheet, whose sheets follow each other, each below its name.
+
+    Raises `InputError` for what cannot be read.
+    """
+    path = Path(path)
+    name = path.name or str(path)
+    try:
+        raw = read_bytes(path)
+    except (OSError, ValueError) as error:
+        what = "is a folder: give the files in it" if path.is_dir() else getattr(error, "strerror", None) or error
+        raise InputError(f"path must be a file that can be read, got {name!r}: {what}.") from error
+    if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
+        return Sheet(name, with_points(_spreadsheet(path, name), ""), [])
+    return cut(name, decode(raw, name))
+
+
+def cut(name: str, text: str) -> Sheet:
+    """A text as a sheet, cut at the separator that suits most of its lines."""
+    text = re.sub("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)", "", text).replace("\u2212", "-")  # blanks between thousands
+    lines = text.splitlines()
+    mark = _separator(lines)
+    if mark == " ":
+        rows = [Row(i, line.split()) for i, line in enumerate(lines, start=1)]
+    else:
+        rows = [Row(i, _cells(line, mark)) for i, line in enumerate(lines, start=1)]
+    if (mark != "," and "," in text) or '"' in text or re.search(r"\d\.\d{3}\.\d{3}", text):
+        rows = with_points(rows, mark)
+    return Sheet(name, rows, lines, mark)
+
+
+def decode(raw: bytes, name: str) -> str:
+    """Text from UTF-16 (with a mark), UTF-8, Windows-1252 or cp949, whichever fits; Latin-1 fits always."""
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return raw.decode("utf-16", errors="replace")
+    if b"\0" in raw[:4096]:
+        raise InputError(f"path must be a text file or a spreadsheet (.xls, .xlsx), got {name!r} with binary data.")
+    for encoding in ("utf-8-sig", "cp1252", "cp949"):
+        try:
+            text = raw.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if encoding != "cp1252" or {character for character in text if ord(character) > 127} <= _EXPECTED:
+            return text
+    return raw.decode("latin-1")
+
+
+def number(cell: str) -> float:
+    """The number in a cell with a decimal point; NaN where it holds something else."""
+    try:
+        return float(cell) if "_" not in cell else np.nan
+    except ValueError:
+        pass
+    try:
+        return float(re.sub("[dD]", "e", cell)) if re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip()) else np.nan
+    except ValueError:
+        return np.nan
+
+
+def with_points(rows: list[Row], separator: str) -> list[Row]:
+    """The same rows with decimal points and nothing between thousands, whatever a sheet uses for either.
+
+    What cannot be both decides: 0,5 and 1.234,5 have decimal commas. Where all commas could stand before thousands
+    (1,234) they do if the separator is a comma, if other numbers have decimal points, or if one has two commas; points
+    likewise where others have decimal commas, or one number has two points.
+    """
+    marked = [cell for row in rows for cell in row.cells if ("," in cell or "." in cell) and _MARKED.fullmatch(cell)]
+    comma, point = (any(_is_decimal(cell, mark) for cell in marked) for mark in ",.")
+    grouped = not comma and (point or separator == "," or any(cell.count(",") > 1 for cell in marked))
+    dotted = not point and (comma or any(re.fullmatch(r"[+-]?\d{1,3}(\.\d{3}){2,}", cell) for cell in marked))
+
+    def plain(cell: str) -> str:
+        if not ("," in cell or "." in cell) or not _MARKED.fullmatch(cell):
+            return cell
+        if "," in cell and "." in cell:
+            decimal = max(",.", key=cell.rfind)
+        elif "," in cell:
+            decimal = "" if grouped else ","
+        else:
+            decimal = "" if dotted else "."
+        for mark in {",", "."} - {decimal}:
+            cell = cell.replace(mark, "")
+        return cell.replace(",", ".")
+
+    return [Row(row.line, [plain(cell) for cell in row.cells]) for row in rows]
+
+
+def _is_decimal(cell: str, mark: str) -> bool:
+    """Whether a comma (or point) can only be the decimal one: the last mark, once, not before just three digits."""
+    other = "." if mark == "," else ","
+    if cell.count(mark) != 1 or (other in cell and cell.rfind(other) > cell.rfind(mark)):
+        return False
+    before, after = re.split("[eEdD]", cell)[0].lstrip("+-").split(mark)
+    return other in before or len(after) != 3 or len(before) > 3 or before in ("", "0")
+
+
+def _separator(lines: list[str]) -> str:
+    """The separator that cuts most lines into several cells that are mostly numbers."""
+    sample = [line for line in lines if line.strip()][:400]
+    best, most = ",", 0.0
+    for separator in ("\t", ";", ",", "|", " "):
+        score = 0.0
+        for line in sample:
+            cells = line.split() if separator == " " else line.split(separator)
+            known = sum(_MARKED.fullmatch(cell.strip().strip('"')) is not None for cell in cells)
+            score += known if known >= 2 else 0
+        if score > 1.05 * most:
+            best, most = separator, score
+    return best
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    """A quote within a cell, as in G", is a character like others."""
+    try:
+        cells = next(csv.reader([line], delimiter=separator), []) if '"' in line else line.split(separator)
+    except csv.Error:
+        cells = line.split(separator)
+    return [cell.strip() for cell in cells] if line.strip() else []
+
+
+def _spreadsheet(path: Path, name: str) -> list[Row]:
+    if importlib.util.find_spec("python_calamine") is None:
+        raise InputError(f"{name}: reading spreadsheets needs python-calamine: pip install elastomdr[excel]")
+    reader = [sys.executable, str(Path(__file__).with_name("spreadsheet.py")), os.fspath(path)]
+    try:
+        read = subprocess.run(reader, capture_output=True, timeout=_PATIENCE, check=False)
+    except subprocess.TimeoutExpired as error:
+        raise InputError(f"path must be a spreadsheet that can be read in {_PATIENCE} s, got {name!r}.") from error
+    if read.returncode != 0:
+        said = read.stdout.decode(errors="replace").strip() if read.returncode == 1 else ""
+        raise InputError(f"path must be a spreadsheet that can be read, got {name!r} ({said or 'it is damaged'}).")
+    rows: list[Row] = []
+    for title, sheet in json.loads(read.stdout).items():  # line numbers are those of the sheet
+        rows += [Row(1, [title]), *(Row(i, cells) for i, cells in enumerate(sheet, start=1))]
+        rows.append(Row(0, []))
+    return rows

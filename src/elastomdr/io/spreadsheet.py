@@ -1,0 +1,38 @@
+"""Reads a spreadsheet and prints its sheets as JSON, every cell a text: a program of its own, run by `sheets.py`.
+
+A damaged .xls can make the reader, which is written in Rust, panic, ask for all the memory there is, or abort the
+process; here that costs a child and not the session.
+"""
+
+import contextlib
+import json
+import sys
+
+MOST_MEMORY = 4_000_000_000  # bytes of address space
+
+
+def text(cell: object) -> str:
+    """A cell as a text; a number with all its digits."""
+    return repr(cell) if isinstance(cell, float) else str(cell).strip()
+
+
+def main(path: str) -> int:
+    """Prints the name and the rows of each sheet and returns 0, or prints why not and returns 1."""
+    with contextlib.suppress(ImportError, OSError, ValueError):  # Windows has no such limits
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    from python_calamine import CalamineError, CalamineWorkbook
+
+    try:
+        book = CalamineWorkbook.from_path(path)
+        sheets = {name: book.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in book.sheet_names}
+    except (CalamineError, OSError, ValueError) as error:
+        print(error)
+        return 1
+    json.dump({name: [[text(cell) for cell in row] for row in sheet] for name, sheet in sheets.items()}, sys.stdout)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

@@ -1,0 +1,106 @@
+"""Units as they stand in the titles of tables, by pint: a text and a kind of quantity to factor and offset to SI."""
+
+import functools
+import re
+from typing import Any
+
+KINDS = {  # kind of quantity -> its SI unit, and units that are recognised in capitals and small letters alike
+    "frequency": ("rad/s", "Hz kHz mHz rad/s"),
+    "angular frequency": ("rad/s", "rad/s"),
+    "modulus": ("Pa", "Pa kPa MPa GPa"),
+    "temperature": ("K", "degC K degF"),
+    "time": ("s", "s ms min h"),
+    "angle": ("rad", "deg rad"),
+    "ratio": ("-", "- %"),
+    "velocity": ("m/s", "m/s mm/s um/s km/h m/min"),
+    "length": ("m", "m mm um nm"),
+    "wave number": ("rad/m", "rad/m cycles/m 1/m"),
+    "m^4": ("m^4", "m^4 mm^4 um^4"),
+    "m^3": ("m^3", "m^3 mm^3 um^3"),
+}
+_SPELLED = str.maketrans({"μ": "µ", "⁻": "-", "¹": "1", "²": "2", "³": "3", "⁴": "4", "·": "*", "⋅": "*", "\u2212": "-",
+                          "º": "°", "\u00d7": "*"})  # fmt: skip
+_ALIASES = {  # in small letters, without blanks
+    "c": "degC", "°c": "degC", "℃": "degC", "oc": "degC", "degc": "degC", "deg_c": "degC", "celsius": "degC",
+    "°f": "degF", "℉": "degF", "degf": "degF", "deg_f": "degF", "k": "kelvin", "kelvin": "kelvin",
+    "°": "degree", "deg": "degree", "sec": "second", "hr": "hour", "rads": "rad/s", "rad_s": "rad/s",
+    "rad_per_s": "rad/s", "rad/sec": "rad/s", "rads**-1": "rad/s", "hertz": "Hz", "dyne/cm**2": "dyn/cm**2",
+    "kg/cm**2": "kgf/cm**2", "kg/mm**2": "kgf/mm**2", "-": "", "1": "", "none": "",
+}  # fmt: skip
+_OTHERS = ("N", "N*m", "Pa*s", "1/Pa", "N/m", "m^2")  # units of columns that are passed over
+
+
+@functools.cache
+def registry() -> Any:
+    """The one registry of units (making it takes half a second)."""
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def to_si(text: str, kind: str) -> tuple[float, float] | None:
+    """Factor and offset that turn numbers in a unit into SI; None for a text that is no unit of this kind.
+
+    Hz counts turns. Of a frequency, 1/s leaves open whether turns or radians are counted, and is no unit; of an
+    angular frequency it can only be rad/s, and Hz is no unit.
+    """
+    unit = _parsed(text, kind)
+    if unit is None:
+        return None
+    word = text.lower()
+    if kind == "frequency" and not re.search("hz|hertz|rad|cycle|rev|turn|rpm", word):
+        return None
+    if kind == "angular frequency" and re.search("hz|hertz", word):
+        return None
+    turns = 2 * 3.141592653589793 if kind == "frequency" and re.search("hz|hertz", word) else 1.0
+    si = _pint(KINDS[kind][0])
+    zero, one = (float(registry().Quantity(x, unit).to(si).magnitude) for x in (0.0, 1.0))
+    return (round(one - zero, 12) if zero else one) * turns, zero
+
+
+def is_unit(text: str) -> bool:
+    """Whether a cell holds a unit and nothing else; an empty one does not."""
+    return any(_parsed(text, kind) is not None for kind in KINDS) or any(_alike(text, unit) for unit in _OTHERS)
+
+
+def usual(kind: str) -> str:
+    """Examples of units of a kind, for messages."""
+    return ", ".join(KINDS[kind][1].split())
+
+
+@functools.cache
+def _parsed(text: str, kind: str) -> Any:
+    """pint's unit, None where the text is none of this kind."""
+    known = {unit.lower(): unit for unit in KINDS[kind][1].split()}
+    if _alike(text, KINDS[kind][0]):
+        return _pint(text)
+    word = known.get(_plain(text).lower(), "")  # hz, pa, mpa
+    return _pint(word) if word else None
+
+
+def _alike(text: str, unit: str) -> bool:
+    found, wanted = _pint(text), _pint(unit)
+    angular = "rad" in unit.split("/")  # angles have no dimension
+    return (
+        found is not None
+        and dict(found.dimensionality) == dict(wanted.dimensionality)
+        and (bool(dict(wanted.dimensionality)) or angular == any(word in str(found) for word in ("radian", "degree")))
+    )
+
+
+def _plain(text: str) -> str:
+    return text.strip().strip("[]()").strip().translate(_SPELLED)
+
+
+@functools.cache
+def _pint(text: str) -> Any:
+    word = re.sub(r"(?<=[A-Za-zµ])[.-](?=[A-Za-z])", "*", _plain(text).replace("^", "**"))  # N.m, Pa-s
+    word = re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", word)  # mm2, s-1
+    bare = re.sub(r"\s+", "", word)
+    word = _ALIASES.get(bare.lower(), word)
+    if not re.search("[A-Za-zµ°%]", word):
+        return registry().parse_units("") if not word and text.strip() else None
+    try:
+        return registry().parse_units(word)
+    except Exception:  # pint lets errors of its parser through, of many types
+        return None

@@ -1,0 +1,220 @@
+"""Motions in time: what `em.slide`, `em.drive` and `em.shear` return."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+
+from .._runtime import is_traced, plain, positive, significant
+from ..errors import InputError
+from .base import Array, Quantity, Result, quantity, record, setting
+from .words import span
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import Style
+
+_LATE = 0.8  # part of the time from which on a summary looks at the velocity
+
+
+@record
+class AbstractHistory(Result):
+    """A motion at the instants asked for; an instant that did not converge is NaN with `converged=False`."""
+
+    time: Array = quantity("time", "s")
+
+    across: ClassVar[str] = "time"
+    from_zero: ClassVar[bool] = False
+    last: ClassVar[str] = "time"
+    each: ClassVar[str] = "instants"
+
+
+@record
+class _OverSurface(AbstractHistory):
+    """A body that moves over rubber; forces and energies per metre for a rough line."""
+
+    error: Array = quantity("estimated error of the coefficient", "-", "of mu, absolute")
+    per_length: bool = setting()  # whether forces and energies are per metre of line
+
+    error_of: ClassVar[str] = "mu"
+
+    def describe(self, q: Quantity) -> Quantity:
+        """Forces and energies of a rough line are per metre of it."""
+        return q._replace(unit=f"{q.unit}/m") if self.per_length and q.unit in ("N", "J") else q
+
+
+@record
+class Slide(_OverSurface):
+    """A body that moves over a viscoelastic foundation; forces and energies per metre for a rough line.
+
+    `friction_force` is the force on the body against +x, positive where it resists a motion towards +x, and `mu` its
+    ratio to the normal force (NaN without contact). `dissipated` is `work` less `stored`, all since the start.
+    """
+
+    position: Array = quantity("position", "m", "X(t)")
+    velocity: Array = quantity("velocity", "m/s", "dX/dt over the interval that ends here")
+    mu: Array = quantity("friction coefficient", "-", "F_x/F_N")
+    normal_force: Array = quantity("normal force", "N", "F_N")
+    friction_force: Array = quantity("friction force", "N", "F_x")
+    depth: Array = quantity("depth", "m", "indentation depth d")
+    work: Array = quantity("work", "J", "of normal and friction force on the rubber")
+    stored: Array = quantity("stored energy", "J", "elastic, in the rubber")
+    dissipated: Array = quantity("dissipated energy", "J")
+
+    title: ClassVar[str] = "Transient sliding"
+    shows: ClassVar[str] = "mu"
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Largest and last friction coefficient, and the energies."""
+        yield "computed", str(self.plan)
+        known = np.flatnonzero(np.isfinite(self.mu))
+        if known.size:
+            top, last = known[np.abs(self.mu[known]).argmax()], known[-1]
+            values = (self.mu[top], self.time[top], self.mu[last], self.time[last])
+            most, when, end, then = (significant(float(value)) for value in values)
+            yield "result", f"largest mu = {most} at {when} s, last {end} at {then} s"
+            unit = "J/m" if self.per_length else "J"
+            names = ("work", "dissipated", "stored")
+            yield "energy", ", ".join(f"{k} {significant(float(getattr(self, k)[last]))} {unit}" for k in names)
+
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        style: "Style | None" = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        against: Literal["time", "position"] = "time",
+    ) -> "Axes":
+        """Draws mu `against` "time" or "position"; the rest as of every result, `Result.plot`."""
+        if against not in ("time", "position"):
+            raise InputError(f"against must be 'time' or 'position', got {against!r}.")
+        from .plotting import Ask, draw
+
+        return self._draw(draw, Ask(ax, style, title, label), x=against)
+
+    def png(
+        self, title: str | None = None, style: "Style | None" = None, **options: Any
+    ) -> bytes:  # as of every result
+        """The figure as a PNG image: against position where it moves, since a rest may take most of the time."""
+        against = "position" if np.ptp(self.position) > 0 else "time"
+        return super().png(title, style, **{"against": against, **options})
+
+
+@record
+class Drive(_OverSurface):
+    """A body driven over rubber through springs and dampers; forces and energies per metre for a rough line.
+
+    `given` is the work of drive and load since the body was put down. It is in motion, springs and rubber (`kinetic`,
+    `stored`) or `dissipated`, but for `imbalance`, the error of the time integration, held against rtol as well.
+    """
+
+    drive: Array = quantity("place of the drive", "m", "D(t)")
+    position: Array = quantity("place of the body", "m", "X(t)")
+    velocity: Array = quantity("velocity", "m/s", "of the body, dX/dt")
+    depth: Array = quantity("depth", "m", "indentation depth d")
+    mu: Array = quantity("friction coefficient", "-", "F_x/F_N")
+    normal_force: Array = quantity("normal force", "N", "F_N")
+    friction_force: Array = quantity("friction force", "N", "F_x")
+    pull: Array = quantity("pull of the drive", "N", "of the tangential spring; F_x where the drive is rigid")
+    given: Array = quantity("work of drive and load", "J")
+    kinetic: Array = quantity("kinetic energy", "J")
+    stored: Array = quantity("stored energy", "J", "in rubber and springs")
+    dissipated: Array = quantity("dissipated energy", "J", "in rubber and dampers")
+    imbalance: Array = quantity("missing in the energy balance", "J")
+
+    title: ClassVar[str] = "Driven motion"
+    shows: ClassVar[str] = "pull"
+
+    def swing(self, period: float) -> Array:
+        """(max X' - min X')/|mean D'| in each whole `period` [s] since the start: 0 when the body follows the drive.
+
+        It dies out where the drive damps; a body that sticks and slips swings on, by more than 1 as a rule. Take the
+        period of the mass on its spring, 2 pi sqrt(m/k), and instants enough to see it. NaN in a period with an
+        instant that did not converge, or in which the drive stands. Works under `jax.vmap` over what is driven. Raises
+        `InputError`.
+        """
+        length, time = plain("period", period), np.asarray(self.time)
+        positive("period", length)
+        number = np.ceil((time - time[0]) / length * (1 - 1e-12)).astype(int)  # 1 for the first, its end included
+        count = int((time[-1] - time[0]) / length * (1 + 1e-12))
+        if not 1 <= count < time.size or np.bincount(number, minlength=count + 1)[1 : count + 1].min() < 2:
+            raise InputError(
+                f"period must leave two instants or more in each, and be no longer than the motion, got {length:g} s."
+            )
+        xp: Any = np
+        if is_traced(self):
+            import jax.numpy as xp
+        ends = [np.flatnonzero(number <= j)[-1] for j in range(count + 1)]
+        found = []
+        for first, last in pairwise(ends):
+            speed = (self.drive[last] - self.drive[first]) / (time[last] - time[first])
+            part = self.velocity[first + 1 : last + 1]
+            found.append((part.max() - part.min()) / xp.where(speed == 0, xp.nan, abs(speed)))
+        return xp.stack(found)
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Ranges of friction and normal force, the energy balance, the velocity late in the motion."""
+        yield "computed", str(self.plan)
+        good = np.flatnonzero(self.converged)
+        if good.size:
+            unit, joule = ("N/m", "J/m") if self.per_length else ("N", "J")
+            yield "friction", span(self.friction_force[good], unit)
+            yield "normal force", span(self.normal_force[good], unit)
+            names = ("given", "kinetic", "stored", "dissipated", "imbalance")
+            yield "energy", ", ".join(f"{k} {significant(getattr(self, k)[good[-1]])} {joule}" for k in names)
+        late = np.flatnonzero(self.converged & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0])))
+        if late.size > 1 and (speed := np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]])):
+            low, high = (significant(float(x(self.velocity[late])) / speed, 3) for x in (np.min, np.max))
+            yield "velocity", f"{low} to {high} times the drive's in the last fifth of the time"
+
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        style: "Style | None" = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        show: str = "pull",
+    ) -> "Axes":
+        """Draws one field against time, by default the pull of the drive; the rest as of every result."""
+        fields = [q.path for q in self.quantities() if q.unit and q.path != "time"]
+        if show not in fields:
+            raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
+        from .plotting import Ask, draw
+
+        return self._draw(draw, Ask(ax, style, title, label), y=show)
+
+
+@record
+class Shear(AbstractHistory):
+    """Tangential loading with stick and slip."""
+
+    displacement: Array = quantity("tangential displacement", "m", "of the body", shown="µm")
+    force: Array = quantity("tangential force", "N", "on the body's side that moves it")
+    normal_force: Array = quantity("normal force", "N")
+    depth: Array = quantity("depth", "m")
+    contact_radius: Array = quantity("contact radius", "m")
+    stick_radius: Array = quantity("stick radius", "m", "inside, nothing slipped in the last step")
+    work: Array = quantity("tangential work", "J", "done by the tangential force since the start")
+    slip_loss: Array = quantity("lost by slip", "J", "of the work, turned into heat by slip")
+    stored: Array = quantity("stored tangentially", "J", "of the work, elastic energy; the rest heats the rubber")
+    error: Array = quantity("estimated error of the tangential force", "N")
+
+    title: ClassVar[str] = "Tangential loading with friction"
+    across: ClassVar[str] = "displacement"
+    shows: ClassVar[str] = "force"
+    error_of: ClassVar[str] = "the force"
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """The largest force, and what became of the work."""
+        good = np.asarray(self.converged)
+        if good.any():
+            force = np.abs(np.asarray(self.force)[good])
+            largest = int(force.argmax())
+            when = np.asarray(self.time)[good][largest]
+            yield "largest force", f"{significant(float(force[largest]))} N at {significant(float(when))} s"
+            work, slip, stored = (float(np.asarray(x)[good][-1]) for x in (self.work, self.slip_loss, self.stored))
+            yield "work", f"{significant(work)} J: slip {significant(slip)} J, stored {significant(stored)} J"

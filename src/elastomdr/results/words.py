@@ -1,0 +1,65 @@
+"""Numbers, shapes and arrays in words, with the units an engineer would write."""
+
+from typing import Any
+
+import numpy as np
+
+from .._runtime import is_traced, significant
+
+_SHAPE_UNITS = {"radius": " m", "length": " m"}
+_SCALES = {"mm": 1e3, "µm": 1e6, "ms": 1e3, "%": 100.0, "MPa": 1e-6}  # what one SI unit is in them
+
+
+def describe(shape: Any) -> str:
+    """A body by its name and its numbers with their units."""
+    numbers = [
+        f"{name} {float(np.asarray(x)):.6g}{_SHAPE_UNITS.get(name, '')}"
+        for name, x in vars(shape).items()
+        if not isinstance(x, bool) and not is_traced(x) and np.ndim(x) == 0
+    ]
+    return ", ".join([shape.label, *numbers])
+
+
+def brief(array: Any, unit: str) -> str:
+    """A number with its unit, or the range of an array and how many values it has."""
+    if is_traced(array):
+        return "traced"
+    array = np.asarray(array)
+    if array.size and array.min() == array.max():
+        return f"{float(array.flat[0]):.6g} {unit}"
+    return f"{array.min():.4g} to {array.max():.4g} {unit} ({array.size} values)"
+
+
+def in_unit(values: Any, unit: str) -> np.ndarray:
+    """SI values in the unit of a figure's axis."""
+    return np.asarray(values) - 273.15 if unit == "°C" else np.asarray(values) * _SCALES.get(unit, 1.0)
+
+
+def in_words(name: str, value: float, unit: str = "N") -> str:
+    """A quantity with the unit an engineer would write; `unit` is that of `value` where there is no usual one."""
+    if name in ("temperature", "ambient"):
+        return f"{significant(round(value - 273.15, 3), 5)} degC"
+    if name == "pressure":
+        return f"{significant(1e-6 * value)} MPa"
+    if name in ("depth", "radius", "length", "diameter"):
+        return f"{significant(1e3 * value)} mm"
+    if name in ("creepage", "slip", "squeeze"):
+        return f"{name} {significant(100 * value)} %"
+    if name == "friction_force":
+        return f"friction force {significant(value)} N"
+    if name in ("belt", "goods"):
+        return f"{significant(value)} kg/m of {name}"
+    if unit == "-":
+        return f"{name} {significant(value)}"
+    return f"{significant(value)} {'m/s' if name == 'velocity' else unit}"
+
+
+def span(values: Any, unit: str = "") -> str:
+    """The range of an array in words, one number where it is one; NaN is not looked at."""
+    values, unit = np.asarray(values), f" {unit}" if unit else ""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return "infinite" if np.isinf(values).any() else "none"
+    digits = 7 if values.size == 1 else 4
+    low, high = (significant(float(x), digits) for x in (known.min(), known.max()))
+    return f"{low}{unit}" if low == high else f"{low} to {high}{unit}"

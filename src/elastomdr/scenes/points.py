@@ -1,0 +1,116 @@
+"""The points of a steady scene, checked and broadcast: for smooth bodies, rough lines and surfaces alike."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .._arrays import xp
+from .._runtime import Array, as_float64, is_traced, positive
+from ..errors import InputError
+from ..results.words import brief
+from ..solve.heat import Heat
+
+_FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
+
+
+class Points(NamedTuple):
+    """Arguments as float64; JAX arrays where traced, else NumPy's."""
+
+    shape: tuple[int, ...]  # of all of them, broadcast
+    velocity: Any  # as given [m/s]
+    value: Any  # load, depth or pressure as given
+    kelvin: Any  # as given [K], or None
+    reduced: Any  # v a_T [m/s], of the broadcast shape
+    traced: bool
+
+    def full(self, array: Any) -> Any:
+        """`array` in the broadcast shape; None stays None."""
+        return None if array is None else (xp if self.traced else np).broadcast_to(array, self.shape) + 0.0
+
+
+class Mean(NamedTuple):
+    """The answer at each point, a mean over lines or maps where there are several."""
+
+    mu: Array
+    error: Array
+    load: Array
+    depth: Array
+    share: Array
+    good: Array
+    scatter: Array | None  # standard error of mu
+
+
+def steady_points(foundation: Any, body: Any, *, velocity: Any, temperature: Any, **control: Any) -> Points:
+    """Checks and broadcasts; `control` is load, depth or pressure by its name. Raises `InputError`.
+
+    The points are traced if `foundation` or `body`, on which they are solved, are.
+    """
+    ((name, value),) = control.items()
+    velocity, value = as_float64("velocity", velocity), as_float64(name, value)
+    positive("velocity", velocity)
+    positive(name, value)
+    kelvin = None if temperature is None else as_float64("temperature", temperature)
+    if kelvin is not None and foundation.shift is None:
+        raise InputError(
+            f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift law; "
+            "give the material one with shift=em.WLF(...), or leave the temperature out."
+        )
+    arrays = [velocity, value, *([] if kelvin is None else [kelvin])]
+    try:
+        shape = np.broadcast_shapes(*(np.shape(a) for a in arrays))
+    except ValueError as error:
+        shapes = ", ".join(str(np.shape(a)) for a in arrays)
+        raise InputError(f"velocity, {name} and temperature must broadcast, got shapes {shapes}.") from error
+    if 0 in shape:
+        raise InputError(f"velocity, {name} and temperature must not be empty, got shape {shape}.")
+    factor = 1.0 if kelvin is None else foundation.shift.a(kelvin)
+    if kelvin is not None and not is_traced(velocity, factor):
+        _check_shift(kelvin, velocity, factor)
+    points = Points(shape, velocity, value, kelvin, None, is_traced(foundation, body, velocity, value, kelvin))
+    return points._replace(reduced=points.full(velocity * factor))
+
+
+def check_rtol(rtol: Any) -> None:
+    """Raises `InputError` unless it is a number that a steady scene can keep."""
+    if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
+        rtol = rtol.item()
+    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-1:
+        raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
+
+
+def check_carries(foundation: Any) -> None:
+    """Raises `InputError` for what carries no rough surface: a layer, a liquid."""
+    if foundation.per_area:
+        raise InputError("material must be a half-space under a rough surface, got a layer.")
+    at_rest = foundation.complex_modulus(np.zeros(()))
+    if not is_traced(at_rest) and not float(np.real(at_rest)) > 0:
+        raise InputError(
+            "material must have an equilibrium modulus under a rough surface, got 0: a liquid carries no steady load "
+            "on a surface without end, since every element sinks until the mean force is gone."
+        )
+
+
+def check_heat(heat: Any, temperature: Any, traced: bool) -> None:
+    """Raises `InputError` unless flash temperature can be found, or is not asked for."""
+    if heat is None:
+        return
+    if traced:
+        raise InputError("heat must be left out under jax.grad, jit and vmap: flash temperature is not differentiable.")
+    if not isinstance(heat, Heat):
+        raise InputError(f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}.")
+    if temperature is None:
+        raise InputError("heat needs a temperature [K], that of the rubber without the flash, and so a shift law.")
+
+
+def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
+    with np.errstate(over="ignore", invalid="ignore"):
+        kelvin, reduced = np.broadcast_arrays(kelvin, velocity * np.asarray(factor))
+        bad = ~((reduced > 1 / _FASTEST) & (reduced < _FASTEST))
+    if bad.any():
+        raise InputError(
+            f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} and {_FASTEST:g} m/s, got "
+            f"{float(kelvin[bad].flat[0]):g} K with v a_T = {float(reduced[bad].flat[0]):.3g} m/s: too far from where "
+            "the shift law was measured."
+        )

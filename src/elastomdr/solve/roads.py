@@ -1,0 +1,229 @@
+"""Friction of a randomly rough surface under a pressure, in closed integrals over its spectrum.
+
+With E* the half-space's modulus E/(1 - nu^2), C(q) the two-dimensional spectrum and w = q v:
+
+    full contact (exact)    mu = (1/2p) int q^3 C drag(q v) dq,     drag(w) = int_0^2pi cos(phi) Im E*(w cos phi) dphi
+    Persson                 mu = (1/2p) int q^3 C S P drag dq,      P = erf(1/(2 sqrt G)),  S = gamma + (1 - gamma) P^2
+                            G(q) = (1/8p^2) int_q_low^q k^3 C [S] stiffness(k v) dk,
+                            stiffness(w) = int_0^2pi |E*(w cos phi)|^2 dphi
+
+P(q) is the share of the nominal area that is in contact when waves up to q are seen; at the upper cutoff it is the real
+area of contact. Where S stands inside G as well ("stored"), dG/S(G) can be integrated once for all, so that G is a
+function of the same integral without S. Source: B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840; Scaraggi and Persson,
+J. Phys.: Condens. Matter 27 (2015) 105102.
+
+The integrals over the angle depend on q v alone: they are tabulated once for a material, over the logarithm of the
+frequency, and read off by cubic interpolation. Each integral over q is taken by Gauss' rule of two points on cells of
+log q, which end at the points of the spectrum, where it may bend, and get shorter towards q_low, where P falls from 1.
+"""
+
+import functools
+from typing import Any, NamedTuple
+
+import numpy as np
+
+PER_DECADE = 32  # cells of log q that a solution begins with
+_SMALLEST = 26  # how many factors of 2 the smallest cell, next to q_low, is below those that are even
+_STEP = np.log(10.0) / 32  # of log frequency in the tables of a material
+_REACH = 14.0  # how far below a frequency in log the average over the angles looks
+_ANGLES = 400  # nodes over the angle, midpoints in log tan(phi/2), of the tables
+_DIRECT = 48  # the same, where each frequency has an average of its own
+
+
+class Nodes(NamedTuple):
+    """Nodes of Gauss' rule over log q: two in each cell."""
+
+    q: Any  # wave numbers (cells, 2) [rad/m]
+    weight: Any  # of int dlog q (cells, 2)
+    power: Any  # q^4 C (cells, 2) [rad^4]
+    end: Any  # q_high [rad/m]
+    end_power: Any  # q^4 C there
+
+
+class Tables(NamedTuple):
+    """Integrals over the angle on an even grid of log w."""
+
+    start: Any  # log of the first frequency
+    drag: Any  # int cos Im E* dphi [Pa]
+    stiffness: Any  # int |E*|^2 dphi [Pa^2]
+
+
+def nodes(spectrum: Any, per_decade: int = PER_DECADE, bend: float = 0.0) -> Nodes:
+    """Nodes over a spectrum, in `per_decade` cells of even width in log q; where q is traced three decades are assumed.
+
+    Cells end at the points of the spectrum, and at q_high e^-bend, where an integrand may bend (not where q is traced).
+    """
+    table, c = spectrum.q, spectrum.c
+    xp = namespace(table, c)
+    log_q, log_c = xp.log(xp.asarray(table)), xp.log(xp.asarray(c))
+    if xp is np and bend > 0 and log_q[0] < log_q[-1] - bend and not np.isclose(log_q, log_q[-1] - bend).any():
+        at = log_q[-1] - bend
+        place = np.searchsorted(log_q, at)
+        log_c = np.insert(log_c, place, np.interp(at, log_q, log_c))
+        log_q = np.insert(log_q, place, at)
+    ends, level, slope = [], [], []
+    for i in range(log_q.shape[0] - 1):
+        width = np.log(1e3) if xp is not np else float(log_q[i + 1] - log_q[i])
+        count = max(1, int(np.ceil(width / np.log(10.0) * per_decade)))
+        share = _graded(count, per_decade) if i == 0 else np.linspace(0.0, 1.0, count + 1)
+        ends.append(log_q[i] + (log_q[i + 1] - log_q[i]) * share)
+        steep = (log_c[i + 1] - log_c[i]) / (log_q[i + 1] - log_q[i])
+        level.append(xp.broadcast_to(log_c[i] - steep * log_q[i], (share.size - 1,)))
+        slope.append(xp.broadcast_to(steep, (share.size - 1,)))
+    low, high = xp.concatenate([e[:-1] for e in ends]), xp.concatenate([e[1:] for e in ends])
+    level, slope = xp.concatenate(level)[:, None], xp.concatenate(slope)[:, None]
+    x = low[:, None] + (high - low)[:, None] * np.array([0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6])
+    return Nodes(
+        xp.exp(x), xp.broadcast_to((0.5 * (high - low))[:, None], x.shape), xp.exp((4 + slope) * x + level),
+        xp.exp(log_q[-1]), xp.exp(4 * log_q[-1] + log_c[-1]),
+    )  # fmt: skip
+
+
+def _graded(count: int, per_decade: int) -> np.ndarray:
+    """Ends of cells from 0 to 1: each longer than those before together by a factor, until one has a `count`th."""
+    growth = 2.0 ** (16 / per_decade)
+    even = min(1.0, 1 / (count * (growth - 1)))  # from where on cells are even
+    first = even * growth ** np.arange(-int(_SMALLEST * per_decade / 16), 1.0)
+    rest = max(0, int(np.ceil((1 - even) * count)))
+    return np.concatenate([[0.0], first[:-1], np.linspace(even, 1.0, rest + 1) if rest else [1.0]])
+
+
+def until(rate: Any, weight: Any) -> Any:
+    """int dlog q of `rate` from q_low to each node, (..., cells, 2): within a cell as Gauss' method of order four."""
+    xp = namespace(rate, weight)
+    first, second = rate[..., 0], rate[..., 1]
+    width = 2 * weight[..., 0]
+    whole = 0.5 * width * (first + second)
+    before = xp.cumsum(whole, axis=-1) - whole
+    off = np.sqrt(3) / 6
+    inside = xp.stack(
+        [
+            before + width * (0.25 * first + (0.25 - off) * second),
+            before + width * ((0.25 + off) * first + 0.25 * second),
+        ],
+        axis=-1,
+    )
+    # A rate that grows many times within a cell would take the first node below zero.
+    return xp.clip(inside, before[..., None], (before + whole)[..., None])
+
+
+@functools.lru_cache(maxsize=8)
+def _kernels(step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Weights on f(w), f(w e^-h), ... of int cos f(w cos) dphi and int f(w cos) dphi, f cubic between the points.
+
+    From the point above w on, which cubic interpolation needs.
+    """
+    t = 22.0 * (np.arange(_ANGLES) + 0.5) / _ANGLES  # cos = sech t, dphi = sech t dt
+    cosine = 1 / np.cosh(t)
+    place = np.minimum(-np.log(cosine), _REACH) / step
+    left = np.floor(place).astype(int)
+    s = place - left
+    cubic = [
+        -s * (s - 1) * (s - 2) / 6,
+        (s + 1) * (s - 1) * (s - 2) / 2,
+        -(s + 1) * s * (s - 2) / 2,
+        (s + 1) * s * (s - 1) / 6,
+    ]
+    count = int(np.ceil(_REACH / step)) + 4
+    plain, weighted = np.zeros(count), np.zeros(count)
+    for k, factor in enumerate(cubic):
+        np.add.at(plain, left + k, factor * cosine)
+        np.add.at(weighted, left + k, factor * cosine**2)
+    scale = 4 * 22.0 / _ANGLES
+    return scale * weighted, scale * plain
+
+
+def tables(modulus: Any, low: float, high: float, step: float = _STEP) -> Tables:
+    """Tables for frequencies q v from `low` to `high` [rad/s]; `modulus(omega)` is E* [Pa], complex."""
+    weighted, plain = _kernels(step)
+    start = np.log(low) - 2 * step
+    count = int(np.ceil((np.log(high) - start) / step)) + 3
+    lags = weighted.size
+    frequency = np.exp(start + step * np.arange(1 - lags + 1, count + 1))
+    value = modulus(frequency)
+    xp = namespace(value)
+    window = np.arange(count)[:, None] + (lags - 1) - np.arange(lags)
+    return Tables(start, value.imag[window] @ weighted, (xp.abs(value) ** 2)[window] @ plain)
+
+
+def direct(modulus: Any, w: Any) -> tuple[Any, Any]:
+    """`drag` and `stiffness` at frequencies w of any shape, each with an average over the angle of its own."""
+    t = 14.0 * (np.arange(_DIRECT) + 0.5) / _DIRECT
+    cosine = 1 / np.cosh(t)
+    weight = 4 * 14.0 / _DIRECT * cosine
+    value = modulus(w[..., None] * cosine)
+    return value.imag @ (weight * cosine), (value.real**2 + value.imag**2) @ weight
+
+
+def read(table: Tables, values: Any, log_w: Any, step: float = _STEP) -> Any:
+    """A table's values at log w, by cubics through four points of their logarithm."""
+    xp = namespace(values, log_w)
+    place = (log_w - table.start) / step
+    left = xp.clip(xp.floor(place).astype(int), 1, values.shape[0] - 3)
+    s = place - left
+    y = xp.log(xp.maximum(values, 1e-300))
+    return xp.exp(
+        -s * (s - 1) * (s - 2) / 6 * y[left - 1] + (s + 1) * (s - 1) * (s - 2) / 2 * y[left]
+        - (s + 1) * s * (s - 2) / 2 * y[left + 1] + (s + 1) * s * (s - 1) / 6 * y[left + 2]
+    )  # fmt: skip
+
+
+def share(spread: Any) -> Any:
+    """P = erf(1/(2 sqrt G))."""
+    xp = namespace(spread)
+    if xp is np:
+        from scipy.special import erf
+    else:
+        from jax.scipy.special import erf
+    return erf(0.5 / xp.sqrt(xp.maximum(spread, 1e-300)))
+
+
+def factor(shares: Any, gamma: float) -> Any:
+    """S = gamma + (1 - gamma) P^2."""
+    return gamma + (1 - gamma) * shares**2
+
+
+@functools.lru_cache(maxsize=8)
+def _stored(gamma: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """log R, log G and dlog G/dlog R of G = F^-1(R), F(G) = int_0^G dg/S(g)."""
+    from scipy.special import erf
+
+    log_g = np.linspace(np.log(1e-4), np.log(1e9), 2400)
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    middle = 0.5 * (log_g[1:] + log_g[:-1])[:, None] + 0.5 * np.diff(log_g)[:, None] * nodes
+    g = np.exp(middle)
+    parts = (g / factor(erf(0.5 / np.sqrt(g)), gamma)) @ weights * 0.5 * np.diff(log_g)
+    whole = np.exp(log_g[0]) + np.concatenate([[0.0], np.cumsum(parts)])
+    slope = whole * factor(erf(0.5 * np.exp(-0.5 * log_g)), gamma) / np.exp(log_g)
+    return np.log(whole), log_g, slope
+
+
+def spread_of(rate: Any, gamma: float, stored: bool) -> Any:
+    """G from R = int q^3 C stiffness/(8 p^2) dq: itself, or with S inside the integral."""
+    if not stored:
+        return rate
+    xp = namespace(rate)
+    log_r, log_g, slope = _stored(float(gamma))
+    x = xp.log(xp.maximum(rate, 1e-300))
+    left = xp.clip(xp.searchsorted(xp.asarray(log_r), x) - 1, 0, log_r.size - 2)
+    log_r, log_g, slope = xp.asarray(log_r), xp.asarray(log_g), xp.asarray(slope)
+    width = log_r[left + 1] - log_r[left]
+    s = (x - log_r[left]) / width
+    inside = (
+        (1 + 2 * s) * (1 - s) ** 2 * log_g[left] + s * (1 - s) ** 2 * width * slope[left]
+        + s**2 * (3 - 2 * s) * log_g[left + 1] + s**2 * (s - 1) * width * slope[left + 1]
+    )  # fmt: skip
+    # Below the table S is 1, above it gamma.
+    return xp.exp(xp.where(x < log_r[0], x, xp.where(x > log_r[-1], log_g[-1] + x - log_r[-1], inside)))
+
+
+def namespace(*values: Any) -> Any:
+    """NumPy, or jax.numpy where a value is JAX's: only then has JAX been imported already."""
+    import sys
+
+    if "jax" in sys.modules:
+        import jax
+
+        if any(isinstance(value, jax.Array) for value in values):
+            return jax.numpy
+    return np

@@ -1,0 +1,35 @@
+"""Docstrings of public calls: one sentence, the arguments that the call has, what it returns and what it raises."""
+
+import inspect
+import re
+
+import pytest
+
+import elastomdr as em
+
+CALLS = {
+    f"{package.__name__}.{name}": call
+    for package in (em, em.fit, em.reference)
+    for name in package.__all__
+    if inspect.isfunction(call := getattr(package, name))
+}
+
+
+def section(text: str, title: str) -> str:
+    """What is indented below a title."""
+    found = re.search(rf"^{title}:\n((?:    .*\n?|\n)+)", text, re.MULTILINE)
+    return found[1] if found else ""
+
+
+def test_calls_are_found():
+    assert {"elastomdr.friction", "elastomdr.fit.material", "elastomdr.reference.persson"} <= set(CALLS)
+
+
+@pytest.mark.parametrize("name", [name for name, call in CALLS.items() if "Args:" in inspect.getdoc(call)])
+def test_docstring_has_the_arguments_of_the_call(name):
+    text, parameters = inspect.getdoc(CALLS[name]), inspect.signature(CALLS[name]).parameters
+    first, _, rest = text.partition("\n")
+    assert first.endswith(".")
+    assert not rest or rest.startswith("\n")
+    assert re.findall(r"^    (\w+): ", section(text, "Args"), re.MULTILINE) == list(parameters)
+    assert section(text, "Returns")

@@ -1,0 +1,76 @@
+"""A list of materials is a first axis of every verb, and names tell them apart."""
+
+import jax
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+SOFT = em.StandardSolid(1e6, 4e6, 1e-2, name="soft")
+HARD = em.Prony(3e6, [2e6, 5e6], [1e-3, 0.1], name="hard")
+BALL, TIME = em.Paraboloid(5e-3), np.linspace(0, 0.05, 6)
+ROAD = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1e5)
+CALLS = {
+    "friction": lambda m: em.friction(m, BALL, velocity=[0.1, 1.0], load=1.0),
+    "road": lambda m: em.friction(m, ROAD, velocity=[0.1, 1.0], pressure=3e5),
+    "line": lambda m: em.friction(m, BALL, velocity=[0.1, 1.0], load=1.0, model="line"),
+    "rolling": lambda m: em.rolling(m, BALL, velocity=[0.1, 1.0], load=1.0),
+    "dissipation": lambda m: em.dissipation(m, BALL, velocity=[0.1, 1.0], load=1.0),
+    "indent": lambda m: em.indent(m, BALL, time=TIME, depth=1e-4 * np.sin(40 * TIME) ** 2),
+    "impact": lambda m: em.impact(m, BALL, mass=4e-3, velocity=[0.5, 2.0]),
+    "shear": lambda m: em.shear(m, BALL, time=TIME, load=1.0, displacement=1e-5 * TIME / 0.05, friction=0.5),
+    "slide": lambda m: em.slide(m, BALL, time=TIME, load=1.0, position=0.02 * TIME, rtol=1e-2),
+    "traction": lambda m: em.traction(m, BALL, velocity=1.0, creepage=[0.001, 0.1], friction=0.8, load=5.0),
+    "cord": lambda m: em.squeezed_cord(m, 3e-3, 0.1, time=[1.0, 100.0]),
+}
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
+def test_a_list_of_materials_is_a_first_axis(call):
+    together, alone = call([SOFT, HARD]), [call(SOFT), call(HARD)]
+    assert together.materials == ("soft", "hard")
+    assert type(together) is type(alone[0])
+    for i, one in enumerate(alone):
+        chosen = together.select(("soft", "hard")[i])
+        for (quantity, value), other in zip(one.fields().items(), chosen.fields().values(), strict=True):
+            rtol = 0.05 if "error" in quantity.label else 1e-9  # errors follow the steps of a search
+            np.testing.assert_allclose(value, other, rtol=rtol, err_msg=quantity.label)
+    assert together.to_xarray().sizes["material"] == 2
+    assert "soft" in together.summary()
+    assert "hard" in together.summary()
+
+
+def test_names_tell_materials_apart():
+    nameless = em.StandardSolid(2e6, 4e6, 1e-2)
+    curve = em.friction([SOFT, nameless, SOFT], BALL, velocity=[0.1, 1.0, 10.0], load=1.0)
+    assert curve.materials == ("soft", "material 2", "soft (2)")
+    assert curve.mu.shape == (3, 3)
+    labels = [text.get_text() for text in curve.plot().get_legend().get_texts()]
+    assert [label.partition(":")[0] for label in labels] == ["soft", "material 2", "soft (2)"]
+    assert "material" in curve.csv()
+    np.testing.assert_array_equal(em.friction(material=[SOFT], shape=BALL, velocity=1.0, load=1.0).mu.shape, (1,))
+
+
+def test_a_list_passes_through_gradients():
+    def total(modulus):
+        rubbers = [em.StandardSolid(modulus, 4e6, 1e-2), HARD]
+        return em.friction(rubbers, BALL, velocity=0.3, load=1.0).mu.sum()
+
+    with jax.enable_x64(True):
+        slope = jax.grad(total)(1e6)
+    high, low = (total(1e6 * (1 + h)) for h in (1e-4, -1e-4))
+    np.testing.assert_allclose(slope, (high - low) / 2e2, rtol=1e-5)
+
+
+def test_warnings_of_all_materials_are_one():
+    liquids = [em.Maxwell(1e6, 1e-2, name="one"), em.Maxwell(2e6, 1e-2, name="two"), SOFT]
+    with pytest.warns(em.ConvergenceWarning) as caught:
+        curve = em.friction(liquids, em.Sphere(0.01), velocity=[1.0, 2.0], load=1.0)
+    assert curve.mu.shape == (3, 2)
+    assert len(caught) == 1
+    assert "one, two: " in str(caught[0].message)
+
+
+def test_an_empty_list_is_refused():
+    with pytest.raises(em.InputError, match="an empty list"):
+        em.friction([], BALL, velocity=1.0, load=1.0)
