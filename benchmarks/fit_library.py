@@ -24,7 +24,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 import elastomdr as em
-from elastomdr.material.validity import Range, misfit_bands, with_range
+from elastomdr._trees import replaced
+from elastomdr.material.validity import Range, misfit_bands
 
 KELVIN = np.array([0, 273.15, 0, 0])  # added to a row of data in degC
 
@@ -133,7 +134,7 @@ def build(case: DataSet, out: Path) -> str:
     reduced = omega * 10**log10_a
     numbers = [rounded(value, 5) for value in fit_prony(case, log10_a)[:3]]
     material = em.Prony(*numbers, kind=case.kind, poisson=case.poisson, shift=shift, name=case.name)
-    fitted = material.complex_modulus(reduced) * (2 * (1 + case.poisson) if case.kind == "tensile" else 1)
+    fitted = material.complex_modulus(reduced)
     deviations = np.array([fitted.real / storage - 1, fitted.imag / loss - 1])
     residuals = rounded(np.sqrt((deviations**2).mean(axis=1)), 2)
     covered = shift.temperature if isinstance(shift, em.ShiftTable) else temperature
@@ -151,7 +152,7 @@ def build(case: DataSet, out: Path) -> str:
         },
     }
     known = Range(None, None, misfit=misfit_bands(reduced, *deviations))  # the range itself is in `info`
-    em.save_material(with_range(material, known), out / f"{case.name}.toml", info=info)
+    em.save_material(replaced(material, range=known), out / f"{case.name}.toml", info=info)
     return f"{case.name}: {material.times.size} branches, rms residuals {residuals[0]:.2g} and {residuals[1]:.2g}"
 
 
