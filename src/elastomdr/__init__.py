@@ -20,7 +20,7 @@ _HOMES = {
     "mapping.rough_line": ("RoughLine",),
     "mapping.spectrum": ("SelfAffine", "Spectrum"),
     "foundation.law": ("Foundation", "half_space", "springs"),
-    "foundation.step": ("ContactStep",),
+    "foundation.solver": ("ContactStep",),
     "solve.heat": ("Heat",),
     "solve.plan": ("Plan",),
     "scenes.friction": ("friction",),

@@ -10,13 +10,13 @@ at x has the rigid surface w = d - g(x) over it, and for a contact that has only
 import math
 from typing import Any, Literal
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from .._runtime import Array, is_traced
+from .._trees import Tree, static
 from .profile import Profile
 from .shapes import AbstractShape, Cone, Cylinder, FlatPunch, Paraboloid, PowerLaw, Sphere
 
@@ -26,11 +26,11 @@ _GRADED = np.concatenate([[0.0], 0.5 * 0.15 ** np.arange(5.0, 0.0, -1), 1 - 0.5 
 _ITERATIONS = 60
 
 
-class Disc(eqx.Module):
+class Disc(Tree):
     """A contact that is a disc (or a strip) of radius a, under a body that moves normally."""
 
     shape: AbstractShape
-    kind: Literal["half-space", "layer", "cylinder"] = eqx.field(static=True)
+    kind: Literal["half-space", "layer", "cylinder"] = static()
 
     def profile(self, x: Array) -> Array:
         """g(x) [m] for x >= 0: the MDR profile, or on a layer the shape itself."""
