@@ -156,31 +156,27 @@ def compiled(*static: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
 _ENOUGH = 2.0  # processor time on NumPy after which a program is compiled [s]; compiling takes about as long
 
 
-def compiled_later(*static: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """As `compiled`; on NumPy until that has taken about as long as compiling would, from then on compiled by JAX.
+def numpy_at_first(function: Callable[P, R]) -> Callable[P, R]:
+    """On NumPy until that has taken about as long as compiling would, from then on by JAX, which compiles it.
 
-    For what takes a second on NumPy and milliseconds when compiled: the first numbers come at once, and later ones fast.
+    For what takes a second on NumPy and milliseconds when compiled: the first number comes at once, many come fast.
     """
+    spent = 0.0
 
-    def mark(function: Callable[P, R]) -> Callable[P, R]:
-        program, spent = compiled(*static)(function), 0.0
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        nonlocal spent
+        if not _mode.numpy:
+            return function(*args, **kwargs)
+        if spent > _ENOUGH:
+            return on_jax(function, *args, **kwargs)
+        start = time.thread_time()
+        try:
+            return function(*args, **kwargs)
+        finally:
+            spent += time.thread_time() - start
 
-        @functools.wraps(function)
-        def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-            nonlocal spent
-            if not _mode.numpy:
-                return program(*args, **kwargs)
-            if spent > _ENOUGH:
-                return on_jax(program, *args, **kwargs)
-            start = time.thread_time()
-            try:
-                return function(*args, **kwargs)
-            finally:
-                spent += time.thread_time() - start
-
-        return wrapper
-
-    return mark
+    return wrapper
 
 
 def while_loop(condition: Callable[[Any], Any], body: Callable[[Any], Any], state: Any) -> Any:
