@@ -137,13 +137,13 @@ def shear(
         history = _divided(history, between)
     history = History(*map(jnp.asarray, history))
     options = {"by_load": load is not None}
-    found = known(shear_history(scene, history, line(scene, elements, per_area), steps=steps, **options))
+    found = known(shear_history(scene, history, line(scene, elements, per_area), steps=steps, used=steps, **options))
     xp = jnp if is_traced(found) else np
     if exact:
         found, error = _summed(scene, history, found, per_area, **options)
     else:
         fewer, half = (elements // 2, steps) if elastic or steps == 1 else (elements, steps // 2)
-        coarse = known(shear_history(scene, history, line(scene, fewer, per_area), steps=half, **options))
+        coarse = known(shear_history(scene, history, line(scene, fewer, per_area), steps=steps, used=half, **options))
         # What is left of a force that has faded is the difference of what was carried before.
         force = abs(jax.lax.stop_gradient(found.force)) if xp is jnp else abs(found.force)
         largest = jax.lax.cummax(force) if xp is jnp else np.maximum.accumulate(force)
