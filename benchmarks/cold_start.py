@@ -47,7 +47,7 @@ CASES = (
     Case("friction of a cone", f"em.friction({RUBBER}, em.Cone(0.1), velocity={VELOCITIES}, load=1.0)", 0.8),
     Case(
         "rolling of a roller",
-        f"em.rolling(em.layer({RUBBER}, 1e-2), em.Cylinder(0.05, 0.5), velocity={VELOCITIES}, load=100.0)",
+        f"em.rolling(em.springs({RUBBER}, 1e-2), em.Cylinder(0.05, 0.5), velocity={VELOCITIES}, load=100.0)",
         0.8,
     ),
     Case("a road by Multiscale", f"em.friction({RUBBER}, {ROAD}, velocity={VELOCITIES}, pressure=3e5)", 0.8),
@@ -62,7 +62,8 @@ CASES = (
     ),
     Case(
         "shear",
-        f"em.shear({SOLID}, em.Paraboloid(5e-3), {TIME}, load=1.0, displacement=2e-5 * np.sin(60 * time), friction=0.5)",
+        f"em.shear({SOLID}, em.Paraboloid(5e-3), {TIME}, load=1.0, friction=0.5, "
+        "displacement=2e-5 * np.sin(60 * time))",
         3.0,
         1.5,
         True,
@@ -170,8 +171,8 @@ def median(runs: list[Process]) -> Process:
 
 def first_number(case: Case) -> tuple[dict[str, Any], Process]:
     """A case in new processes that keep no compiled code: its row, and the median process."""
-    found = median([run(CHILD.format(listener=LISTENER if case.jax else "", call=case.call), JAX_ENABLE_COMPILATION_CACHE="0")
-                    for _ in range(REPEATS)])  # fmt: skip
+    code = CHILD.format(listener=LISTENER if case.jax else "", call=case.call)
+    found = median([run(code, JAX_ENABLE_COMPILATION_CACHE="0") for _ in range(REPEATS)])
     processor, trace, compiling, again = map(float, found.last[:4])
     wall = found.wall - again  # the call is made twice
     shares = (max(wall - trace - compiling - again, 0.0), trace, compiling, again, 0.0)
