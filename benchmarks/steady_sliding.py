@@ -199,7 +199,10 @@ def main() -> None:
         *(verdict(f"main job, {r[0]} over elastomdr", r[4] / ours[4], 1000, least=True) for r in loops),
         verdict("main job, exponential steps over elastomdr", job[-2][4] / ours[4], 50, least=True),
         verdict("line passages, Kvaerno5 over elastomdr", stock_line[4] / ours_line[4], 50, least=True),
-        verdict("line passages, exponential steps over elastomdr", loop_line[4] / ours_line[4], 3, least=True),
+        *(
+            verdict(f"line passages, {row[0]} over elastomdr", row[4] / ours_line[4], 2, least=True)
+            for row in (loop_line, cheapest(lines, "contact step in diffrax"))
+        ),
         *(
             verdict(
                 f"what sharing one curve saves, against {row[0]}",
