@@ -201,7 +201,7 @@ def fori_loop(start: int, stop: int, body: Callable[[Any, Any], Any], state: Any
     return state
 
 
-def fixed(tree: Any) -> Any:
+def fixed(tree: R) -> R:
     """`jax.lax.stop_gradient`."""
     if _mode.numpy:
         return tree

@@ -118,9 +118,9 @@ def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Cour
 def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
     shape = course.time.shape
     time, depth = (a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.depth))
-    given: Any = (law, modes, disc, time, depth)
+    given = (law, modes, disc, time, depth)
     numpy = xp if is_traced(given) else np
-    frozen: Any = fixed(given) if is_traced(given) else given  # values, unless under jit or vmap
+    frozen = fixed(given) if is_traced(given) else given  # values, unless under jit or vmap
     growing = not is_traced(given) and bool((np.diff(frozen[-1], axis=-1) >= 0).all())
     radius = over_histories(edges_of_growth if growing else edges, *frozen)
     found, levels = None, _LEVELS[1]
@@ -212,8 +212,8 @@ def _stepped(
     """
     from .steps import early_steps, extrapolated, limit, unaccounted
 
-    given: Any = (law, modes, disc, *histories)
-    frozen: Any = fixed(given) if is_traced(given) else given  # values, unless under jit or vmap
+    given = (law, modes, disc, *histories)
+    frozen = fixed(given) if is_traced(given) else given  # values, unless under jit or vmap
     instants = histories[0].shape[-1]
     blind = is_traced(frozen)
     error: Any = None
