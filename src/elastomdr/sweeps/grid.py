@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._trees import Tree
 from .._runtime import is_traced
+from .._trees import Tree
 from ..errors import InputError
 from ..results.base import distinct
 
@@ -129,7 +129,7 @@ def described(value: Any) -> Any:
     if isinstance(value, (list, tuple)) or hasattr(value, "shape"):
         array = np.ascontiguousarray(value)
         if array.size <= 12:
-            return array.tolist()
+            return array.tolist() if np.ndim(value) else array.item()
         digest = hashlib.sha256(array.tobytes()).hexdigest()[:16]
         ends = f"{array.flat[0]!s} to {array.flat[-1]!s}"
         return f"{array.dtype} {'x'.join(map(str, array.shape))}, {ends}, digest {digest}"

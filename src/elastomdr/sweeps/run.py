@@ -116,7 +116,7 @@ def _computed(asked: Grid, kept: Store, client: Client | None, progress: bool) -
 
 @contextlib.contextmanager
 def _workers(client: Client | None, count: int) -> Iterator[Callable[..., Iterator[tuple[int, Any]]]]:
-    """What computes chunks: the client's cluster, one of processes of this machine, or this process for a single one."""
+    """What computes chunks: the client's cluster, one of processes of this machine, or this process for one alone."""
     if client is not None:
         yield lambda *work: _on_cluster(client, *work)
     elif count < 2 or (cores := _cores()) < 2:

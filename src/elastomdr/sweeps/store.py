@@ -29,7 +29,7 @@ class Store:
         identity = grid.identity(__version__)
         if path.exists() and not (path / ".zgroup").is_file() and (not path.is_dir() or any(path.iterdir())):
             raise InputError(f"store must be a new folder or one that em.sweep has made, got {str(path)!r}.")
-        self._group = zarr.open_group(path, mode="a", zarr_format=2)
+        self._group: Any = zarr.open_group(path, mode="a", zarr_format=2)
         made_of = self._group.attrs.get(_MADE_OF)
         if made_of is None and list(self._group.array_keys()):
             raise InputError(f"store must be a new folder or one that em.sweep has made, got {str(path)!r}.")
@@ -50,8 +50,8 @@ class Store:
 
     def _array(self, name: str, dims: Any, shape: Any, chunks: Any, dtype: np.dtype, about: dict[str, str]) -> Any:
         """A new array, NaN or zero where nothing is written; xarray takes the fill value of others for a mask."""
-        attributes = {"_ARRAY_DIMENSIONS": list(dims), **about} | ({"dtype": "bool"} if dtype == bool else {})
-        stored = np.dtype("i1") if dtype == bool else dtype
+        attributes = {"_ARRAY_DIMENSIONS": list(dims), **about} | ({"dtype": "bool"} if dtype.kind == "b" else {})
+        stored = np.dtype("i1") if dtype.kind == "b" else dtype
         return self._group.create_array(
             name, shape=shape, dtype=stored, chunks=chunks, fill_value=np.nan if dtype.kind == "f" else None,
             overwrite=True, attributes=attributes,
@@ -66,14 +66,14 @@ class Store:
                 self._known.add(name)
             self._group[name][chunk] = values
         if message:
-            raised = dict(self._group.attrs.get(_RAISED, {}))  # type: ignore[call-overload]
+            raised = dict(self._group.attrs.get(_RAISED, {}))
             self._group.attrs[_RAISED] = raised | {str(number): message}
         self._group[_STATE][number] = state
         self.state[number] = state
 
     def raised(self) -> dict[str, str]:
         """The messages of what did not compute, by the number of their chunk."""
-        return dict(self._group.attrs.get(_RAISED, {}))  # type: ignore[call-overload]
+        return dict(self._group.attrs.get(_RAISED, {}))
 
     def describe(self, attributes: dict[str, str]) -> None:
         """Adds what the results say of themselves to the attributes of the store, and collects the metadata."""
@@ -88,4 +88,3 @@ class Store:
 
         found = xarray.open_zarr(self.path, chunks=None, consolidated=True)
         return found.set_coords([name for name in found if name in {axis.name for axis in self._grid.axes}])
-
