@@ -14,10 +14,11 @@ import pytest
 from filelock import FileLock
 
 import elastomdr as em
+from elastomdr.cli.main import main
 from elastomdr.sweeps import grid as grids
 from elastomdr.sweeps import run, store
 
-xarray = pytest.importorskip("xarray")
+pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
 VELOCITY = np.logspace(-3, 1, 7)
 
 
@@ -240,3 +241,68 @@ def test_without_the_packages(tmp_path, monkeypatch):
     monkeypatch.setattr(run, "_installed", lambda name: name != "zarr")
     with pytest.raises(em.InputError, match=r"needs zarr: pip install elastomdr\[sweep\]"):
         em.sweep(**scene(store=tmp_path / "runs.zarr"))
+
+
+SCENE = """
+material = ["tread-passenger-synthetic", "tread-winter-synthetic"]
+temperature = ["0 degC", "20 degC"]
+[indenter]
+shape = "sphere"
+radius = "5 mm"
+[contact]
+load = "10 N"
+velocity = ["1 mm/s", "1 m/s"]
+[sweep.vary]
+"indenter.radius" = ["5 mm", "10 mm"]
+"""
+
+
+def command(tmp_path, capsys, text, *options):
+    (tmp_path / "scene.toml").write_text(text)
+    status = main(["sweep", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "s.zarr"), *options])
+    return status, capsys.readouterr()
+
+
+def test_command(tmp_path, capsys):
+    """A scene with lists, to a store and a table; run again, it is there already."""
+    status, said = command(tmp_path, capsys, SCENE, "--table", str(tmp_path / "all.csv"))
+    assert status == 0, said.err
+    assert "16 points (material 2, indenter.radius 2, temperature 2, velocity 2), 16 converged" in said.out
+    found = xarray.open_zarr(tmp_path / "s.zarr")
+    alone = em.friction(
+        em.load_material("tread-winter-synthetic"), em.Sphere(0.01), load=10.0, velocity=1.0, temperature=273.15
+    )
+    one = found.sel({"material": "tread-winter-synthetic", "indenter.radius": "10 mm"}).isel(temperature=0, velocity=1)
+    assert float(one.mu) == pytest.approx(float(alone.mu), rel=1e-9)
+    table = pandas.read_csv(tmp_path / "all.csv", comment="#")
+    assert len(table) == 16
+    assert np.isclose(table["mu [-]"], alone.mu, rtol=1e-9).sum() == 1
+    assert "velocity [m/s]" in (tmp_path / "all.csv").read_text()
+    status, said = command(tmp_path, capsys, SCENE, "--table", str(tmp_path / "all.xlsx"))
+    assert status == 0
+    assert (tmp_path / "all.xlsx").stat().st_size > 1000
+    status, said = command(tmp_path, capsys, SCENE.replace("10 N", "11 N"))
+    assert status == 2
+    assert "was made with other inputs" in said.err
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (('"indenter.radius"', '"indentor.radius"'), "a table that the scene does not have: 'indentor.radius'"),
+        (('["5 mm", "10 mm"]', "[]"), "indenter.radius must be a list of one value or more"),
+        (('["5 mm", "10 mm"]', '["5 mm", "5 N"]'), "[indenter] radius must be a length"),
+        (("[sweep.vary]", '[sweep]\ncall = "slide"\n[sweep.vary]'), "[sweep] call must be one of friction"),
+    ],
+)
+def test_bad_scene(change, said, tmp_path, capsys):
+    status, told = command(tmp_path, capsys, SCENE.replace(*change))
+    assert status == 2
+    assert said in told.err
+    assert not (tmp_path / "s.zarr").exists()
+
+
+def test_no_cluster_there(tmp_path, capsys):
+    status, told = command(tmp_path, capsys, SCENE, "--scheduler", "nonsense")
+    assert status == 2
+    assert "--scheduler must be the address" in told.err

@@ -17,6 +17,11 @@ from ..results.base import distinct
 
 _STEADY = ("velocity", "load", "depth", "pressure", "temperature")
 _IMPACT = ("mass", "velocity", "temperature", "tangential_velocity", "friction", "inertia")
+_UNITS = {
+    "velocity": "m/s", "load": "N", "depth": "m", "pressure": "Pa", "temperature": "K", "mass": "kg",
+    "inertia": "kg m^2",
+    "tangential_velocity": "m/s",
+}  # fmt: skip
 _POINTS = 10_000  # of a chunk: a second of work by Multiscale, 10 MB
 _SLOW = 50  # of a chunk where every point is solved on cells or marched
 
@@ -27,6 +32,11 @@ class Axis(NamedTuple):
     name: str
     values: list[Any]
     broadcast: bool  # whether the call takes all of its values as an array
+
+    @property
+    def about(self) -> dict[str, str]:
+        """Attributes of the coordinate."""
+        return {"units": _UNITS[self.name]} if self.name in _UNITS else {}
 
     @property
     def labels(self) -> np.ndarray:
@@ -87,7 +97,7 @@ class Grid(NamedTuple):
         """What a store has to have been made of to be gone on with: version, call and all values."""
         return {
             "elastomdr": version,
-            "call": self.call.__name__,
+            "call": described(self.call),
             "axes": {axis.name: described(axis.values) for axis in self.axes},
             "fixed": {name: described(value) for name, value in sorted(self.fixed.items())},
         }
@@ -135,7 +145,7 @@ def described(value: Any) -> Any:
         return f"{array.dtype} {'x'.join(map(str, array.shape))}, {ends}, digest {digest}"
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
-    return getattr(value, "__qualname__", None) or repr(value)
+    return getattr(value, "__name__", None) or repr(value)
 
 
 def difference(made: Any, asked: Any, name: str = "") -> str:

@@ -6,10 +6,10 @@ import contextlib
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -21,13 +21,15 @@ if TYPE_CHECKING:
     import xarray
     from distributed import Client
 
+    from ..results.base import Result
+
 _NEEDED = ("dask", "distributed", "filelock", "tqdm", "xarray", "zarr")
 _AHEAD = 4  # chunks under way or waiting for each worker
 
 
 def sweep(
-    call: Callable[..., Any],
-    axes: Mapping[str, Any],
+    call: Callable[..., Result],
+    axes: Mapping[str, Sequence[object] | np.ndarray],
     *,
     store: str | os.PathLike[str],
     client: Client | None = None,
@@ -47,7 +49,7 @@ def sweep(
         store: folder of the zarr store, new or of an earlier call with the same arguments.
         client: a `dask.distributed.Client` of any cluster; None starts one process per core of this machine.
         progress: whether a bar shows the share that is done and the time that is left.
-        **fixed: the other arguments of the call.
+        fixed: the other arguments of the call.
 
     Returns:
         An `xarray.Dataset` with the fields of the result that have one value per point; names and units are in its
@@ -137,7 +139,7 @@ def _cluster(workers: int) -> Any:
     from distributed.deploy.subprocess import SubprocessCluster
 
     return SubprocessCluster(
-        host="127.0.0.1", n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=40
+        host="127.0.0.1", n_workers=workers, threads_per_worker=1, dashboard_address=cast(str, None), silence_logs=40
     )
 
 

@@ -39,14 +39,14 @@ class Store:
             )
         if made_of is None:
             for axis in grid.axes:
-                self._new(axis.name, (axis.name,), axis.labels, None)
-            self._new(_STATE, ("chunk",), np.zeros(self._count, dtype="u1"), (1,))
+                self._new(axis.name, (axis.name,), axis.labels, None, axis.about)
+            self._new(_STATE, ("chunk",), np.zeros(self._count, dtype="u1"), (1,), {})
             self._group.attrs[_MADE_OF] = json.dumps(identity)  # last: without it the store is begun anew
         self.state = np.asarray(self._group[_STATE][:])
         self._known = set(self._group.array_keys())
 
-    def _new(self, name: str, dims: tuple[str, ...], values: np.ndarray, chunks: Any) -> None:
-        self._array(name, dims, values.shape, chunks or values.shape, values.dtype, {})[...] = values
+    def _new(self, name: str, dims: tuple[str, ...], values: np.ndarray, chunks: Any, about: dict) -> None:
+        self._array(name, dims, values.shape, chunks or values.shape, values.dtype, about)[...] = values
 
     def _array(self, name: str, dims: Any, shape: Any, chunks: Any, dtype: np.dtype, about: dict[str, str]) -> Any:
         """A new array, NaN or zero where nothing is written; xarray takes the fill value of others for a mask."""
