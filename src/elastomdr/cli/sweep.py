@@ -32,6 +32,12 @@ class Sweep(Table):
     ] = {}  # noqa: RUF012
 
 
+class _Sweeping(Table):
+    """What a scene of a sweep has more than others."""
+
+    sweep: Annotated[Sweep, "what is varied"]
+
+
 @dataclass(frozen=True)
 class Varied:
     """A verb whose arguments other than arrays are looked up by what varies in a scene."""
@@ -76,9 +82,7 @@ def run(options: argparse.Namespace) -> int:
 
 def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, Any]]:
     """The call of a sweep and its axes, from the content of a scene file. Raises `InputError`."""
-    asked = decode(Sweep, content.get("sweep", {})) if isinstance(content.get("sweep", {}), dict) else None
-    if asked is None:
-        raise InputError(f"[sweep] must be a table, got {content['sweep']!r}.")
+    asked = decode(_Sweeping, {"sweep": content.get("sweep", {})}).sweep
     scene = {key: value for key, value in content.items() if key != "sweep"}
     for key, values in asked.vary.items():
         if not values:
