@@ -31,6 +31,7 @@ _HOMES = {
     "recipes.warming": ("warming",),
     "recipes.conveyor": ("Idlers", "conveyor"),
     "scenes.plan": ("plan",),
+    "sweeps.run": ("sweep",),
     "recipes.squeezed_cord": ("squeezed_cord",),
     "scenes.indent": ("indent",),
     "scenes.impact": ("impact",),

@@ -80,5 +80,6 @@ from .scenes.traction import traction as traction
 from .solve.heat import Heat as Heat
 from .solve.mount import Mount as Mount
 from .solve.plan import Plan as Plan
+from .sweeps.run import sweep as sweep
 
 __version__: str
