@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .._runtime import numpy_unless_traced
+from .._runtime import numpy_unless_traced, only_one
 from ..errors import InputError
 from ..mapping.shapes import AbstractShape
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import HalfSpace, Line
 from ..solve.heat import Heat
 from ..solve.plan import Plan
-from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
+from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
 from .steady import set_up
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def plan(
         from .surface import surface_plan
 
         assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
-        only_one(load, depth, pressure)
+        only_one(pressure=pressure, load=load, depth=depth)
         return surface_plan(
             material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol, heat=heat
         )
