@@ -43,6 +43,10 @@ reference = 293.15
 
 # What is wrong: (what to replace, with what), what the message must say.
 BAD_SCENES = {
+    "model of a surface": (
+        ('"line"', '"persson"'),
+        '[contact] model must be "averaged", "line" or "half-space" for a sphere, got "persson"',
+    ),
     "unknown key": (('title = "Slider"', 'titel = "Slider"'), "Did you mean 'title'"),
     "unknown table": (("[numerics]", "[numeric]"), "Did you mean 'numerics'"),
     "unknown key in a table": (("load =", "laod ="), "Did you mean 'load'"),

@@ -7,7 +7,10 @@ from pathlib import Path
 import elastomdr as em
 
 SOURCE = Path(em.__file__).parent
-FLOORS = ("material", "mapping", "foundation", "solve", "results", "reference", "scenes", "recipes", "io", "fit", "cli")
+FLOORS = (
+    "material", "mapping", "foundation", "solve", "results", "arguments", "reference", "scenes", "recipes", "io", "fit",
+    "cli",
+)  # fmt: skip
 
 
 def imports(path: Path) -> Iterator[tuple[str, ...]]:
@@ -29,7 +32,8 @@ def imports(path: Path) -> Iterator[tuple[str, ...]]:
 
 
 def files(*parts: str) -> list[Path]:
-    found = sorted(SOURCE.joinpath(*parts).rglob("*.py"))
+    place = SOURCE.joinpath(*parts)
+    found = sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
     assert found
     return found
 

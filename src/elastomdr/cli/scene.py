@@ -1,7 +1,10 @@
 """What the scenes of all commands share: material, layer, model of the contact, numerics."""
 
 import abc
+import contextlib
 import dataclasses
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -34,6 +37,22 @@ class Numerics(Table):
     def chosen(self) -> dict[str, Any]:
         """`rtol`, empty for the default."""
         return given(self, "rtol")
+
+
+@contextlib.contextmanager
+def models_by_name() -> Iterator[None]:
+    """Errors about a model in the words of scene files: "line" with average=true, not em.Line(average=True)."""
+    from ..models import KINDS
+
+    try:
+        yield
+    except InputError as error:
+        text = str(error)
+        for label, kind in KINDS.items():
+            text = re.sub(rf"em\.{kind.__name__}\(\)|(?<![.\w]){kind.__name__}\([^()]*\)", f'"{label}"', text)
+            text = re.sub(rf"em\.{kind.__name__}\(([^()]*)\)", rf'"{label}" with \1', text)
+        text = f"[contact] {text}" if text.startswith("model must") else text
+        raise InputError(text.replace("=True", "=true").replace("=False", "=false")) from error
 
 
 class Contact(Table):
