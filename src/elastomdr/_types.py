@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .mapping.spectrum import AbstractSpectrum
     from .material.prony import Prony
     from .material.shift import AbstractShift
+    from .material.softening import Softening
     from .material.tabulated import TabulatedModulus
     from .material.validity import Range
     from .models import Model
@@ -63,6 +64,7 @@ class Properties(TypedDict, total=False):
     poisson: Number | None
     bulk: Number | None
     shift: AbstractShift | None
+    softening: Softening | None
     name: str
     citation: str
     range: RangeLike | None

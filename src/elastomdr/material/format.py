@@ -34,6 +34,7 @@ _KEYS = {
     "storage": _NUMBERS,
     "loss": _NUMBERS,
     "shift": _TABLE,
+    "softening": _TABLE,
     "range": _TABLE,
     "misfit": _TABLE,
     "source": _TABLE,
@@ -46,9 +47,10 @@ SHIFT_KEYS = {
     "VFT": {"b": _NUMBER, "t0": _NUMBER, "reference": _NUMBER},
     "table": {"temperature": _NUMBERS, "log10_a": _NUMBERS},
 }
+_SOFTENING_KEYS: dict[str, str] = dict.fromkeys(("strain", "storage", "loss"), _NUMBERS)
 _RANGE_KEYS = {"omega": _PAIR_OR_NONE, "time": _PAIR, "temperature": _PAIR}
 _MISFIT_KEYS: dict[str, str] = dict.fromkeys(("omega", "storage_residual", "loss_residual"), _NUMBERS)
-_SOURCE_GROUPS: dict[str, str] = dict.fromkeys(("moduli", "shift", "poisson", "bulk", "range"), _TABLE)
+_SOURCE_GROUPS: dict[str, str] = dict.fromkeys(("moduli", "shift", "softening", "poisson", "bulk", "range"), _TABLE)
 _SOURCE_KEYS = {
     "citation": _TEXT,
     "grade": _TEXT,
@@ -80,6 +82,11 @@ _COMMENTS = {
     "storage_residual": "relative, root mean square [1]",
     "loss_residual": "relative, root mean square [1]",
 }
+_IN_SOFTENING = {
+    "strain": "amplitudes of strain, ascending [1]",
+    "storage": "factors on the storage modulus, 1 at small strain [1]",
+    "loss": "factors on the loss modulus, 1 at small strain [1]",
+}
 _HEADER = "# Material of elastomdr, SI units throughout; the format is described in materials/README.md.\n"
 
 
@@ -108,7 +115,11 @@ def write_document(document: Mapping[str, Any], path: Path) -> None:
 
     validate(path, document)
     # Texts hold no line breaks once written, so that every line starts with a key, a bracket or a list's entry.
-    text = _HEADER + "".join(line + _comment(line) + "\n" for line in tomli_w.dumps(document).splitlines())
+    lines, table = [], ""
+    for line in tomli_w.dumps(document).splitlines():
+        table = line if line.startswith("[") else table
+        lines.append(f"{line}{_comment(line, _IN_SOFTENING if table == '[softening]' else _COMMENTS)}\n")
+    text = _HEADER + "".join(lines)
     write_files({path: text.encode()})
 
 
@@ -138,6 +149,9 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
             hint = closest(law, SHIFT_KEYS) if isinstance(law, str) else ""
             raise InputError(f"{path}: law in [shift] must be one of {', '.join(SHIFT_KEYS)}, got {law!r}.{hint}")
         _validate_table(path, "shift", shift, {"law": _TEXT, **SHIFT_KEYS[law]}, SHIFT_KEYS[law])
+    if "softening" in document:
+        _validate_table(path, "softening", document["softening"], _SOFTENING_KEYS, _SOFTENING_KEYS)
+        _same_length(path, " in [softening]", document["softening"], tuple(_SOFTENING_KEYS))
     _validate_table(path, "range", document.get("range", {}), _RANGE_KEYS)
     if "misfit" in document:
         _validate_table(path, "misfit", document["misfit"], _MISFIT_KEYS, _MISFIT_KEYS)
@@ -196,6 +210,6 @@ def _is_of_type(value: Any, accepted: str) -> bool:
     return isinstance(value, str if accepted == _TEXT else dict)
 
 
-def _comment(line: str) -> str:
+def _comment(line: str, comments: Mapping[str, str]) -> str:
     key, equals, _ = line.partition(" = ")
-    return f"  # {_COMMENTS[key]}" if equals and key in _COMMENTS else ""
+    return f"  # {comments[key]}" if equals and key in comments else ""

@@ -23,6 +23,7 @@ from .relaxation import (
     to_relaxation,
 )
 from .shift import AbstractShift, shift_factor
+from .softening import Softening, as_softening
 from .validity import Range, as_range
 
 if TYPE_CHECKING:
@@ -37,8 +38,9 @@ class Prony(AbstractRelaxation):
     Give either a constant Poisson's ratio (default 0.5, incompressible) or a constant bulk modulus. An equilibrium
     modulus of zero makes it a liquid. All fields and methods speak of the `kind` of modulus that was given; `shear()`
     and `tensile()` are the same material in the other kind. `range` says where the numbers hold, as a dict like the
-    [range] of a material file: `em.friction` flags what lies beyond. Raises `InputError` for negative or NaN moduli,
-    times that are not positive and ascending, a Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`.
+    [range] of a material file: `em.friction` flags what lies beyond. `softening` (`em.Softening`) has the factors
+    on the moduli at larger strains. Raises `InputError` for negative or NaN moduli, times that are not positive and
+    ascending, a Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`.
     """
 
     equilibrium: Float[Array, ""]  # M_inf, as given [Pa]
@@ -48,6 +50,7 @@ class Prony(AbstractRelaxation):
     poisson: Array | None  # constant Poisson's ratio, a scalar; None where `bulk` is given
     bulk: Array | None  # constant bulk modulus, a scalar [Pa]; None where `poisson` is given
     shift: AbstractShift | None
+    softening: Softening | None  # factors on the moduli by strain; None: linear
     kind: Literal["shear", "tensile"] = static()
     name: str = static()
     citation: str = static()
@@ -64,6 +67,7 @@ class Prony(AbstractRelaxation):
         bulk: Number | None = None,
         viscosity: Number = 0.0,
         shift: AbstractShift | None = None,
+        softening: Softening | None = None,
         name: str = "",
         citation: str = "",
         range: RangeLike | None = None,
@@ -86,7 +90,7 @@ class Prony(AbstractRelaxation):
         else:
             poisson = scalar("poisson", 0.5 if poisson is None else poisson)
             require("poisson", poisson, "above -1 and at most 0.5", lambda nu: (nu > -1) & (nu <= 0.5))
-        fill(self, **vars(law), poisson=poisson, bulk=bulk, shift=shift)
+        fill(self, **vars(law), poisson=poisson, bulk=bulk, shift=shift, softening=as_softening(softening))
         fill(self, kind=kind, name=name, citation=citation, range=as_range(range))
         if kind == "tensile" and self.bulk is not None:
             if not is_traced(law.viscosity) and law.viscosity > 0:

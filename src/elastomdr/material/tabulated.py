@@ -34,6 +34,7 @@ from .._runtime import (
 from .._trees import Tree, fill, replaced, static
 from ..errors import InputError
 from .shift import AbstractShift, shift_factor
+from .softening import Softening, as_softening
 from .validity import Range, as_range
 
 if TYPE_CHECKING:
@@ -147,6 +148,7 @@ class TabulatedModulus(AbstractTable):
         kind: "shear" (G) or "tensile" (E).
         poisson: Poisson's ratio, constant, above -1 and at most 0.5.
         shift: shift law; without it, no temperature can be given.
+        softening: `em.Softening`, factors on the moduli at larger strains; without it the rubber is linear.
         name: what tables and figures call it.
         citation: where the numbers come from.
         range: where they hold, as for `em.Prony`; its frequencies are those of the table where it gives none. What lies
@@ -162,6 +164,7 @@ class TabulatedModulus(AbstractTable):
     loss_table: Float[Array, " n"]
     poisson: Float[Array, ""]
     shift: AbstractShift | None
+    softening: Softening | None
     kind: Literal["shear", "tensile"] = static()
     name: str = static()
     citation: str = static()
@@ -176,6 +179,7 @@ class TabulatedModulus(AbstractTable):
         kind: Kind = "shear",
         poisson: Number = 0.5,
         shift: AbstractShift | None = None,
+        softening: Softening | None = None,
         name: str = "",
         citation: str = "",
         range: RangeLike | None = None,
@@ -204,6 +208,7 @@ class TabulatedModulus(AbstractTable):
         if (known is None or known.omega is None) and not is_traced(omega):
             known = (known or Range(None, None))._replace(omega=(float(omega[0]), float(omega[-1])))
         fill(self, omega=omega, storage_table=storage, loss_table=loss, poisson=poisson, shift=shift)
+        fill(self, softening=as_softening(softening))
         fill(self, kind=kind, name=name, citation=citation, range=known)
 
     def shear(self) -> "TabulatedModulus":
@@ -218,7 +223,7 @@ class TabulatedModulus(AbstractTable):
     def _as(self, kind: Kind, factor: Any) -> "TabulatedModulus":
         return TabulatedModulus(
             self.omega, self.storage_table * factor, self.loss_table * factor, kind=kind, poisson=self.poisson,
-            shift=self.shift, name=self.name, citation=self.citation, range=self.range,
+            shift=self.shift, softening=self.softening, name=self.name, citation=self.citation, range=self.range,
         )  # fmt: skip
 
     @numpy_unless_traced
