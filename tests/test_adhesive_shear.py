@@ -1,4 +1,4 @@
-"""Adhesive shear: the law by its formula, on the area of real contact of each model, its errors, scenes, derivatives."""
+"""Adhesive shear: the law by its formula, on the area of real contact of each model, errors, scenes, derivatives."""
 
 import jax
 import jax.numpy as jnp

@@ -41,7 +41,8 @@ def plan(
 ) -> "Plan | RoughPlan | SurfacePlan | str":
     """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it says what is skipped and why.
 
-    Arguments and errors as for `friction`; `adhesion` adds nothing to the work. With `em.HalfSpace` on a smooth body it is a line of text.
+    Arguments and errors as for `friction`; `adhesion` adds nothing to the work. With `em.HalfSpace` on a smooth body it
+    is a line of text.
     """
     if quantity not in ("friction", "rolling"):
         raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
