@@ -19,7 +19,7 @@ from mkdocs.structure.files import File, Files
 ROOT = Path(__file__).parents[1]
 KEYS = "<!-- keys of scene files -->"
 GROUPS = {
-    "Friction and rolling": ("friction", "rolling", "plan", "Heat"),
+    "Friction and rolling": ("friction", "rolling", "plan", "AdhesiveShear", "Heat"),
     "Models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
     "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount"),
     "Materials": (

@@ -22,6 +22,7 @@ _HOMES = {
     "mapping.spectrum": ("SelfAffine", "Spectrum"),
     "foundation.law": ("Foundation", "half_space", "springs"),
     "foundation.step": ("ContactStep",),
+    "solve.adhesive_shear": ("AdhesiveShear",),
     "solve.heat": ("Heat",),
     "solve.plan": ("Plan",),
     "scenes.friction": ("friction",),

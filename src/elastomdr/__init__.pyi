@@ -78,6 +78,7 @@ from .scenes.rolling import rolling as rolling
 from .scenes.shear import shear as shear
 from .scenes.slide import slide as slide
 from .scenes.traction import traction as traction
+from .solve.adhesive_shear import AdhesiveShear as AdhesiveShear
 from .solve.heat import Heat as Heat
 from .solve.mount import Mount as Mount
 from .solve.plan import Plan as Plan

@@ -147,6 +147,15 @@ class FrictionCurve(AbstractCurve):
     cold: Array | None = quantity(
         "friction coefficient without heating", "-", "where flash heating was computed", default=None
     )
+    hysteresis: Array | None = quantity(
+        "friction coefficient of hysteresis", "-", "where adhesive shear was asked for; mu without it", default=None
+    )
+    adhesion: Array | None = quantity(
+        "friction coefficient of adhesive shear", "-", "shear stress times contact area over normal force", default=None
+    )
+    contact_area: Array | None = quantity(
+        "contact area", "m^2", "of a smooth body, from cells or where adhesive shear was asked for", default=None
+    )
     heat_flux: Array | None = quantity("heat flux into the rubber", "W/m^2", "mu p v", default=None)
     mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
     normal_force: Array = quantity("normal force", "N", "F_N")
@@ -178,8 +187,14 @@ class FrictionCurve(AbstractCurve):
         return gridded({**points, "mu": fields["cold" if cold else "mu"]})
 
     def outcome(self) -> Iterator[tuple[str, str]]:
-        """As of every curve; with flash heating also the largest rise in temperature and what it does to mu."""
+        """As of every curve; where its parts are known, what they are at the largest mu; with flash heating also the
+        largest rise in temperature and what it does to mu."""
         yield from super().outcome()
+        if self.hysteresis is not None and self.adhesion is not None and np.isfinite(self.mu).any():
+            i = int(np.nanargmax(self.mu))
+            v, one, other = (float(np.ravel(x)[i]) for x in (self.velocity, self.hysteresis, self.adhesion))
+            text = f"hysteresis {significant(one)} and adhesive shear {significant(other)}"
+            yield "parts of mu", f"{text} where it is largest, at {in_words('velocity', v)}"
         rise, before = self.temperature_rise, self.cold
         if rise is not None and before is not None and np.isfinite(rise).any():
             i = int(np.nanargmax(rise))

@@ -11,7 +11,9 @@ from ..mapping.shapes import AbstractShape
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import HalfSpace, Line
 from ..results.curve import FrictionCurve
+from ..solve.adhesive_shear import AdhesiveShear, check_adhesion
 from ..solve.heat import Heat
+from .adhesion import no_area, on_cells, on_contact
 from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
 from .several import over_materials
 from .steady import no_pressure, set_up, solve
@@ -51,6 +53,7 @@ def friction(
     rtol: float = 1e-6,
     skip: bool = True,
     heat: Heat | None = None,
+    adhesion: AdhesiveShear | None = None,
     progress: Callable[[int, int], None] | None = None,
     store: Store | None = None,
 ) -> FrictionCurve:
@@ -79,6 +82,10 @@ def friction(
             until friction and flash temperature agree (`elastomdr.solve.heat`): `mu` is then the hot curve,
             `cold` the one without heating, `temperature_rise` the flash temperature. Points where no temperature is
             found are NaN.
+        adhesion: `em.AdhesiveShear(...)` adds the shear stress of dry contact on the area of real contact: `mu` is then
+            the sum of `hysteresis` and `adhesion`. On a surface under a pressure that is its `area_ratio`; under a
+            smooth body `contact_area`, from the edges of its contact or, with `em.HalfSpace()`, from its cells. A line
+            (`em.Line` on a rough line or surface) has none.
         progress: `progress(done, total)` is called after each batch on a rough line or surface.
         store: keeps finished batches of lines (`get(key)`, `put(key, arrays)`).
 
@@ -97,6 +104,7 @@ def friction(
     if is_rough(shape):
         chosen = of_rough(model, shape, pressure)
         if isinstance(chosen, Line):
+            no_area(adhesion, f"a {chosen.label} on a rough line or surface", "use em.Multiscale() under a pressure")
             from .rough import rough_friction
 
             return rough_friction(
@@ -109,9 +117,10 @@ def friction(
         only_one(load, depth, pressure)
         return surface_friction(
             material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol,
-            heat=heat, progress=progress,
+            heat=heat, adhesion=adhesion, progress=progress,
         )  # fmt: skip
     only_rough(heat)
+    check_adhesion(adhesion, temperature)
     if isinstance(shape, AbstractShape):
         model = of_smooth(model, "friction", shape.label)
         if isinstance(model, HalfSpace):
@@ -123,13 +132,13 @@ def friction(
                 one, shape, velocity=velocity, load=load, depth=depth, temperature=temperature,
                 points=model.cells or CELLS,
             )  # fmt: skip
-            return curve
+            return curve if adhesion is None else on_cells(curve, adhesion)
     scene = set_up(
         "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
         temperature=temperature, model=model, rtol=rtol, skip=skip,
     )  # fmt: skip
     found = solve(scene)
-    return FrictionCurve(
+    curve = FrictionCurve(
         velocity=found.velocity,
         mu=found.mu,
         normal_force=found.normal_force,
@@ -145,3 +154,4 @@ def friction(
         plan=scene.plan,
         inputs=found.inputs,
     )
+    return curve if adhesion is None else on_contact(curve, adhesion, scene.lines, bool(scene.foundation.per_area))

@@ -17,7 +17,9 @@ from ..models import HalfSpace, Model, Persson, seeds_of
 from ..results.curve import FrictionCurve
 from ..results.words import brief
 from ..solve import multiscale
+from ..solve.adhesive_shear import AdhesiveShear, check_adhesion
 from ..solve.heat import Heat
+from .adhesion import sheared
 from .beyond import NOT_KNOWN, excited_outside, rough_beyond
 from .points import Mean, Points, check_carries, check_heat, check_rtol, steady_points
 
@@ -44,10 +46,11 @@ class SurfacePlan:
 
 def surface_friction(
     material: Any, surface: AbstractSpectrum, model: Model, *, velocity: Any, pressure: Any, temperature: Any,
-    rtol: Any, heat: Heat | None, progress: Callable[[int, int], None] | None,
+    rtol: Any, heat: Heat | None, adhesion: AdhesiveShear | None, progress: Callable[[int, int], None] | None,
 ) -> FrictionCurve:  # fmt: skip
     """`em.friction` of a surface that is given by its spectrum, under a pressure; see there."""
     foundation, scene = _set_up(material, surface, velocity, pressure, temperature, rtol, heat)
+    check_adhesion(adhesion, temperature)
     shape, kelvin, traced = scene.shape, scene.kelvin, scene.traced
     pressures = scene.full(scene.value)  # [Pa]
     solved = _solver(model, foundation, surface, float(rtol), progress)
@@ -97,7 +100,7 @@ def surface_friction(
     beyond = NOT_KNOWN if traced else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)
     inputs += beyond.said
     stress = field(found.mu * pressures.ravel())
-    return FrictionCurve(
+    curve = FrictionCurve(
         velocity=scene.full(scene.velocity),
         mu=field(found.mu),
         normal_force=field(pressures.ravel()),
@@ -119,6 +122,11 @@ def surface_friction(
         heat_flux=None if warm is None else field(warm.heat),
         outside=outside,
     )
+    if adhesion is None:
+        return curve
+    area, of_area = field(found.area), field(found.area_error)
+    bound = _model_error(model, foundation, surface, found, reduced, field, of_area=True)
+    return sheared(curve, adhesion, area / pressures, of_area / area, bound, "area of real contact")
 
 
 def surface_plan(
@@ -173,6 +181,7 @@ class _Found(NamedTuple):
     area: Any
     error: Any
     good: Any
+    area_error: Any
     said: str = ""  # of the maps that were solved
 
 
@@ -189,7 +198,7 @@ def _solver(
             if is_traced(surface, reduced, pressure, foundation):
                 raise InputError("model must be em.Multiscale() or em.Persson() under jit, grad and vmap.")
             found = maps.friction(foundation.complex_modulus, surface, reduced, pressure, grid, seeds, rtol, progress)
-            return _Found(*found)
+            return _Found(found.mu, found.area, found.error, found.good, found.area_error, found.said)
 
         return on_maps
     tables = _half_tables(foundation)
@@ -205,7 +214,7 @@ def _solver(
         for half in () if is_traced(found.mu) else tables:
             other = multiscale.solve(half.complex_modulus, surface, reduced, pressure, model, max(rtol, 1e-3))
             change = np.maximum(change, LEFT_OUT * np.abs(other.mu - found.mu))
-        return _Found(found.mu, found.area, found.error + change, good)
+        return _Found(found.mu, found.area, found.error + change, good, found.area_error)
 
     return closed
 
@@ -243,11 +252,13 @@ def _misfit(foundation: Any, surface: AbstractSpectrum, reduced: np.ndarray) -> 
 
 
 def _model_error(
-    model: Model, foundation: Any, surface: AbstractSpectrum, found: _Found, reduced: Any, field: Callable[[Any], Any]
-) -> Any:
-    """Bound on the distance from three dimensions; None for the three-dimensional model itself."""
+    model: Model, foundation: Any, surface: AbstractSpectrum, found: _Found, reduced: Any, field: Callable[[Any], Any],
+    of_area: bool = False,
+) -> Any:  # fmt: skip
+    """Bound on mu's distance from three dimensions, or on the area's relative one; None for that model itself."""
     if isinstance(model, HalfSpace):
         return None
     stiff = [abs(foundation.complex_modulus(q * reduced.ravel())) for q in (surface.q_high, surface.q_low)]
     ratio = surface.q_high / surface.q_low
-    return field(abs(found.mu) * multiscale.bound(model, found.area, ratio, stiff[0] / stiff[1]))
+    bound = multiscale.bound(model, found.area, ratio, stiff[0] / stiff[1], of_area)
+    return field(bound if of_area else abs(found.mu) * bound)

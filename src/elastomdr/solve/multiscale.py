@@ -61,6 +61,7 @@ class Found(NamedTuple):
     mu: Any
     area: Any  # real contact area over nominal area
     error: Any  # numerical error of mu
+    area_error: Any
 
 
 class Parts(NamedTuple):
@@ -90,20 +91,20 @@ def solve(
             _evaluate(modulus, nodes(spectrum, _TRACED // part), velocity, pressure, model, form, None)
             for part in (4, 2, 1)
         )
-        return Found(*fine, _error(fine[0], coarse[0], coarsest[0]))
-    mu, area, error = (np.full(velocity.shape, np.nan) for _ in range(3))
+        return Found(*fine, *map(_error, fine, coarse, coarsest))
+    mu, area, error, area_error = (np.full(velocity.shape, np.nan) for _ in range(4))
     left, per_decade = np.arange(velocity.size), PER_DECADE
     coarsest, coarse = (
-        _in_batches(modulus, spectrum, velocity, pressure, model, form, per_decade // part)[0] for part in (4, 2)
+        _in_batches(modulus, spectrum, velocity, pressure, model, form, per_decade // part) for part in (4, 2)
     )
     while left.size and per_decade <= _FINEST:
         fine = _in_batches(modulus, spectrum, velocity[left], pressure[left], model, form, per_decade)
         mu[left], area[left] = fine
-        error[left] = _error(fine[0], coarse, coarsest)
+        error[left], area_error[left] = map(_error, fine, coarse, coarsest)
         again = ~(error[left] <= rtol * np.abs(mu[left])) & np.isfinite(fine[0])
-        left, coarsest, coarse = left[again], coarse[again], fine[0][again]
+        left, coarsest, coarse = left[again], [x[again] for x in coarse], [x[again] for x in fine]
         per_decade *= 2
-    return Found(mu, area, error)
+    return Found(mu, area, error, area_error)
 
 
 def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
@@ -208,11 +209,12 @@ def _later(found: Parts, shift: float) -> Any:
 
 # |ln(mu/mu_3D)| <= a + b (-ln A) for 95 % of the map's points, each predicted without its surface or its material.
 _BOUND = {"multiscale": (0.02, 0.04), "persson": (0.098, 0.149)}
+_AREA_BOUND = (0.03, 0.07)  # of the real contact area, alike: benchmarks/rough_fit.py
 _RATIOS, _CONTRAST, _AREA = (8.0, 256.0), 1000.0, 0.004  # of the map: cutoff ratios, largest contrast, least contact
 
 
-def bound(model: Any, area: Any, ratio: Any, contrast: Any) -> Any:
-    """Bound on mu's relative distance from three dimensions, for 95 % of the points of the map.
+def bound(model: Any, area: Any, ratio: Any, contrast: Any, of_area: bool = False) -> Any:
+    """Bound on mu's relative distance from three dimensions, for 95 % of the points of the map, or `of_area` on A's.
 
     Outside the map it is wider by a factor: 1 + log10 of how many times the cutoff ratio, the contrast of the moduli
     and the real contact area lie beyond its range, all three added. Of Persson's theory with other options than the
@@ -221,7 +223,7 @@ def bound(model: Any, area: Any, ratio: Any, contrast: Any) -> Any:
     xp = namespace(area, ratio, contrast)
     if isinstance(model, Persson) and (model.gamma, model.stored) != (_GAMMA, True):
         return area + np.nan
-    a, b = _BOUND[model.label]
+    a, b = _AREA_BOUND if of_area else _BOUND[model.label]
     beyond = sum(
         xp.log10(xp.maximum(x, 1.0))
         for x in (ratio / _RATIOS[1], _RATIOS[0] / ratio, contrast / _CONTRAST, _AREA / xp.maximum(area, 1e-300))
