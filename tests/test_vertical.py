@@ -84,7 +84,7 @@ VERBS = {
     "dissipation": lambda m, **t: em.dissipation(m, BALL, velocity=0.1, load=2.0, **t),
     "traction": lambda m, **t: em.traction(m, BALL, velocity=1.0, creepage=0.01, friction=0.5, load=2.0, **t),
     "multiscale": lambda m, **t: em.friction(m, ROUGH, velocity=[0.01, 1.0], pressure=3e5, **t),
-    "heat": lambda m, **t: em.friction(m, ROUGH, velocity=5.0, pressure=3e5, heat=em.Heat(0.01, 1.8e6), **t),
+    "heat": lambda m, **t: em.friction(m, ROUGH, velocity=5.0, pressure=3e5, heat=em.Heat(0.2, 2e5), **t),
     "line": lambda m, **t: em.friction(m, ROUGH, velocity=0.1, pressure=3e5, model=LINE, rtol=1e-4, **t),
     "line, depth": lambda m, **t: em.friction(m, ROUGH, velocity=0.1, depth=1e-3, model=LINE, rtol=1e-4, **t),
     "bands": lambda m, **t: em.friction_bands(m, ROUGH, velocity=0.1, pressure=3e5, model=LINE, **t),
