@@ -24,7 +24,8 @@ GROUPS = {
     "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount"),
     "Materials": (
         "Prony", "KelvinVoigt", "Maxwell", "StandardSolid", "TabulatedModulus", "WLF", "Arrhenius", "VFT", "ShiftTable",
-        "Softening", "materials", "load_material", "save_material",
+        "EntropicVertical", "VerticalTable", "Softening",
+        "materials", "load_material", "save_material",
     ),
     "Files of others": ("read_dma", "read_friction", "read_shifts", "read_spectrum", "read_surface"),
     "From three dimensions to one": ("half_space", "springs", "Foundation", "ContactStep"),

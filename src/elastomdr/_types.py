@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .material.softening import Softening
     from .material.tabulated import TabulatedModulus
     from .material.validity import Range
+    from .material.vertical import AbstractVertical
     from .models import Model
 
 
@@ -64,6 +65,7 @@ class Properties(TypedDict, total=False):
     poisson: Number | None
     bulk: Number | None
     shift: AbstractShift | None
+    vertical: AbstractVertical | None
     softening: Softening | None
     name: str
     citation: str

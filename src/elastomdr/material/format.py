@@ -34,6 +34,7 @@ _KEYS = {
     "storage": _NUMBERS,
     "loss": _NUMBERS,
     "shift": _TABLE,
+    "vertical": _TABLE,
     "softening": _TABLE,
     "range": _TABLE,
     "misfit": _TABLE,
@@ -47,10 +48,15 @@ SHIFT_KEYS = {
     "VFT": {"b": _NUMBER, "t0": _NUMBER, "reference": _NUMBER},
     "table": {"temperature": _NUMBERS, "log10_a": _NUMBERS},
 }
+VERTICAL_KEYS = {
+    "entropic": {"reference": _NUMBER},
+    "table": {"temperature": _NUMBERS, "factor": _NUMBERS},
+}
 _SOFTENING_KEYS: dict[str, str] = dict.fromkeys(("strain", "storage", "loss"), _NUMBERS)
 _RANGE_KEYS = {"omega": _PAIR_OR_NONE, "time": _PAIR, "temperature": _PAIR}
 _MISFIT_KEYS: dict[str, str] = dict.fromkeys(("omega", "storage_residual", "loss_residual"), _NUMBERS)
-_SOURCE_GROUPS: dict[str, str] = dict.fromkeys(("moduli", "shift", "softening", "poisson", "bulk", "range"), _TABLE)
+_GROUPS = ("moduli", "shift", "vertical", "softening", "poisson", "bulk", "range")
+_SOURCE_GROUPS: dict[str, str] = dict.fromkeys(_GROUPS, _TABLE)
 _SOURCE_KEYS = {
     "citation": _TEXT,
     "grade": _TEXT,
@@ -76,6 +82,7 @@ _COMMENTS = {
     "t0": "[K]",
     "reference": "[K]",
     "log10_a": "[1]",
+    "factor": "b_T, of all moduli [1]",
     "omega": "at the reference temperature [rad/s]",
     "time": "at the reference temperature [s]",
     "temperature": "[K]",
@@ -142,13 +149,14 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
     if "poisson" not in document and "bulk" not in document:
         raise InputError(f"{path}: key 'poisson' (or 'bulk') is missing.")
     _same_length(path, "", document, lists[1:] if lists is _SERIES else lists)
-    if "shift" in document:
-        shift = document["shift"]
-        law = shift.get("law")
-        if not isinstance(law, str) or law not in SHIFT_KEYS:
-            hint = closest(law, SHIFT_KEYS) if isinstance(law, str) else ""
-            raise InputError(f"{path}: law in [shift] must be one of {', '.join(SHIFT_KEYS)}, got {law!r}.{hint}")
-        _validate_table(path, "shift", shift, {"law": _TEXT, **SHIFT_KEYS[law]}, SHIFT_KEYS[law])
+    for where, laws in (("shift", SHIFT_KEYS), ("vertical", VERTICAL_KEYS)):
+        if where not in document:
+            continue
+        law = document[where].get("law")
+        if not isinstance(law, str) or law not in laws:
+            hint = closest(law, laws) if isinstance(law, str) else ""
+            raise InputError(f"{path}: law in [{where}] must be one of {', '.join(laws)}, got {law!r}.{hint}")
+        _validate_table(path, where, document[where], {"law": _TEXT, **laws[law]}, laws[law])
     if "softening" in document:
         _validate_table(path, "softening", document["softening"], _SOFTENING_KEYS, _SOFTENING_KEYS)
         _same_length(path, " in [softening]", document["softening"], tuple(_SOFTENING_KEYS))

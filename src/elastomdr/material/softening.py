@@ -8,7 +8,7 @@ import numpy as np
 
 from .._arrays import xp
 from .._runtime import Array, as_float64, ascending, is_traced, not_negative, numpy_unless_traced, positive, written
-from .._trees import Tree, fill
+from .._trees import Tree, fill, same
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ class Softening(Tree):
     Between the points the factors follow monotone cubics (Fritsch and Carlson 1980) against log strain. Below the first
     one they go to 1 as the strain itself, 1 - (1 - f_1) eps/eps_1; beyond the last one they are held. They do not
     depend on frequency and temperature, as is usual: the moduli follow time-temperature superposition, the factors
-    stay. They hold for shear and tensile moduli alike, exactly so with a constant Poisson's ratio. Source: A. R. Payne, J. Appl.
-    Polym. Sci. 6 (1962) 57; G. Kraus, J. Appl. Polym. Sci.: Appl. Polym. Symp. 39 (1984) 75.
+    stay. They hold for shear and tensile moduli alike, exactly so with a constant Poisson's ratio. Source: A. R. Payne,
+    J. Appl. Polym. Sci. 6 (1962) 57; G. Kraus, J. Appl. Polym. Sci.: Appl. Polym. Symp. 39 (1984) 75.
 
     Raises:
         InputError: for lists that do not match, a strain that looks like per cent, factors outside what is said above.
@@ -125,6 +125,13 @@ def as_softening(softening: Any) -> Softening | None:
     if softening is not None and not isinstance(softening, Softening):
         raise InputError(f"softening must be an em.Softening(strain, storage, loss), got {softening!r}.")
     return softening
+
+
+def same_softening(first: Softening | None, second: Softening | None) -> bool:
+    """Whether two are one, by their values; under a transformation of JAX as far as can be seen."""
+    if first is None or second is None or is_traced(first, second):
+        return first is second
+    return same(first, second)
 
 
 def _slopes(x: Any, y: Any) -> Any:
