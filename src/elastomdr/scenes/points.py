@@ -93,7 +93,10 @@ def check_heat(heat: Any, temperature: Any, traced: bool) -> None:
     if heat is None:
         return
     if traced:
-        raise InputError("heat must be left out under jax.grad, jit and vmap: flash temperature is not differentiable.")
+        raise InputError(
+            "heat must be left out under jax.grad, jit and vmap with em.Line() and em.HalfSpace(), whose flash "
+            "temperature is not differentiable; with em.Multiscale() and em.Persson() it is."
+        )
     if not isinstance(heat, Heat):
         raise InputError(f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}.")
     if temperature is None:

@@ -27,13 +27,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import fixed, while_loop
+from .._arrays import as_numpy, fixed, is_traced, while_loop
 from .heat import Heat
 from .local import Local, Softened, Warmed, basis
 from .multiscale import Waves, _table, contact, waves
 from .roads import Nodes, namespace, nodes, until
 
-_HIGHEST = 1000.0  # largest rise that is looked for [K]
+HIGHEST = 1000.0  # largest rise that is looked for [K]
 _LEVELS = ((12, 4), (24, 8))  # cells and stations per decade of q
 _SCAN = 8  # cells per decade where a first temperature is looked for
 _TRACED_DECADES = 3  # of a surface whose cutoffs JAX traces
@@ -94,9 +94,14 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
     Under a transformation of JAX the search runs without derivatives, and one step of Newton's method from where it
     ends gives them: exact, since the rest is zero there.
     """
-    xp = namespace(problem.reduced, problem.kelvin, *_leaves(problem))
-    traced = xp is not np
-    still: Any = fixed(problem) if traced else problem
+    traced = namespace(*_leaves(problem)) is not np
+    still: Any = problem
+    if traced:
+        problem, still = (
+            _each(problem, as_numpy),
+            _each(problem, lambda leaf: fixed(leaf) if is_traced(leaf) else as_numpy(leaf)),
+        )
+    xp = namespace(*_leaves(problem))
     levels = _LEVELS[-1:] if traced else _LEVELS
     log_q, rise, seen, several = _first(still, model, levels[0][1], highest)
     good, coarse, found = None, None, None
@@ -132,7 +137,7 @@ class State(NamedTuple):
 
 def _state(problem: Problem, model: Any, conduct: Conduction) -> Callable[[Any], State]:
     """The temperatures that friction makes at temperatures (points, stations)."""
-    table = _tables(problem, conduct.at, _LEVELS[-1][0], _HIGHEST)
+    table = _tables(problem, conduct.at, _LEVELS[-1][0], HIGHEST)
 
     def of(rise: Any) -> State:
         local = Local(problem.softened, Warmed(conduct.log_q, rise, problem.kelvin, problem.body))
@@ -368,12 +373,19 @@ def _newton(of: Callable[[Any], State], still: Callable[[Any], State], rise: Any
     return rise + jnp.linalg.solve(jnp.eye(count) - slopes, off[..., None])[..., 0]
 
 
+def _each(problem: Problem, function: Callable[[Any], Any]) -> Any:
+    """With a function of each leaf. What is not traced becomes NumPy's: in a loop JAX would trace its own arrays too."""
+    import jax
+
+    return jax.tree.map(function, problem)
+
+
 def reach(body: Any, kelvin: Any) -> float:
     """The largest rise to look for: that of a shift law's end above the warmest body, or 1000 K."""
     from ..errors import InputError
     from ..material.vertical import thermal_factors
 
-    low, high, warmest = 0.0, 2 * _HIGHEST, float(np.max(kelvin))
+    low, high, warmest = 0.0, 2 * HIGHEST, float(np.max(kelvin))
     while high - low > 1e-3 * low + 1e-3:
         middle = 0.5 * (low + high)
         try:
@@ -381,9 +393,9 @@ def reach(body: Any, kelvin: Any) -> float:
             low = middle
         except InputError:
             high = middle
-        if low >= _HIGHEST:
+        if low >= HIGHEST:
             break
-    return min(low, _HIGHEST)
+    return min(low, HIGHEST)
 
 
 def _leaves(problem: Problem) -> list[Any]:
@@ -392,7 +404,18 @@ def _leaves(problem: Problem) -> list[Any]:
     softened = () if problem.softened is None else Local(problem.softened).arrays()
     heat = (problem.heat.conductivity, problem.heat.heat_capacity, *(problem.heat.road or ()))
     shear = () if problem.adhesion is None else (problem.adhesion.stress,)
-    return [body, problem.spectrum.q, problem.spectrum.c, problem.carried, problem.velocity, *softened, *heat, *shear]
+    return [
+        body,
+        problem.reduced,
+        problem.kelvin,
+        problem.spectrum.q,
+        problem.spectrum.c,
+        problem.carried,
+        problem.velocity,
+        *softened,
+        *heat,
+        *shear,
+    ]
 
 
 def _i0e(x: Any) -> Any:
