@@ -167,7 +167,7 @@ def test_one_period_of_a_rough_line_is_made_of_contact_steps(viscosity):
 def test_moments_on_numpy_and_on_jax_agree(count):
     """NumPy makes an array of all moments, JAX sums as it goes: the same sums, for short and for long panels."""
     rng = np.random.default_rng(count)
-    c, kappa = rng.normal(size=(count, 1, 1, 1, 1)), rng.normal(size=(2 * count, 1, 1, 1, 1))
+    c, kappa = rng.normal(size=(count, *[1] * 5)), rng.normal(size=(2 * count, *[1] * 5))
     z = np.concatenate([[0.0], np.geomspace(1e-9, 1e6, 60)]).reshape(1, 1, 1, 1, -1)
     numbers = numpy_unless_traced(panel_sums)(c, kappa, z)
     with jax.enable_x64(True):
