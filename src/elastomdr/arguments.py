@@ -9,6 +9,7 @@ import numpy as np
 from ._arrays import xp
 from ._runtime import as_float64, is_traced, only_one, positive
 from .errors import InputError
+from .material.vertical import thermal_factors
 from .results.words import brief
 from .solve.heat import Heat
 
@@ -26,11 +27,18 @@ class Scene(NamedTuple):
     value: Any  # load, depth or pressure as given
     kelvin: Any  # as given [K], or None
     reduced: Any  # v a_T [m/s], of the broadcast shape
+    vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
+    vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
     traced: bool
 
     def full(self, array: Any) -> Any:
         """`array` in the broadcast shape; None stays None."""
         return None if array is None else (xp if self.traced else np).broadcast_to(array, self.shape) + 0.0
+
+    def at_reference(self) -> Any:
+        """Load or pressure over b_T, or the depth, at each point, flat."""
+        value = self.full(self.value)
+        return (value if self.name == "depth" else value / self.vertical).ravel()
 
     def inputs(self, *body: tuple[str, str], load: str = "N") -> list[tuple[str, str]]:
         """For results: the material, the `body`, and the points; `load` is its unit."""
@@ -50,11 +58,6 @@ def steady_scene(foundation: Any, body: Any, *, velocity: Any, temperature: Any,
     positive("velocity", velocity)
     positive(name, value)
     kelvin = None if temperature is None else as_float64("temperature", temperature)
-    if kelvin is not None and foundation.shift is None:
-        raise InputError(
-            f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift law; "
-            "give the material one with shift=em.WLF(...), or leave the temperature out."
-        )
     arrays = [velocity, value, *([] if kelvin is None else [kelvin])]
     try:
         shape = np.broadcast_shapes(*(np.shape(a) for a in arrays))
@@ -63,21 +66,19 @@ def steady_scene(foundation: Any, body: Any, *, velocity: Any, temperature: Any,
         raise InputError(f"velocity, {name} and temperature must broadcast, got shapes {shapes}.") from error
     if 0 in shape:
         raise InputError(f"velocity, {name} and temperature must not be empty, got shape {shape}.")
-    factor = 1.0 if kelvin is None else foundation.shift.a(kelvin)
+    factor, vertical = (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
     if kelvin is not None and not is_traced(velocity, factor):
         _check_shift(kelvin, velocity, factor)
     traced = is_traced(foundation, body, velocity, value, kelvin)
-    scene = Scene(foundation, name, shape, velocity, value, kelvin, None, traced)
-    return scene._replace(reduced=scene.full(velocity * factor))
+    scene = Scene(foundation, name, shape, velocity, value, kelvin, None, None, traced)
+    return scene._replace(reduced=scene.full(velocity * factor), vertical=scene.full(vertical))
 
 
-def rough_scene(foundation: Any, surface: Any, *, rtol: Any, heat: Any = None, temperature: Any, **given: Any) -> Scene:
-    """The scene of a rough line or surface, which has a few conditions more. Raises `InputError`."""
+def rough_scene(foundation: Any, surface: Any, *, rtol: Any, temperature: Any, **given: Any) -> Scene:
+    """The scene of a rough line or surface, which has conditions of its own. Raises `InputError`."""
     check_carries(foundation)
     check_rtol(rtol)
-    scene = steady_scene(foundation, surface, temperature=temperature, **given)
-    check_heat(heat, temperature, scene.traced)
-    return scene
+    return steady_scene(foundation, surface, temperature=temperature, **given)
 
 
 def check_rtol(rtol: Any) -> None:
@@ -105,7 +106,10 @@ def check_heat(heat: Any, temperature: Any, traced: bool) -> None:
     if heat is None:
         return
     if traced:
-        raise InputError("heat must be left out under jax.grad, jit and vmap: flash temperature is not differentiable.")
+        raise InputError(
+            "heat must be left out under jax.grad, jit and vmap with em.Line() and em.HalfSpace(), whose flash "
+            "temperature is not differentiable; with em.Multiscale() and em.Persson() it is."
+        )
     if not isinstance(heat, Heat):
         raise InputError(f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}.")
     if temperature is None:

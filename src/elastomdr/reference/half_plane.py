@@ -95,7 +95,7 @@ def half_plane_sliding(
 
     fine = [pair[0] for pair in found]
     mu = field([f.mu for f in fine])
-    load = scene.value.reshape(at.shape)
+    load = (scene.value * scene.vertical).reshape(at.shape)
     rows = scene.inputs(("shape", f"cylinder, radius {float(radius):g} m"), load="N/m")
     return HalfPlaneCurve(
         velocity=at.full(at.velocity),

@@ -42,13 +42,14 @@ class _Found(NamedTuple):
     edges: Float[Array, "4"]  # trailing, leading on the central line; rearmost, foremost of all [m]
     half_width: Float[Array, ""]  # across the motion [m]
     touching: Bool[Array, "along across"]
+    area: Float[Array, ""]  # of contact, the staircase of its border corrected as in `solve.half_space` [m^2]
     settled: Array
     inside: Array  # no cell at the border of the window is in contact
 
 
 _NAN = np.array(np.nan)
 _FAILED = _Found(
-    _NAN, _NAN, _NAN, np.full(4, np.nan), _NAN, np.zeros((1, 1), bool), np.asarray(False), np.asarray(True)
+    _NAN, _NAN, _NAN, np.full(4, np.nan), _NAN, np.zeros((1, 1), bool), _NAN, np.asarray(False), np.asarray(True)
 )
 
 
@@ -123,12 +124,15 @@ def half_space_sliding(
             stacklevel=3,
         )
     fine = [pair[0] for pair in found]
+    force = field([f.force for f in fine]) * at.vertical
+    mu = field([f.mu for f in fine])
     return FrictionCurve(
         velocity=at.full(at.velocity),
-        mu=field([f.mu for f in fine]),
-        normal_force=field([f.force for f in fine]),
-        friction_force=field([f.mu * f.force for f in fine]),
+        mu=mu,
+        normal_force=force,
+        friction_force=mu * force,
         depth=field([f.depth for f in fine]),
+        contact_area=field([f.area for f in fine]),
         contact=Contact(field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])),
         error=field([error for _, error in found]),
         converged=good.reshape(at.shape),
@@ -222,4 +226,8 @@ def _solve(shape, law, chain, control: Control, value, velocity, window, start, 
     edges += [jnp.min(jnp.where(every, x, jnp.inf)) - h / 2, jnp.max(jnp.where(every, x, -jnp.inf)) + h / 2]
     half_width = jnp.max(jnp.where(jnp.any(touching, axis=0), jnp.abs(y), 0.0)) + width / 2
     border = jnp.any(touching[jnp.array([0, -1])]) | jnp.any(touching[:, jnp.array([0, -1])])
-    return _Found(mu, force, solution.depth, jnp.stack(edges), half_width, touching, solution.settled & whole, ~border)
+    steps = sum(jnp.sum(jnp.diff(touching.astype(int), axis=i) != 0) for i in (0, 1))
+    area = (jnp.sum(touching) - (jnp.pi - 1 + jnp.log(2.0)) / 24 * steps) * h * width
+    return _Found(
+        mu, force, solution.depth, jnp.stack(edges), half_width, touching, area, solution.settled & whole, ~border
+    )

@@ -68,8 +68,8 @@ def slide_periodic(
     return HalfSpaceCurve(
         velocity=at.full(at.velocity),
         mu=drag / force,
-        normal_force=force,
-        friction_force=drag,
+        normal_force=force * at.vertical,
+        friction_force=drag * at.vertical,
         area=field([fine.area for fine, _ in found]),
         separation=field([fine.separation for fine, _ in found]),
         error=field([area * abs(fine.stress - coarse.stress) for fine, coarse in found]) / force,

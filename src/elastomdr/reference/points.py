@@ -16,7 +16,8 @@ class Points(NamedTuple):
 
     at: Scene
     control: Control
-    value: Float[np.ndarray, " n"]
+    value: Float[np.ndarray, " n"]  # load over b_T [N], or depth [m]
+    vertical: Float[np.ndarray, " n"]  # b_T, by which forces are larger than those of the foundation's law
     velocity: Float[np.ndarray, " n"]  # times a_T
     cells: int
 
@@ -34,4 +35,4 @@ def broadcast(foundation: Foundation, *, velocity: Any, temperature: Any, points
     if float(foundation.equilibrium) == 0:
         raise InputError("material must be a solid, got equilibrium modulus 0: a liquid sinks for ever.")
     control: Control = "depth" if at.name == "depth" else "load"
-    return Points(at, control, at.full(at.value).ravel(), at.reduced.ravel(), int(points))
+    return Points(at, control, at.at_reference(), at.vertical.ravel(), at.reduced.ravel(), int(points))

@@ -143,11 +143,31 @@ class FrictionCurve(AbstractCurve):
         "share of the slope beyond the material's range", "-",
         "share of <|grad h|^2> excited beyond the frequencies of the data", default=None,
     )  # fmt: skip
-    temperature_rise: Array | None = quantity("flash temperature rise", "K", "above `temperature`", default=None)
+    temperature_rise: Array | None = quantity(
+        "flash temperature rise", "K", "above `temperature`, mean of the places where the heat arises", default=None
+    )
+    contact_rise: Array | None = quantity(
+        "temperature rise of the real contact", "K", "at the shortest wave, where it differs by scale", default=None
+    )
     cold: Array | None = quantity(
         "friction coefficient without heating", "-", "where flash heating was computed", default=None
     )
-    heat_flux: Array | None = quantity("heat flux into the rubber", "W/m^2", "mu p v", default=None)
+    hysteresis: Array | None = quantity(
+        "friction coefficient of hysteresis", "-", "where adhesive shear was asked for; mu without it", default=None
+    )
+    adhesion: Array | None = quantity(
+        "friction coefficient of adhesive shear", "-", "shear stress times contact area over normal force", default=None
+    )
+    contact_area: Array | None = quantity(
+        "contact area", "m^2", "of a smooth body, from cells or where adhesive shear was asked for", default=None
+    )
+    heat_flux: Array | None = quantity(
+        "heat flux into the rubber", "W/m^2", "mu p v, less what flows into the road", default=None
+    )
+    road_share: Array | None = quantity("share of the heat that flows into the road", "-", default=None)
+    linear: Array | None = quantity(
+        "friction coefficient without softening", "-", "of hysteresis, where the material softens", default=None
+    )
     mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
     normal_force: Array = quantity("normal force", "N", "F_N")
     friction_force: Array = quantity("friction force", "N", "F_x against the motion")
@@ -178,8 +198,14 @@ class FrictionCurve(AbstractCurve):
         return gridded({**points, "mu": fields["cold" if cold else "mu"]})
 
     def outcome(self) -> Iterator[tuple[str, str]]:
-        """As of every curve; with flash heating also the largest rise in temperature and what it does to mu."""
+        """As of every curve; where its parts are known, what they are at the largest mu; with flash heating also the
+        largest rise in temperature and what it does to mu."""
         yield from super().outcome()
+        if self.hysteresis is not None and self.adhesion is not None and np.isfinite(self.mu).any():
+            i = int(np.nanargmax(self.mu))
+            v, one, other = (float(np.ravel(x)[i]) for x in (self.velocity, self.hysteresis, self.adhesion))
+            text = f"hysteresis {significant(one)} and adhesive shear {significant(other)}"
+            yield "parts of mu", f"{text} where it is largest, at {in_words('velocity', v)}"
         rise, before = self.temperature_rise, self.cold
         if rise is not None and before is not None and np.isfinite(rise).any():
             i = int(np.nanargmax(rise))

@@ -249,7 +249,7 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
     points = None if measured is None else as_measured(measured)
     sketch = Sketch(result, ask)
     ax, fields = sketch.ax, sketch.fields
-    cold, (band, described) = fields.get("cold"), _uncertainty(fields)
+    cold, part, (band, described) = fields.get("cold"), fields.get("hysteresis"), _uncertainty(fields)
     value = fields[sketch.y] if cold is None else np.fmax(fields[sketch.y], cold)
     highest = float(np.fmax.reduce(value, axis=None, initial=0.0)) or 1.0
     highest = highest if points is None else max(highest, float(points["mu"].max()))
@@ -261,6 +261,8 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
         if cold is not None:
             warm = np.atleast_1d(cold[line.curve.at])[line.order]
             ax.plot(line.x, warm, "--", color=colour, linewidth=0.7 * sketch.style.line, zorder=2.5)
+        if part is not None:
+            _draw_parts(sketch, line, np.atleast_1d(part[line.curve.at])[line.order], colour, len(lines) == 1)
         if (e > _VISIBLE * highest).any():
             shaded = True
             whole = max(whole, float(np.nanmax(line.y + e)))
@@ -281,6 +283,8 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
     before = sketch.before[1][1] if sketch.canvas.entries or sketch.canvas.foreign else 0.0
     ax.set_ylim(0.0, max(1.16 * highest, 1.04 * min(whole, 2 * highest), before))
     sketch.entry.notes += ["dashed: without heating"] if cold is not None else []
+    if part is not None and not (len(lines) == 1 and sketch.alone):
+        sketch.entry.notes.append("dash-dotted: hysteresis, the rest is adhesive shear")
     sketch.entry.notes += [f"shaded: {described}"] if shaded else []
     return sketch.finish()
 
@@ -691,6 +695,22 @@ def _uncertainty(fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, str]:
         return total, "numerical error (the model's is not known)"
     unknown = not known[np.isfinite(error)].all()
     return total, "numerical and model error" + (", in part numerical only" if unknown else "")
+
+
+def _draw_parts(sketch: Sketch, line: Line, hysteresis: np.ndarray, colour: Any, only: bool) -> None:
+    """Hysteresis below and adhesive shear above it, as areas under a single curve, as a line under several."""
+    if not (only and sketch.alone) or line.x.size < 2:
+        sketch.ax.plot(line.x, hysteresis, "-.", color=colour, linewidth=0.7 * sketch.style.line, zorder=2.5)
+        return
+    known = np.isfinite(line.y)
+    for low, high, shade, label in (
+        (np.zeros_like(hysteresis), hysteresis, PALETTE[2], "hysteresis"),
+        (hysteresis, line.y, PALETTE[1], "adhesive shear"),
+    ):
+        handle = sketch.ax.fill_between(
+            line.x, low, high, where=known, color=shade, alpha=0.35, linewidth=0, zorder=1.5
+        )
+        sketch.entry.extras.append((handle, label))
 
 
 def _draw_measured(sketch: Sketch, points: dict[str, np.ndarray], lines: list[Line]) -> None:

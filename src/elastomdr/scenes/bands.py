@@ -127,7 +127,7 @@ def friction_bands(
         error=banded(np.where(good, error, np.nan)),
         converged=banded(good),
         temperature=None if at.kelvin is None else banded(at.full(at.kelvin)),
-        pressure=None if length is None else banded(loads / length),
+        pressure=None if length is None else banded(loads * at.vertical.ravel() / length),
         width=float(edges[1] / edges[0]),
         model=(AVERAGED if model.average else BARE) + scene.rule,
         plan=f"{lanes[0].size * len(lines)} line solutions of {lines[0].count} samples, all branches carried",

@@ -9,8 +9,10 @@ from ..errors import InputError
 from ..mapping.shapes import AbstractShape
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import HalfSpace, Line
+from ..solve.adhesive_shear import AdhesiveShear, check_adhesion
 from ..solve.heat import Heat
 from ..solve.plan import Plan
+from .adhesion import no_area
 from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
 from .several import over_materials
 from .steady import set_up
@@ -38,19 +40,22 @@ def plan(
     skip: bool = True,
     quantity: Motion = "friction",
     heat: Heat | None = None,
+    adhesion: AdhesiveShear | None = None,
 ) -> "Plan | RoughPlan | SurfacePlan | Plans | str":
     """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it says what is skipped and why.
 
-    Arguments and errors as for `friction`. With `em.HalfSpace` on a smooth body it is a line of text. Of a list of
-    materials it is a tuple of plans, one for each.
+    Arguments and errors as for `friction`; `adhesion` adds nothing to the work. With `em.HalfSpace` on a smooth body it
+    is a line of text. Of a list of materials it is a tuple of plans, one for each.
     """
     if quantity not in ("friction", "rolling"):
         raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
+    check_adhesion(adhesion, temperature)
     if is_rough(shape):
         if quantity != "friction":
             raise InputError(f"quantity must be 'friction' on a rough surface, got {quantity!r}.")
         chosen = of_rough(model, shape, pressure)
         if isinstance(chosen, Line):
+            no_area(adhesion, f"a {chosen.label} on a rough line or surface", "use em.Multiscale() under a pressure")
             from .rough import rough_plan
 
             return rough_plan(

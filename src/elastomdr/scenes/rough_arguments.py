@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._runtime import is_traced, positive, scalar
-from ..arguments import Scene, rough_scene
+from ..arguments import Scene, check_heat, rough_scene
 from ..errors import InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.rough_line import RoughLine
@@ -25,14 +25,14 @@ class RoughScene(NamedTuple):
     lines: list[RoughLine]
     seeds: tuple[int, ...]  # of the lines
     control: Any  # "load" or "depth"
-    given: Any  # line load [N/m] or depth [m] of each point, flat
+    given: Any  # line load over b_T [N/m] or depth [m] of each point, flat
     length: Any  # that turns the pressure into a line load [m]; None without a pressure
     rule: str  # how, in words
 
     def inputs(self, *surface: tuple[str, str]) -> list[tuple[str, str]]:
         """For results: the material, the `surface`, the points, and what pressure the line has where it has one."""
-        rows = self.at.inputs(*surface, load="N/m")
-        return rows if self.length is None else [*rows, ("line load", brief(self.given, "N/m"))]
+        rows, given = self.at.inputs(*surface, load="N/m"), self.given * self.at.vertical.ravel()
+        return rows if self.length is None else [*rows, ("line load", brief(given, "N/m"))]
 
 
 def set_up(
@@ -43,8 +43,9 @@ def set_up(
     foundation = as_foundation(material)
     at = rough_scene(
         foundation, surface, velocity=velocity, pressure=pressure, load=load, depth=depth, temperature=temperature,
-        rtol=rtol, heat=heat,
+        rtol=rtol,
     )  # fmt: skip
+    check_heat(heat, temperature, at.traced)
     if heat is not None and (isinstance(surface, RoughLine) or pressure is None):
         raise InputError(
             "heat needs a surface given by its spectrum, and a pressure: a line has no contact area that is that of "
@@ -56,7 +57,7 @@ def set_up(
     which = seeds_of(model.seeds)
     length, rule = _length(surface, at.name, model.equivalent_length)
     lines = ensemble(surface, model.samples, model.periods, which)
-    given = at.full(at.value if length is None else at.value * length).ravel()
+    given = at.at_reference() if length is None else at.at_reference() * length
     return RoughScene(at, lines, which, "depth" if at.name == "depth" else "load", given, length, rule)
 
 
