@@ -310,7 +310,7 @@ def _set_up(
     check_carries(foundation)
     check_rtol(rtol)
     points = steady_points(foundation, surface, velocity=velocity, pressure=pressure, temperature=temperature)
-    check_heat(heat, temperature, isinstance(model, HalfSpace) and (points.traced or is_traced(heat)))
+    check_heat(heat, temperature, points.traced or is_traced(heat), not isinstance(model, HalfSpace))
     return foundation, points
 
 

@@ -89,41 +89,57 @@ class Conduction(NamedTuple):
 
 
 def warmed(problem: Problem, model: Any, highest: float) -> Warm:
-    """Finds the temperatures that friction makes, the lowest ones where there are several; see the head of this file.
-
-    Under a transformation of JAX the search runs without derivatives, and one step of Newton's method from where it
-    ends gives them: exact, since the rest is zero there.
-    """
-    traced = namespace(*_leaves(problem)) is not np
-    still: Any = problem
-    if traced:
-        problem, still = (
-            _each(problem, as_numpy),
-            _each(problem, lambda leaf: fixed(leaf) if is_traced(leaf) else as_numpy(leaf)),
-        )
-    xp = namespace(*_leaves(problem))
-    levels = _LEVELS[-1:] if traced else _LEVELS
-    log_q, rise, seen, several = _first(still, model, levels[0][1], highest)
-    good, coarse, found = None, None, None
-    for cells, stations in levels:
-        own = _stations(still.spectrum, stations)
-        rise = xp.clip(rise @ basis(log_q, own).T, 0.0, highest)
-        log_q = own
-        conduct = _conduction(still, cells, log_q)
-        of = _state(still, model, conduct)
+    """The temperatures that friction makes, the lowest ones where there are several; see the head of this file."""
+    if namespace(*_leaves(problem)) is not np:
+        return _of_traced(problem, model, highest)
+    log_q, rise, seen, several = _first(problem, model, _LEVELS[0][1], highest)
+    found: list[Warmed] = []
+    for cells, stations in _LEVELS:
+        own = _stations(problem.spectrum, stations)
+        rise = np.clip(rise @ basis(log_q, own).T, 0.0, highest)
+        log_q, of = own, _state(problem, model, _conduction(problem, cells, own))
         rise, good = _settle(of, rise, highest)
-        coarse, found = found, Warmed(log_q, rise, still.kelvin, still.body)
-    assert found is not None
-    if traced:
-        log_q = _stations(problem.spectrum, levels[-1][1])
-        of = _state(problem, model, _conduction(problem, levels[-1][0], log_q))
-        rise = _newton(of, _state(still, model, conduct), rise)
-        found = Warmed(log_q, rise, problem.kelvin, problem.body)
+        found.append(Warmed(own, rise, problem.kelvin, problem.body))
     state = of(rise)
-    return Warm(
-        found, found if coarse is None else coarse, state.mean, rise[:, -1], state.flux, state.to_road, good & seen,
-        several,
-    )  # fmt: skip
+    coarse, fine = found
+    return Warm(fine, coarse, state.mean, rise[:, -1], state.flux, state.to_road, good & seen, several)
+
+
+def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
+    """`warmed` under a transformation of JAX, in one program.
+
+    The search runs without derivatives, and one step of Newton's method from where it ends gives them: exact, since
+    the rest is zero there. What is not traced becomes NumPy's: in a loop JAX would trace its own arrays too.
+    """
+    import jax
+
+    cells, stations = _LEVELS[-1]
+    leaves, tree = jax.tree.flatten(problem)
+    traced = [is_traced(leaf) for leaf in leaves]
+
+    def whole(values: list[Any]) -> Problem:
+        rest = iter(values)
+        return jax.tree.unflatten(
+            tree, [next(rest) if own else as_numpy(leaf) for leaf, own in zip(leaves, traced, strict=True)]
+        )
+
+    @jax.jit
+    def solve(values: list[Any]) -> tuple[Any, ...]:
+        moving, still = whole(values), whole([fixed(value) for value in values])
+        log_q, rise, seen, several = _first(still, model, stations, highest)
+        of_still = _state(still, model, _conduction(still, cells, log_q))
+        rise, good = _settle(of_still, rise, highest)
+        log_q = _stations(moving.spectrum, stations)
+        of = _state(moving, model, _conduction(moving, cells, log_q))
+        rise = _newton(of, of_still, rise)
+        state = of(rise)
+        return log_q, rise, state.mean, state.flux, state.to_road, good & seen, several
+
+    log_q, rise, mean, flux, to_road, good, several = solve(
+        [leaf for leaf, own in zip(leaves, traced, strict=True) if own]
+    )
+    own = Warmed(log_q, rise, problem.kelvin, problem.body)
+    return Warm(own, own, mean, rise[:, -1], flux, to_road, good, several)
 
 
 class State(NamedTuple):
@@ -186,7 +202,7 @@ def _heated(problem: Problem, model: Any, c: Conduction, found: Waves, rise: Any
     made = flux[:, None] * (of_volume - road[:, None] * of_surface)
     # the mean by where heat arises, at nodes from the stations
     share = found.each / whole[:, None, None]
-    spline = basis(c.log_q, xp.log(c.at.q).reshape(-1))
+    spline = basis(c.log_q, namespace(c.log_q, c.at.q).log(c.at.q).reshape(-1))
     weight = share.reshape(share.shape[0], -1) @ spline
     mean = (rise * weight).sum(-1) + (found.edges + shear) / whole * rise[:, -1]
     return State(made, mean, flux, road)
@@ -196,9 +212,10 @@ def _conduction(problem: Problem, per_decade: int, log_q: Any) -> Conduction:
     at = nodes(problem.spectrum, per_decade)
     xp = namespace(at.q, log_q, problem.velocity, problem.heat.conductivity, problem.heat.heat_capacity)
     width = 2 * at.weight[:, 0]
-    start = xp.log(at.q[:, 0]) - (0.5 - np.sqrt(3) / 6) * width
-    cell = xp.clip(xp.searchsorted(start, log_q, side="right") - 1, 0, width.shape[0] - 1)
-    place = xp.clip((log_q - start[cell]) / width[cell], 0.0, 1.0)
+    of_q = namespace(at.q, log_q)  # NumPy where only others are traced
+    start = of_q.log(at.q[:, 0]) - (0.5 - np.sqrt(3) / 6) * width
+    cell = of_q.clip(of_q.searchsorted(start, log_q, side="right") - 1, 0, width.shape[0] - 1)
+    place = of_q.clip((log_q - start[cell]) / width[cell], 0.0, 1.0)
     low, high = 1e-2 * at.q[0, 0], 1e3 * at.end
     count = int(_K * (5 + _decades(problem.spectrum))) + 1
     k = xp.exp(xp.log(low) + xp.log(high / low) * np.linspace(0.0, 1.0, count))
@@ -371,13 +388,6 @@ def _newton(of: Callable[[Any], State], still: Callable[[Any], State], rise: Any
     slopes = fixed(jnp.moveaxis(jax.lax.map(column, jnp.eye(count)), 0, -1))  # (points, stations, of stations)
     off = of(rise).rise - rise
     return rise + jnp.linalg.solve(jnp.eye(count) - slopes, off[..., None])[..., 0]
-
-
-def _each(problem: Problem, function: Callable[[Any], Any]) -> Any:
-    """With a function of each leaf. What is not traced becomes NumPy's: in a loop JAX would trace its own arrays too."""
-    import jax
-
-    return jax.tree.map(function, problem)
 
 
 def reach(body: Any, kelvin: Any) -> float:
