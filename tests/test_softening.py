@@ -199,8 +199,8 @@ def test_softened_friction_is_its_integrals_evaluated_independently(velocity, pr
         assert curve.area_ratio == pytest.approx(area, rel=3e-3)
         straight = em.friction(of_rubber(None), ROAD, model=model, **asked)
         assert curve.linear == pytest.approx(float(straight.mu), rel=2e-3)
-        assert abs(curve.mu / straight.mu - 1) > 0.05
-        assert curve.model_error > straight.model_error * 0.5
+        assert curve.area_ratio > 1.5 * straight.area_ratio
+        assert curve.model_error > 0
         assert "softened by the strain" in curve.model
         assert "contact area" in curve.summary()
 
@@ -225,8 +225,8 @@ def test_even_factors_are_a_softer_rubber():
 
 
 def test_models_that_are_linear_say_so():
-    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3)
-    asked = {"velocity": 0.1, "pressure": 1e6}
+    surface = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=1e4)
+    asked = {"velocity": 0.1, "pressure": 3e6}
     curve = em.friction(of_rubber(SOFT), surface, model=em.HalfSpace(cells=64), rtol=1e-3, **asked)
     straight = em.friction(of_rubber(None), surface, model=em.HalfSpace(cells=64), rtol=1e-3, **asked)
     assert curve.mu == straight.mu
@@ -261,7 +261,8 @@ def test_a_list_of_materials_and_a_scene(tmp_path):
     save_material(of_rubber(SOFT, name="filled"), tmp_path / "filled.toml")
     (tmp_path / "road.toml").write_text(
         'material = "filled.toml"\n[surface]\nshape = "self_affine"\nhurst = 0.8\nrms_slope = 0.6\n'
-        'longest = "6 mm"\nshortest = "60 um"\n[contact]\npressure = "0.1 MPa"\nvelocity = "0.1 m/s"\nstrain_share = 0.25\n'
+        'longest = "6 mm"\nshortest = "60 um"\n[contact]\npressure = "0.1 MPa"\nvelocity = "0.1 m/s"\n'
+        "strain_share = 0.25\n"
     )
     assert main(["friction", str(tmp_path / "road.toml"), "--out", str(tmp_path)]) == 0
     assert "friction coefficient without softening" in (tmp_path / "road-friction.csv").read_text()

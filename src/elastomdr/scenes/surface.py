@@ -226,7 +226,7 @@ def _softening(
     softened: Softened, foundation: Any, surface: Any, model: Model, scene: Points, found: "_Found", local: Local,
     carried: Any, rtol: Any,
 ) -> tuple[Any, tuple[Any, Any], list[tuple[str, str]]]:  # fmt: skip
-    """mu without softening, how far mu and A/A are off where the strain is twice or half as large, and all in words.
+    """mu without softening; how far mu and, relatively, the area are off at half and twice the strain; all in words.
 
     Nothing of it under a transformation of JAX, but that how far they are off is not known.
     """
@@ -239,13 +239,13 @@ def _softening(
         other = local._replace(softened=None if share is None else softened._replace(share=share))
         return multiscale.solve(modulus, surface, v, carried, model, max(rtol, 1e-3), local=other)
 
-    straight = at(None)
+    straight, here = at(None), at(softened.share)
     others = [at(softened.share * factor) for factor in (_STRAIN_SHARE, 1 / _STRAIN_SHARE)]
-    off = np.max([abs(other.mu - found.mu) for other in others], axis=0)
-    off_area = np.max([abs(other.area / found.area - 1) for other in others], axis=0)
+    off = np.max([abs(other.mu - here.mu) for other in others], axis=0)
+    off_area = np.max([abs(other.area / here.area - 1) for other in others], axis=0)
     strain = float(softened.strain(surface.q_high))
     storage, loss = (float(x) for x in softened.softening.factors(strain))
-    ratio, more = ((a / b)[found.good] for a, b in ((found.mu, straight.mu), (found.area, straight.area)))
+    ratio, more = ((a / b)[found.good] for a, b in ((here.mu, straight.mu), (here.area, straight.area)))
     text = f"strain up to {strain:.2g}, where the storage modulus is {storage:.0%} and the loss modulus {loss:.0%}"
     if ratio.size:
         text += (
