@@ -7,7 +7,8 @@ much of it where sliding is slow. Slow contacts lose their heat to the rubber ar
 keep it for as long as a contact lasts.
 
 Inputs: the synthetic passenger tread at 10 degC; a self-affine road, H = 0.8, rms slope 0.5, wavelengths of 5 mm to
-50 um, 0.2 MPa; conductivity 0.25 W/(m K) and heat capacity 2 MJ/(m^3 K), of the road 1 W/(m K) and the same, assumed.
+50 um, 0.2 MPa; conductivity 0.25 W/(m K) and heat capacity 2 MJ/(m^3 K), of the road 1 W/(m K)
+and the same, assumed.
 
 Check: the heat that flows into rubber and road is the power of friction; hot friction lies between that of the cold
 body and that of rubber as warm as its real contact; one moving disc is 8 q a/(3 pi lambda) warm at rest, and at high speed as warm as its chords,
