@@ -18,3 +18,5 @@ from .pipeline import MaterialFit as MaterialFit
 from .pipeline import material as material
 from .series import PronyFit as PronyFit
 from .series import prony as prony
+from .shear_law import AdhesionFit as AdhesionFit
+from .shear_law import adhesion as adhesion

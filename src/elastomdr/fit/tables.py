@@ -12,6 +12,7 @@ from .findings import PLUS_MINUS
 if TYPE_CHECKING:
     from .master import MasterCurve
     from .series import PronyFit
+    from .shear_law import AdhesionFit
 
 
 def master_csv(master: "MasterCurve") -> str:
@@ -63,11 +64,29 @@ def prony_csv(fit: "PronyFit") -> str:
     return _csv("Prony series", [(k, v) for k, v in fit.findings() if k != "term"], columns)
 
 
-def _csv(what: str, findings: Iterable[tuple[str, str]], columns: Mapping[str, Any]) -> str:
+def adhesion_csv(fit: "AdhesionFit") -> str:
+    """Measured points with both parts of the friction, one row per point."""
+    columns: dict[str, Any] = {"velocity [m/s]": fit.velocity}
+    if fit.temperature is not None:
+        columns["temperature [K]"] = fit.temperature
+    columns |= {
+        "measured friction coefficient [-]": fit.measured,
+        "hysteresis [-]": fit.hysteresis,
+        "adhesive shear [-]": fit.adhesion,
+        "residual [-]": fit.residuals,
+        "standard deviation of a measurement [-]": fit.error,
+        "used": fit.used,
+    }
+    return _csv("adhesive shear", fit.findings(), columns, fit.intervals)
+
+
+def _csv(
+    what: str, findings: Iterable[tuple[str, str]], columns: Mapping[str, Any], intervals: str = PLUS_MINUS
+) -> str:
     header = [
         f"elastomdr {__version__}: {what}",
         "units: SI, in brackets in the column titles",
-        f"intervals: {PLUS_MINUS}; a column of standard deviations holds one of them",
+        f"intervals: {intervals}; a column of standard deviations holds one of them",
         *(f"{name.strip()}: {text}" for name, text in findings),
     ]
     return csv_text(header, columns)
