@@ -15,8 +15,10 @@ if TYPE_CHECKING:
     from .mapping.spectrum import AbstractSpectrum
     from .material.prony import Prony
     from .material.shift import AbstractShift
+    from .material.softening import Softening
     from .material.tabulated import TabulatedModulus
     from .material.validity import Range
+    from .material.vertical import AbstractVertical
     from .models import Model
 
 
@@ -63,6 +65,8 @@ class Properties(TypedDict, total=False):
     poisson: Number | None
     bulk: Number | None
     shift: AbstractShift | None
+    vertical: AbstractVertical | None
+    softening: Softening | None
     name: str
     citation: str
     range: RangeLike | None

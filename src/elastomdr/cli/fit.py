@@ -34,9 +34,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         'without, such as "-20degC,0degC,20degC"')  # fmt: skip
     add("--column", metavar="ROLE=TITLE", action="append", default=[],
         help="a column's title or number, such as storage=4")  # fmt: skip
-    add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: without "
-        "where they are large, the data leave open whether there are any, and the material is then closer to the data "
-        "as measured)")  # fmt: skip
+    add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: the "
+        "data decide)")  # fmt: skip
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
     add("--balance", type=float, metavar="FACTOR", help="how many times more exactly the storage modulus is met than "
         "the loss modulus (default: their scatter)")  # fmt: skip

@@ -54,14 +54,15 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     for less where their misfit is not noise.
     """
     guess = guess_shifts(data.points, data.temperature)
-    plain = join(_with_offsets(data, guess).points, data.temperature, guess, False, roughly=True)
+    plain = join(_with_offsets(data, guess).points, data.temperature, guess, "none", roughly=True)
     found = plain.horizontal(plain.posterior.mean)[0]
     points, several = _with_offsets(data, found).points, data.temperature.size > 1
     both = vertical and several
-    shifts = join(points, data.temperature, found, both, near=plain, roughly=True) if both else plain
+    lift = "free" if both else "none"
+    shifts = join(points, data.temperature, found, lift, near=plain, roughly=True) if both else plain
     temper = alike(shifts.points, shifts.posterior.residuals)
-    shifts = join(points, data.temperature, found, both, temper, near=shifts)
-    plain = join(points, data.temperature, found, False, temper, near=plain) if both else shifts
+    shifts = join(points, data.temperature, found, lift, temper, near=shifts)
+    plain = join(points, data.temperature, found, "none", temper, near=plain) if both else shifts
     misfit = _misfit(shifts)
     gain = (shifts.posterior.evidence - plain.posterior.evidence) / max(1.0, misfit) ** 2
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
@@ -76,11 +77,29 @@ def without_vertical(joint: Joint) -> Joint:
     plain = joint.plain
     temper = alike(plain.points, plain.posterior.residuals)
     x, lifted = (s.horizontal(s.posterior.mean)[0] for s in (plain, joint.shifts))
-    plain = join(plain.points, plain.temperature, x, False, temper, near=plain)
+    plain = join(plain.points, plain.temperature, x, "none", temper, near=plain)
     x = plain.horizontal(plain.posterior.mean)[0]
     difference = (lifted - lifted[plain.anchor]) - (x - x[plain.anchor])
     choice = Doubt(np.sqrt(1 - joint.weight) * difference, 0.0, (np.inf, np.inf), of_law=False)
     return Joint(plain, (choice, *_gaps(plain)), temper, _misfit(plain), plain, 1.0)
+
+
+def entropic(joint: Joint) -> Joint | None:
+    """The fit of the same isotherms with the vertical shifts of entropy elasticity; None where data ask for others.
+
+    By their evidence, as the choice whether there are any; what other shifts would change is in the uncertainty.
+    """
+    free = joint.shifts
+    x = free.horizontal(free.posterior.mean)[0]
+    shifts = join(free.points, free.temperature, x, "entropic", joint.inflation, near=free)
+    gain = (shifts.posterior.evidence - free.posterior.evidence) / max(1.0, joint.misfit) ** 2
+    if gain < 0:
+        return None
+    here = shifts.horizontal(shifts.posterior.mean)[0]
+    difference = (x - x[shifts.anchor]) - (here - here[shifts.anchor])
+    other = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
+    choice = Doubt(np.sqrt(other) * difference, 0.0, (np.inf, np.inf))
+    return Joint(shifts, (choice, *_gaps(shifts)), joint.inflation, _misfit(shifts), joint.plain, joint.weight)
 
 
 def about(joint: Joint, reference: float) -> AtReference:

@@ -16,10 +16,10 @@ from ..errors import InputError
 from ..io.data import Dma, without_copies
 from ..material.tabulated import TabulatedModulus
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
-from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law
+from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law, vertical_law
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import isotherms
-from .joint import AtReference, Joint, about, fit_jointly, without_vertical
+from .joint import AtReference, Joint, about, entropic, fit_jointly, without_vertical
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
@@ -130,7 +130,7 @@ class MasterCurve(AbstractFindings):
         Raises `InputError` for relaxation data, or fewer than three bands with data.
         """
         check_law(law)
-        return tabulate(self, per_decade, shift_law(self, law)[1], poisson, name, citation)
+        return tabulate(self, per_decade, shift_law(self, law)[1], vertical_law(self), poisson, name, citation)
 
     def at_reference(self, temperature: float) -> "MasterCurve":
         """The same master curve about another reference temperature [K]."""
@@ -146,6 +146,12 @@ class MasterCurve(AbstractFindings):
         `ambiguous` says still where they cannot be separated.
         """
         return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous)
+
+    @one_thread
+    def with_entropy(self) -> "MasterCurve | None":
+        """The same isotherms with b_T = T_ref/T, the elasticity of entropy; None where the data ask for other shifts."""
+        joint = entropic(self.joint)
+        return None if joint is None else _assemble(self.dma, joint, self.reference, self.ambiguous)
 
     def band(self, omega: ArrayLike) -> Band:
         """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
