@@ -14,6 +14,8 @@ from .grosch import FrictionMaster as FrictionMaster
 from .grosch import friction_master as friction_master
 from .master import MasterCurve as MasterCurve
 from .master import master_curve as master_curve
+from .payne import SofteningFit as SofteningFit
+from .payne import softening as softening
 from .pipeline import MaterialFit as MaterialFit
 from .pipeline import material as material
 from .series import PronyFit as PronyFit

@@ -10,6 +10,7 @@ from ..results.plotting import FAINT, INK, PALETTE, Ask, begin, frame, saved, wr
 if TYPE_CHECKING:
     from .grosch import FrictionMaster
     from .master import MasterCurve
+    from .payne import SofteningFit
     from .pipeline import MaterialFit
     from .series import PronyFit
     from .shear_law import AdhesionFit
@@ -214,6 +215,26 @@ def draw_adhesion(fit: "AdhesionFit", ax: Any = None, style: str | None = None) 
         "Hysteresis and adhesive shear",
         f"stress {fit.parameters['stress'] / 1e6:.3g} MPa ({low:.3g} to {high:.3g})",
     )
+    return ax
+
+
+def draw_softening(fit: "SofteningFit", ax: Any = None, style: str | None = None) -> Any:
+    """Factors on both moduli over the strain amplitude, and the measured points about their own sweeps."""
+    ax = _axes(ax, style)
+    found = fit.found
+    strain = np.geomspace(found.strain.min() / 3, found.strain.max(), 200)
+    for values, factor, colour, mark, name in (
+        (found.storage, fit.factors(strain)[0], _BLUE, "o", "storage"),
+        (found.loss, fit.factors(strain)[1], _RED, "s", "loss"),
+    ):
+        ax.semilogx(100 * strain, factor, color=colour, linewidth=1.3, label=f"{name} modulus")
+        ax.semilogx(100 * found.strain, values, mark, color=colour, markersize=_dot(ax), markerfacecolor="none")
+    ax.set(xlabel="Strain amplitude [%]", ylabel="Factor on the modulus of small strain [-]")
+    ax.set_ylim(0.0, None)
+    frame(ax)
+    ax.legend(frameon=False, fontsize=_size(ax), loc="best")
+    sweeps = f"{found.omega.size} sweep{'s' * (found.omega.size > 1)}, {found.strain.size} points"
+    _title(ax, "Softening with strain", sweeps)
     return ax
 
 

@@ -11,6 +11,7 @@ from .findings import PLUS_MINUS
 
 if TYPE_CHECKING:
     from .master import MasterCurve
+    from .payne import Sweeps
     from .series import PronyFit
     from .shear_law import AdhesionFit
 
@@ -78,6 +79,18 @@ def adhesion_csv(fit: "AdhesionFit") -> str:
         "used": fit.used,
     }
     return _csv("adhesive shear", fit.findings(), columns, fit.intervals)
+
+
+def softening_csv(found: "Sweeps") -> str:
+    """Measured factors on both moduli, one row per point."""
+    columns = {
+        "strain amplitude [-]": found.strain,
+        "factor on storage modulus [-]": found.storage,
+        "factor on loss modulus [-]": found.loss,
+        "temperature [K]": found.temperature[found.number],
+        "angular frequency [rad/s]": found.omega[found.number],
+    }
+    return _csv("strain softening", found.findings(), columns, found.intervals)
 
 
 def _csv(
