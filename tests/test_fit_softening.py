@@ -132,7 +132,7 @@ def test_bad_input_is_one_clear_line():
 
 @pytest.mark.skipif(not SWEEP.exists(), reason="measured data are not part of the package")
 def test_a_measured_sweep_of_a_filled_rubber():
-    rows = list(csv.DictReader(SWEEP.open(encoding="utf-8")))
+    rows = list(csv.DictReader(SWEEP.read_text(encoding="utf-8").splitlines()))
     columns = {"strain": "strain_dyn_pct", "storage": "G_storage_pa", "loss": "G_loss_pa",
                "temperature": "temperature_C", "omega": "freq_hz"}  # fmt: skip
     data = {name: np.array([float(row[title]) for row in rows]) for name, title in columns.items()}
