@@ -20,7 +20,7 @@ from jaxtyping import Bool, Float
 from .._runtime import as_float64, plain, positive, require
 from ..errors import InputError
 from ..files import write_files
-from ..io.friction import MeasuredFriction
+from ..io.data import MeasuredFriction
 from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
