@@ -1,4 +1,4 @@
-"""Softening with strain under smooth bodies and on layers: the rule of the strain, the fixed point, limits, derivatives.
+"""Softening with strain under smooth bodies and on layers: rule of the strain, fixed point, limits, derivatives.
 
 The contact is checked against closed forms: Hertz with a softened modulus, solved by bisection here.
 """
@@ -58,7 +58,7 @@ def test_a_softened_contact_is_the_linear_one_at_its_strain():
 
 
 def test_weak_loss_is_that_of_a_solid_with_the_softened_moduli():
-    """One branch at low velocity: its loss modulus times g and its storage modulus times f is another standard solid."""
+    """One branch at low velocity: loss modulus times g and storage modulus times f make another standard solid."""
     slope, weak = 0.1, 1e4
     soft = em.friction(solid(SOFT, weak), em.Cone(slope), velocity=1e-3, load=1.0)
     assert soft.strain == pytest.approx(0.2 * slope, rel=1e-12)
@@ -92,7 +92,8 @@ def test_on_a_layer_the_strain_is_its_compression():
     assert roll.strain == pytest.approx(np.sqrt(8 / 15) * roll.depth / thickness, rel=1e-6)  # rms of d (1 - x^2/a^2)
     stiffness = 4e6 / thickness * float(SOFT.factors(roll.strain)[0])  # E/((1 - nu^2) h)
     a = np.sqrt(2 * radius * roll.depth)
-    assert 500.0 == pytest.approx(0.1 * stiffness * (roll.depth * 2 * a - a**3 / (3 * radius)), rel=1e-6)
+    force = 0.1 * stiffness * (2 * roll.depth * a - a**3 / (3 * radius))
+    assert force == pytest.approx(500.0, rel=1e-6)
     ball = em.friction(belt, em.Paraboloid(radius), velocity=1.0, load=5.0)
     assert ball.strain == pytest.approx(np.sqrt(1 / 3) * ball.depth / thickness, rel=1e-6)
     with pytest.raises(InputError, match="thickness"):

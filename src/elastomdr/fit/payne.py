@@ -193,12 +193,13 @@ def softening(
 
 def _data(sweep: Any) -> tuple[_Data, list[str]]:
     """The points of the sweeps. Raises `InputError`."""
+    values: dict[str, Any]
     if isinstance(sweep, Dma):
         amplitude = getattr(sweep, "strain", None)
         if amplitude is None or not np.isfinite(amplitude).any():
             raise InputError("strain_sweep must have the strain amplitude of its points, got a Dma without any.")
-        values = {name: getattr(sweep, name) for name in ("storage", "loss", "temperature", "omega")}
-        values["strain"] = amplitude
+        names = ("storage", "loss", "temperature", "omega")
+        values = {"strain": amplitude} | {name: getattr(sweep, name) for name in names}
         values = {name: np.asarray(x, dtype=float)[np.isfinite(amplitude)] for name, x in values.items()}
     elif isinstance(sweep, Mapping) and {"strain", "storage", "loss"} <= set(sweep):
         names = ("strain", "storage", "loss")

@@ -178,7 +178,7 @@ def adhesion(
         reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
     reference = None if kelvin is None or reference is None else float(plain("reference", reference))
     warm = None
-    if kelvin is not None and np.ptp(kelvin[used]) > _SAME:
+    if kelvin is not None and reference is not None and np.ptp(kelvin[used]) > _SAME:
         warm = (1 / kelvin - 1 / reference) * 1e5 / (GAS_CONSTANT * _LN10)
     every = _Points(np.log10(data["velocity"]), warm, mu, *_between(computed))
     points = _chosen(every, used)

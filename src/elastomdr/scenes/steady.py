@@ -151,8 +151,8 @@ def no_pressure(shape: AbstractShape, pressure: Any) -> None:
 
 def solve(scene: Scene) -> Steady:
     """Runs the plan; points that failed are NaN, and one warning counts them."""
-    soft, inputs = None, scene.inputs
-    if scene.foundation.softening is None:
+    softening, soft, inputs = scene.foundation.softening, None, scene.inputs
+    if softening is None:
         result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
     else:
         result, soft = run_softened(
@@ -184,9 +184,9 @@ def solve(scene: Scene) -> Steady:
         scene.foundation.range, scene.reduced.reshape(scene.shape), size, scene.temperature, stacklevel=4
     )
     beyond_sweep = None
-    if soft is not None and not traced:
-        beyond_sweep = (good & scene.foundation.softening.outside(soft.strain)).reshape(scene.shape)
-        inputs += softened_words(soft, good, beyond_sweep)
+    if softening is not None and soft is not None and not traced:
+        beyond_sweep = np.asarray(good & softening.outside(soft.strain)).reshape(scene.shape)
+        inputs += softened_words(soft, np.asarray(good), beyond_sweep)
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
         mu=shaped(result.mu),
