@@ -149,7 +149,12 @@ class FrictionCurve(AbstractCurve):
         "share of the slope beyond the material's range", "-",
         "share of <|grad h|^2> excited beyond the frequencies of the data", default=None,
     )  # fmt: skip
-    temperature_rise: Array | None = quantity("flash temperature rise", "K", "above `temperature`", default=None)
+    temperature_rise: Array | None = quantity(
+        "flash temperature rise", "K", "above `temperature`, mean of the places where the heat arises", default=None
+    )
+    contact_rise: Array | None = quantity(
+        "temperature rise of the real contact", "K", "at the shortest wave, where it differs by scale", default=None
+    )
     cold: Array | None = quantity(
         "friction coefficient without heating", "-", "where flash heating was computed", default=None
     )
@@ -162,7 +167,13 @@ class FrictionCurve(AbstractCurve):
     contact_area: Array | None = quantity(
         "contact area", "m^2", "of a smooth body, from cells or where adhesive shear was asked for", default=None
     )
-    heat_flux: Array | None = quantity("heat flux into the rubber", "W/m^2", "mu p v", default=None)
+    heat_flux: Array | None = quantity(
+        "heat flux into the rubber", "W/m^2", "mu p v, less what flows into the road", default=None
+    )
+    road_share: Array | None = quantity("share of the heat that flows into the road", "-", default=None)
+    linear: Array | None = quantity(
+        "friction coefficient without softening", "-", "of hysteresis, where the material softens", default=None
+    )
     mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
     normal_force: Array = quantity("normal force", "N", "F_N")
     friction_force: Array = quantity("friction force", "N", "F_x against the motion")

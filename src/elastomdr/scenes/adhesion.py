@@ -32,8 +32,9 @@ def sheared(
         more: fields of the result that go with it.
     """
     kelvin = curve.temperature
-    if kelvin is not None and curve.temperature_rise is not None:
-        kelvin = kelvin + curve.temperature_rise
+    rise = curve.temperature_rise if curve.contact_rise is None else curve.contact_rise
+    if kelvin is not None and rise is not None:
+        kelvin = kelvin + rise
     added = adhesion.shear_stress(curve.velocity, kelvin) * share
     mu = curve.mu + added
     model_error = curve.model_error

@@ -21,7 +21,7 @@ from .softened import LINEAR, SOFTENED
 from .steady import no_pressure, set_up, solve
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, ModelLike, Store, Surface
+    from .._types import ArrayLike, Indenter, Materials, ModelLike, Number, Store, Surface
 
 P = ParamSpec("P")
 
@@ -56,6 +56,7 @@ def friction(
     skip: bool = True,
     heat: Heat | None = None,
     adhesion: AdhesiveShear | None = None,
+    strain_share: Number = 0.5,
     progress: Callable[[int, int], None] | None = None,
     store: Store | None = None,
 ) -> FrictionCurve:
@@ -80,14 +81,18 @@ def friction(
             solution on its samples; `curve.lines.numerical` has the error for the sampling too, and a point
             where it exceeds a tenth of mu is NaN.
         skip: False computes also what the plan would leave out.
-        heat: `em.Heat(...)` heats the rubber of a surface under a pressure by its friction, from `temperature` on,
-            until friction and flash temperature agree (`elastomdr.solve.heat`): `mu` is then the hot curve,
-            `cold` the one without heating, `temperature_rise` the flash temperature. Points where no temperature is
-            found are NaN.
+        heat: `em.Heat(...)` heats the rubber of a surface under a pressure by its friction, from `temperature`, that of
+            the body, on, until friction and temperature agree: `mu` is then the hot curve, `cold` the one without
+            heating, `temperature_rise` the mean where the heat arises. With `em.Multiscale()` and `em.Persson()` each
+            length scale has a temperature of its own (`elastomdr.solve.warm`), `contact_rise` that of the shortest
+            waves; with others there is one (`elastomdr.solve.heat`). Points where none is found are NaN.
         adhesion: `em.AdhesiveShear(...)` adds the shear stress of dry contact on the area of real contact: `mu` is then
             the sum of `hysteresis` and `adhesion`. On a surface under a pressure that is its `area_ratio`; under a
             smooth body `contact_area`, from the edges of its contact or, with `em.HalfSpace()`, from its cells. A line
             (`em.Line` on a rough line or surface) has none.
+        strain_share: of a material with a softening on a surface: strain amplitude at wave number q over the rms slope
+            of the waves up to q, above 0 and at most 2. `linear` is mu without softening. `em.Line()` and
+            `em.HalfSpace()` on a surface are linear and say so.
         progress: `progress(done, total)` is called after each batch on a rough line or surface.
         store: keeps finished batches of lines (`get(key)`, `put(key, arrays)`).
 
@@ -119,7 +124,7 @@ def friction(
         only_one(load, depth, pressure)
         return surface_friction(
             material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol,
-            heat=heat, adhesion=adhesion, progress=progress,
+            heat=heat, adhesion=adhesion, strain_share=strain_share, progress=progress,
         )  # fmt: skip
     only_rough(heat)
     check_adhesion(adhesion, temperature)
