@@ -7,13 +7,13 @@ frequencies or temperatures at which it was measured. Dry friction has the shear
 `em.AdhesiveShear`: the second figure shows both parts, and `em.fit.adhesion` finds the law again from noisy points.
 
 Inputs: `epdm-70` of the library, fitted to measured shear DMA of a filled EPDM (source and grades in the file); a
-self-affine surface, H = 0.8, rms slope 0.7, wavelengths of 5 mm to 20 um, and 0.3 MPa: chosen here. The shear law, 6 MPa at 5 mm/s, is of
-the size that was found for dry tread rubber; of this rubber none is known.
+self-affine surface, H = 0.8, rms slope 0.7, wavelengths of 5 mm to 20 um, and 0.3 MPa: chosen here. The shear law, 6
+MPa at 5 mm/s, is of the size that was found for dry tread rubber; of this rubber none is known.
 
 Check: under a pressure that fills the surface friction is the exact sum over its waves, mu p = (1/2) int q^3 C dq int
 cos(phi) E''(q v cos phi) dphi, here by quadrature with the branches and shift factors as they stand in the material
-file; friction at a temperature is friction at 25 degC at the velocity v a_T; and the sum of both parts is the stress,
-by its formula, on the real contact area, whose law lies in the 95 % intervals of its fit.
+file; friction at a temperature is friction at 25 degC at the velocity v a_T; dry friction is hysteresis and the stress,
+by its formula, on the real contact area; and the law of the stress lies in the 95 % intervals of its fit.
 
     python examples/28_measured_rubber_on_a_road.py [--out DIR]
 """

@@ -213,7 +213,7 @@ def draw_adhesion(fit: "AdhesionFit", ax: Any = None, style: str | None = None) 
     _title(
         ax,
         "Hysteresis and adhesive shear",
-        f"stress {fit.parameters['stress'] / 1e6:.3g} MPa ({low:.3g} to {high:.3g})",
+        f"stress {fit.parameters['stress'] / 1e6:.3g} MPa ({low:.3g} to {high:.3g}, 95 %)",
     )
     return ax
 
