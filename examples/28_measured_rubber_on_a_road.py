@@ -4,7 +4,7 @@ Teaches: a material, a spectrum and a nominal pressure suffice; `em.friction` th
 nothing to choose. The figure is `curve.plot()`: shaded is the whole uncertainty, numerical error, what the fitted
 series misses of the measured moduli, and the bound on the model; dotted is where the road excites the rubber beyond the
 frequencies or temperatures at which it was measured. Dry friction has the shear of the real contact besides,
-`em.AdhesiveShear`: the second figure shows both parts, and `em.fit.adhesion` finds the law again from noisy points.
+`em.AdhesiveShear`: the figure shows both parts below, and `em.fit.adhesion` finds the law again from noisy points.
 
 Inputs: `epdm-70` of the library, fitted to measured shear DMA of a filled EPDM (source and grades in the file); a
 self-affine surface, H = 0.8, rms slope 0.7, wavelengths of 5 mm to 20 um, and 0.3 MPa: chosen here. The shear law, 6
@@ -25,6 +25,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from scipy.integrate import trapezoid
 
 import elastomdr as em
@@ -46,15 +47,17 @@ def main(out: Path) -> None:
         warnings.simplefilter("ignore", em.ExtrapolationWarning)  # the figure says where, by dots
         curve = em.friction(RUBBER, ROAD, velocity=VELOCITY, pressure=PRESSURE, temperature=KELVIN[:, None])
     print(curve.summary())
-    title = f"Measured EPDM on a rough surface, {PRESSURE / 1e6:g} MPa"
-    curve.plot(title=title).figure.savefig(out / "28_measured_rubber_on_a_road.png", dpi=150)
-    both = dry(out)
-    plt.close("all")
+    places = [["road", "road"], ["dry", "fit"]]
+    figure, axes = plt.subplot_mosaic(places, figsize=(15, 10.5), layout="constrained")
+    curve.plot(axes["road"], title=f"Hysteresis of a measured EPDM on a rough surface, {PRESSURE / 1e6:g} MPa")
+    both = dry(axes["dry"], axes["fit"])
+    figure.savefig(out / "28_measured_rubber_on_a_road.png", dpi=110)
+    plt.close(figure)
     check(curve)
     check_parts(*both)
 
 
-def dry(out: Path) -> tuple[em.FrictionCurve, em.fit.AdhesionFit]:
+def dry(parts: Axes, fitted: Axes) -> tuple[em.FrictionCurve, em.fit.AdhesionFit]:
     """Friction with adhesive shear, and the law fitted to noisy points of it."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.ExtrapolationWarning)
@@ -65,10 +68,8 @@ def dry(out: Path) -> tuple[em.FrictionCurve, em.fit.AdhesionFit]:
     points = points * (1 + 0.02 * np.random.default_rng(0).normal(size=points.shape))
     fit = em.fit.adhesion(bare, points, error="relative", reference=298.15)
     print(f"\n{curve.summary()}\n\n{fit}")
-    figure, axes = plt.subplots(1, 2, figsize=(15, 5), layout="constrained")
-    curve.plot(axes[0], title="Dry: hysteresis and adhesive shear, 25 °C")
-    fit.plot(axes[1])
-    figure.savefig(out / "28_dry_friction.png", dpi=110)
+    curve.plot(parts, title="Dry: hysteresis and adhesive shear, 25 °C")
+    fit.plot(fitted)
     return curve, fit
 
 
