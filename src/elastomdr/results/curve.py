@@ -50,6 +50,12 @@ class AbstractCurve(Result):
 
     velocity: Array = quantity("velocity", "m/s", "sliding velocity v", axis="sliding velocity")
     temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
+    strain: Array | None = quantity(
+        "effective strain of the contact", "-", "of a smooth body on a material that softens with strain", default=None
+    )
+    linear: Array | None = quantity(
+        "coefficient without softening", "-", "of a smooth body on a material that softens with strain", default=None
+    )
     error: Array = quantity("estimated error of the coefficient", "-", "numerical, absolute")
     model_error: Array | None = quantity(
         "bound on the error of the model", "-", "bound on the model's error of the coefficient, absolute", default=None
