@@ -163,6 +163,7 @@ def material(
     terms: int | None = None,
     equilibrium: bool | None = None,
     balance: float | None = None,
+    temperature_error: float | None = None,
     poisson: float | None = None,
     law: LawName = "auto",
     name: str = "",
@@ -182,6 +183,7 @@ def material(
         terms: number of terms of the series, as for `prony`.
         equilibrium: whether there is an equilibrium modulus, as for `prony`.
         balance: weight of the storage modulus, as for `prony`.
+        temperature_error: standard error of the temperature of an isotherm [K], as for `master_curve`.
         poisson: Poisson's ratio of the material.
         law: "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
             within 0.1 decades of the shift factors, or within their uncertainty, and a table otherwise.
@@ -218,13 +220,13 @@ def material(
             with_misfit(fit.material, dma), master, fit, chosen, misfit(fit.material, dma), texts, citation, about
         )
 
-    found = fitted(_shifted(dma, reference, vertical))
+    found = fitted(_shifted(dma, reference, vertical, temperature_error))
     return replace(found, warnings=(*found.warnings, *_misses(found)))
 
 
-def _shifted(dma: Dma, reference: float | None, vertical: bool | None) -> MasterCurve:
+def _shifted(dma: Dma, reference: float | None, vertical: bool | None, error: float | None) -> MasterCurve:
     """The master curve with the vertical shifts that the data ask for, by their evidence: none, entropic, or free."""
-    free = master_curve(dma, reference, vertical is not False)
+    free = master_curve(dma, reference, vertical is not False, temperature_error=error)
     if vertical is False or free.temperature.size < 2:
         return free
     if vertical is None and free.joint.weight > 0.5:
