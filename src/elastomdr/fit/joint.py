@@ -13,6 +13,8 @@ from .shifting import LN10, Shifts, guess_shifts, join
 from .thermometer import slopes, thermometer
 
 _GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
+_SURE = 3.0  # ln of the ratio of evidence above which data decide against entropy elasticity: one in twenty,
+_EVEN = 0.02  # if their vertical shifts are off it by more than this, relatively: small ones are of the samples
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
 
 
@@ -88,15 +90,16 @@ def without_vertical(joint: Joint) -> Joint:
 
 
 def entropic(joint: Joint) -> Joint | None:
-    """The fit of the same isotherms with the vertical shifts of entropy elasticity; None where data ask for others.
+    """The fit of the same isotherms with the vertical shifts of entropy elasticity; None where data are sure of others.
 
-    By their evidence, as the choice whether there are any; what other shifts would change is in the uncertainty.
+    What other shifts would change is in the uncertainty, with the weight that their evidence leaves them.
     """
     free = joint.shifts
     x = free.horizontal(free.posterior.mean)[0]
     shifts = join(free.points, free.temperature, x, "entropic", joint.inflation, near=free)
     gain = (shifts.posterior.evidence - free.posterior.evidence) / max(1.0, joint.misfit) ** 2
-    if gain < 0:
+    lift, lifted = shifts.vertical() @ shifts.posterior.mean, free.vertical() @ free.posterior.mean
+    if gain < -_SURE and np.ptp(lifted - lift) > _EVEN:
         return None
     here = shifts.horizontal(shifts.posterior.mean)[0]
     difference = (x - x[shifts.anchor]) - (here - here[shifts.anchor])

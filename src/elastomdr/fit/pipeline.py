@@ -31,6 +31,7 @@ from .tabulate import tabulate
 if TYPE_CHECKING:
     from .._types import LawName
 
+_OPEN = 0.05  # chance that there are no vertical shifts above which the material has none
 _MISSED = 0.1  # misfit of the data as measured that is worth a warning
 
 
@@ -172,9 +173,9 @@ def material(
 ) -> MaterialFit:
     """A material from measured isotherms: `master_curve`, then `prony`, then a shift law.
 
-    The material carries the vertical shifts that the data ask for: none, those of entropy elasticity
-    (`em.EntropicVertical`) or a table (`em.VerticalTable`), whichever has the largest evidence. `misfit` says how close
-    it comes to the data as measured.
+    The material carries the vertical shifts that the data ask for by their evidence: those of entropy elasticity
+    (`em.EntropicVertical`), a table (`em.VerticalTable`), or none where that is as likely as one in twenty. `misfit`
+    says how close it comes to the data as measured.
 
     Args:
         dma: the measurement, with temperatures.
@@ -229,7 +230,7 @@ def _shifted(dma: Dma, reference: float | None, vertical: bool | None, error: fl
     free = master_curve(dma, reference, vertical is not False, temperature_error=error)
     if vertical is False or free.temperature.size < 2:
         return free
-    if vertical is None and free.joint.weight > 0.5:
+    if vertical is None and free.joint.weight > _OPEN:
         return free.without_vertical()
     return free.with_entropy() or free
 
