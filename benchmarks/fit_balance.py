@@ -4,8 +4,8 @@
 
 DATA_DIR as for `fit_library.py`. Every fourth point of a master curve is held out in turn, at four balances (by how
 much more a relative deviation of the storage modulus counts), and what the series foretells of the points it was not
-given is compared with them. "Elastomer" is the published master curve of the encapsulant from 1e-6 to 1e13 Hz, whose two
-moduli contradict each other. The default of `em.fit.prony` is to be within a tenth of the best balance.
+given is compared with them. "Elastomer" is the published master curve of the encapsulant from 1e-6 to 1e13 Hz, whose
+two moduli contradict each other. The default of `em.fit.prony` is to be within a tenth of the best balance.
 """
 
 import argparse
