@@ -11,8 +11,8 @@ Inputs: the synthetic passenger tread at 10 degC; a self-affine road, H = 0.8, r
 and the same, assumed.
 
 Check: the heat that flows into rubber and road is the power of friction; hot friction lies between that of the cold
-body and that of rubber as warm as its real contact; one moving disc is 8 q a/(3 pi lambda) warm at rest, and at high speed
-as warm as its chords, each of which heats the rubber for the time it takes to pass.
+body and that of rubber as warm as its real contact; one moving disc is 8 q a/(3 pi lambda) warm at rest, and at high
+speed as warm as its chords, each of which heats the rubber for the time it takes to pass.
 
     python examples/19_flash_temperature.py [--out DIR]
 """
