@@ -231,7 +231,7 @@ def test_models_that_are_linear_say_so():
     straight = em.friction(of_rubber(None), surface, model=em.HalfSpace(cells=64), rtol=1e-3, **asked)
     assert curve.mu == straight.mu
     assert np.isnan(curve.model_error)
-    assert "linear: the softening of the material is left out" in curve.model
+    assert "linear: softening with strain left out" in curve.model
     assert "this model is linear" in curve.summary()
 
 
@@ -265,4 +265,4 @@ def test_a_list_of_materials_and_a_scene(tmp_path):
         "strain_share = 0.25\n"
     )
     assert main(["friction", str(tmp_path / "road.toml"), "--out", str(tmp_path)]) == 0
-    assert "friction coefficient without softening" in (tmp_path / "road-friction.csv").read_text()
+    assert "coefficient without softening" in (tmp_path / "road-friction.csv").read_text()

@@ -54,7 +54,7 @@ class AbstractCurve(Result):
         "effective strain of the contact", "-", "of a smooth body on a material that softens with strain", default=None
     )
     linear: Array | None = quantity(
-        "coefficient without softening", "-", "of a smooth body on a material that softens with strain", default=None
+        "coefficient without softening", "-", "of hysteresis, where the material softens with strain", default=None
     )
     error: Array = quantity("estimated error of the coefficient", "-", "numerical, absolute")
     model_error: Array | None = quantity(
@@ -171,9 +171,6 @@ class FrictionCurve(AbstractCurve):
         "heat flux into the rubber", "W/m^2", "mu p v, less what flows into the road", default=None
     )
     road_share: Array | None = quantity("share of the heat that flows into the road", "-", default=None)
-    linear: Array | None = quantity(
-        "friction coefficient without softening", "-", "of hysteresis, where the material softens", default=None
-    )
     mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
     normal_force: Array = quantity("normal force", "N", "F_N")
     friction_force: Array = quantity("friction force", "N", "F_x against the motion")

@@ -24,12 +24,12 @@ from ..solve.local import Local, Softened
 from .adhesion import sheared
 from .beyond import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
 from .points import Mean, Points, check_carries, check_heat, check_rtol, steady_points
+from .softened import LINEAR
 
 _LEAST = 1e-6  # share of real contact below which a pressure is taken for one in the wrong unit
 _HOT = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 _HOT_BY_SCALE = "; rubber at a temperature for each length scale, heated by its friction"
 _SOFTENED = "; moduli softened by the strain of each length scale"
-_LINEAR = "; linear: the softening of the material is left out"
 _STRAIN_SHARE = 2.0  # factor within which the strain at a scale is taken to be known
 _MOST_SHARE = 2.0
 _OFF = 1 / 3  # of what temperatures with half as many stations change, which is left
@@ -136,7 +136,7 @@ def surface_friction(
     if softened is not None and not traced:
         beyond = _strained_beyond(softened, surface, beyond, shape, foundation.range)
         inputs += beyond.said[-1:]
-    kind = "" if foundation.softening is None else _LINEAR if softened is None else _SOFTENED
+    kind = "" if foundation.softening is None else LINEAR if softened is None else _SOFTENED
     stress = field(found.mu * pressures.ravel())
     curve = FrictionCurve(
         velocity=scene.full(scene.velocity),
