@@ -225,10 +225,14 @@ def test_even_factors_are_a_softer_rubber():
 
 
 def test_models_that_are_linear_say_so():
-    surface = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=1e4)
-    asked = {"velocity": 0.1, "pressure": 3e6}
-    curve = em.friction(of_rubber(SOFT), surface, model=em.HalfSpace(cells=64), rtol=1e-3, **asked)
-    straight = em.friction(of_rubber(None), surface, model=em.HalfSpace(cells=64), rtol=1e-3, **asked)
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3)
+    curve, straight = (
+        em.friction(
+            em.Foundation(1e6, np.full(6, 2e6), np.geomspace(1e-6, 1e-1, 6), softening=softening),
+            surface, velocity=0.1, pressure=2e5, model=em.HalfSpace(cells=64), rtol=1e-3,
+        )
+        for softening in (SOFT, None)
+    )  # fmt: skip
     assert curve.mu == straight.mu
     assert np.isnan(curve.model_error)
     assert "linear: softening with strain left out" in curve.model
