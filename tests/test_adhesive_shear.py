@@ -91,13 +91,15 @@ def test_under_a_smooth_body_the_area_is_that_between_its_edges():
 
 
 def test_that_area_is_close_to_what_cells_find():
-    body, velocity, solid = em.Paraboloid(0.01), 0.02, em.StandardSolid(1e6, 9e6, 1e-2)
+    ones = em.Softening([1e-3, 1e-1], [1.0, 1.0], [1.0, 1.0])
+    body, velocity, solid = em.Paraboloid(0.01), 0.02, em.StandardSolid(1e6, 9e6, 1e-2, softening=ones)
     law = em.AdhesiveShear(1e5, 1e-2, 0.1)
     line = em.friction(solid, body, velocity=velocity, load=1.0, adhesion=law)
     cells = em.friction(solid, body, velocity=velocity, load=1.0, adhesion=law, model=em.HalfSpace(cells=64))
     off = line.contact_area / cells.contact_area - 1
     assert 0.01 < abs(off) < 0.2 * (1 - line.contact.trailing / line.contact.leading)  # an asymmetric contact
     assert abs(line.mu - cells.mu) < line.model_error + cells.error
+    assert "softening with strain left out" in cells.model
 
 
 def test_derivatives_through_both_parts_are_those_of_differences():

@@ -347,8 +347,9 @@ def test_every_field_of_every_result_is_declared():
 
 
 UNITS = {  # of each quantity, whatever the result
-    "-": "area area_ratio coefficient cold creepage error friction model_error mu outside ratio restitution rolling "
-    "share slip spread squeeze stick",
+    "-": "adhesion area area_ratio coefficient cold creepage error friction hysteresis linear model_error mu outside "
+    "ratio restitution rolling share slip spread squeeze stick strain",
+    "m^2": "contact_area",
     "": "converged extrapolated follows stuck touching",
     "m/s": "road slowest velocity",
     "K": "ambient steady temperature temperature_rise",

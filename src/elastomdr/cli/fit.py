@@ -11,7 +11,7 @@ from . import DONE, NOT_CONVERGED
 
 _READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
-_FITTED = ("vertical", "terms", "balance", "law", "poisson", "citation")
+_FITTED = ("vertical", "terms", "balance", "temperature_error", "law", "poisson", "citation")
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -38,7 +38,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "data decide)")  # fmt: skip
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
     add("--balance", type=float, metavar="FACTOR", help="how many times more exactly the storage modulus is met than "
-        "the loss modulus (default: their scatter)")  # fmt: skip
+        "the loss modulus (default: by their scatter, alike where they contradict each other)")  # fmt: skip
+    add("--temperature-error", type=float, metavar="K", help="standard error of the temperature of an isotherm "
+        "(default: by the scatter of the shift factors, about 0.3)")  # fmt: skip
     add("--law", default="auto", help="auto, WLF, Arrhenius, VFT, table or none (default: auto)")
     add("--poisson", type=float, help="Poisson's ratio (default: 0.5, with a warning for tensile moduli)")
     add("--citation", default="", help="where the data come from, for the material file")

@@ -42,6 +42,13 @@ class SurfaceContact(Contact):
     pressure: Annotated[Several[Pressure] | None, "nominal pressure"] = None
     load: Annotated[Several[LineLoad] | None, "force per length of a line, in place of the pressure"] = None
     depth: Annotated[Several[Length] | None, "depth of the highest point of a line, in place of it"] = None
+    strain_share: Annotated[float | None, "strain at a scale over the rms slope up to it, of a rubber that softens"] = (
+        None
+    )
+
+    def arguments(self) -> dict[str, Any]:
+        """As of every contact, and what goes with a softening."""
+        return super().arguments() | given(self, "strain_share")
 
 
 class Rolling(OfBodies):
@@ -80,7 +87,7 @@ class SurfaceFriction(OfBodies):
     def arguments(self, folder: Path) -> dict[str, Any]:
         with named("[surface]"):
             surface = self.surface.isotropic(folder)
-        heat = {} if self.heat is None else {"heat": em.Heat(self.heat.conductivity, self.heat.heat_capacity)}
+        heat = {} if self.heat is None else {"heat": self.heat.make()}
         shear = {} if self.adhesion is None else {"adhesion": self.adhesion.make()}
         return on_axes({"shape": surface} | self.common(folder) | self.contact.arguments() | heat | shear)
 

@@ -134,11 +134,26 @@ class Measured(Surface, tag="file"):
 AnySurface = SelfAffine | Spectrum | Measured
 
 
+class Road(Table):
+    """What conducts the heat of the counterface."""
+
+    conductivity: Annotated[Conductivity, "thermal conductivity"]
+    heat_capacity: Annotated[VolumeCapacity, "heat capacity per volume"]
+
+
 class Heat(Table):
     """Flash temperature: the rubber is heated by its friction."""
 
     conductivity: Annotated[Conductivity, "thermal conductivity of the rubber"]
     heat_capacity: Annotated[VolumeCapacity, "heat capacity of the rubber per volume"]
+    road: Annotated[Road | None, "the counterface that takes its share of the heat; without it, none flows there"] = (
+        None
+    )
+
+    def make(self) -> Any:
+        """The conduction."""
+        road = None if self.road is None else (self.road.conductivity, self.road.heat_capacity)
+        return em.Heat(self.conductivity, self.heat_capacity, road=road)
 
 
 class Adhesion(Table):

@@ -11,6 +11,8 @@ _HOMES = {
     "cards": ("abaqus_card", "ansys_card", "plain_card"),
     "grosch": ("FrictionMaster", "friction_master"),
     "calibration": ("Calibration", "calibrate"),
+    "payne": ("SofteningFit", "softening"),
+    "shear_law": ("AdhesionFit", "adhesion"),
 }
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
 

@@ -14,7 +14,11 @@ from .grosch import FrictionMaster as FrictionMaster
 from .grosch import friction_master as friction_master
 from .master import MasterCurve as MasterCurve
 from .master import master_curve as master_curve
+from .payne import SofteningFit as SofteningFit
+from .payne import softening as softening
 from .pipeline import MaterialFit as MaterialFit
 from .pipeline import material as material
 from .series import PronyFit as PronyFit
 from .series import prony as prony
+from .shear_law import AdhesionFit as AdhesionFit
+from .shear_law import adhesion as adhesion

@@ -10,8 +10,10 @@ from .isotherms import Isotherms, alike, own_noise
 from .laws import LawFit, fit_laws
 from .reference import Place, locate
 from .shifting import LN10, Shifts, guess_shifts, join
+from .thermometer import slopes, thermometer
 
 _GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
+_EVEN = 0.02  # by how much vertical shifts may differ from entropy elasticity and still be taken for it, relatively
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
 
 
@@ -33,6 +35,7 @@ class Joint(NamedTuple):
     misfit: float  # scatter about the common curve over that of each isotherm about a smooth curve of its own
     plain: Shifts  # without a vertical part
     weight: float  # that the data leave to it
+    thermometer: float | None = None  # standard error of an isotherm's temperature [K]; None: found from its scatter
 
 
 class AtReference(NamedTuple):
@@ -45,9 +48,10 @@ class AtReference(NamedTuple):
     place: Place  # of the reference temperature among the isotherms
     level: np.ndarray  # takes the unknowns to ln b at the reference temperature
     laws: dict[str, LawFit]
+    thermometer: float  # standard error of an isotherm's temperature [K]
 
 
-def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
+def fit_jointly(data: Isotherms, vertical: bool, thermometer: float | None = None) -> Joint:
     """Shifts without a vertical part first, then with one, starting from that answer.
 
     The choice between both enters the uncertainty with the weight that the data leave to the simpler one; data count
@@ -69,7 +73,7 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     here, there = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
     difference = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
     choice = Doubt(np.sqrt(weight) * difference, 0.0, (np.inf, np.inf))
-    return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain, float(weight))
+    return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain, float(weight), thermometer)
 
 
 def without_vertical(joint: Joint) -> Joint:
@@ -81,25 +85,26 @@ def without_vertical(joint: Joint) -> Joint:
     x = plain.horizontal(plain.posterior.mean)[0]
     difference = (lifted - lifted[plain.anchor]) - (x - x[plain.anchor])
     choice = Doubt(np.sqrt(1 - joint.weight) * difference, 0.0, (np.inf, np.inf), of_law=False)
-    return Joint(plain, (choice, *_gaps(plain)), temper, _misfit(plain), plain, 1.0)
+    return Joint(plain, (choice, *_gaps(plain)), temper, _misfit(plain), plain, 1.0, joint.thermometer)
 
 
 def entropic(joint: Joint) -> Joint | None:
     """The fit of the same isotherms with the vertical shifts of entropy elasticity; None where data ask for others.
 
-    By their evidence, as the choice whether there are any; what other shifts would change is in the uncertainty.
+    What other shifts would change is in the uncertainty, with the weight that their evidence leaves them.
     """
     free = joint.shifts
     x = free.horizontal(free.posterior.mean)[0]
     shifts = join(free.points, free.temperature, x, "entropic", joint.inflation, near=free)
     gain = (shifts.posterior.evidence - free.posterior.evidence) / max(1.0, joint.misfit) ** 2
-    if gain < 0:
+    lift, lifted = shifts.vertical() @ shifts.posterior.mean, free.vertical() @ free.posterior.mean
+    if gain < 0 and np.ptp(lifted - lift) > _EVEN:
         return None
     here = shifts.horizontal(shifts.posterior.mean)[0]
     difference = (x - x[shifts.anchor]) - (here - here[shifts.anchor])
     other = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
     choice = Doubt(np.sqrt(other) * difference, 0.0, (np.inf, np.inf))
-    return Joint(shifts, (choice, *_gaps(shifts)), joint.inflation, _misfit(shifts), joint.plain, joint.weight)
+    return joint._replace(shifts=shifts, doubts=(choice, *_gaps(shifts)), misfit=_misfit(shifts))
 
 
 def about(joint: Joint, reference: float) -> AtReference:
@@ -109,6 +114,10 @@ def about(joint: Joint, reference: float) -> AtReference:
     covariance = shifts.posterior.covariance
     x, by_x = shifts.horizontal(p)
     spread = by_x @ covariance @ by_x.T + _outer((d.by_isotherm * d.of_law for d in joint.doubts), n)
+    error = joint.thermometer if joint.thermometer is not None else 0.0
+    if n > 1 and joint.thermometer is None:
+        error = thermometer(temperature, x, spread + _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n))
+    spread = spread + np.diag((error * slopes(temperature, x)) ** 2)
     place = locate(temperature, x, spread, reference)
     change = np.eye(n) - place.weights
     of_law = change @ spread @ change.T + place.variance
@@ -119,7 +128,7 @@ def about(joint: Joint, reference: float) -> AtReference:
     lift = shifts.vertical() - level
     std = np.sqrt(np.maximum(np.diag(lift @ covariance @ lift.T), 0.0))
     laws = fit_laws(temperature, log10_a, of_law, reference) if n >= 2 else {}
-    return AtReference(log10_a, full, lift @ p, std, place, level, laws)
+    return AtReference(log10_a, full, lift @ p, std, place, level, laws, error)
 
 
 def curve(
@@ -142,7 +151,8 @@ def curve(
     jacobian[:, shifts.equilibrium] += answer.by_equilibrium
     jacobian[:, shifts.places] += answer.by_place
     variance = np.einsum("ij,jk,ik->i", jacobian, shifts.posterior.covariance, jacobian)
-    variance += (LN10 * answer.by_rate) ** 2 * reference.place.variance
+    warmer = weights * reference.thermometer * slopes(shifts.temperature, x)
+    variance += (LN10 * answer.by_rate) ** 2 * (reference.place.variance + float(warmer @ warmer))
     for doubt in joint.doubts:
         along = doubt.size * ((at_anchor > doubt.between[0]) & (at_anchor < doubt.between[1]))
         variance += (LN10 * answer.by_rate * (weights @ doubt.by_isotherm - along)) ** 2

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._runtime import positive, scalar, significant
+from .._runtime import not_negative, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, without_copies
 from ..material.tabulated import TabulatedModulus
@@ -42,7 +42,8 @@ class MasterCurve(AbstractFindings):
 
     There is one entry per isotherm in `temperature`, `log10_a`, `log10_b`, their standard deviations and `ambiguous`,
     and one per measured point in `omega` and the fields after it. A standard deviation covers noise, the freedom of the
-    vertical shift and the choice whether there is any. `warnings` says in words what cannot be relied on.
+    vertical shift, the choice whether there is any, and the error of the isotherms' temperatures. `warnings` says in
+    words what cannot be relied on.
     """
 
     reference: float  # T_ref [K]
@@ -149,7 +150,7 @@ class MasterCurve(AbstractFindings):
 
     @one_thread
     def with_entropy(self) -> "MasterCurve | None":
-        """The same isotherms with b_T = T_ref/T, the elasticity of entropy; None where the data ask for other shifts."""
+        """The same isotherms with b_T = T_ref/T, as of entropy elasticity; None where the data ask for other shifts."""
         joint = entropic(self.joint)
         return None if joint is None else _assemble(self.dma, joint, self.reference, self.ambiguous)
 
@@ -180,6 +181,8 @@ class MasterCurve(AbstractFindings):
         low, high = self.window
         yield "reduced window", f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades"
         yield "scatter", ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.noise.items())
+        if self.temperature.size > 1:
+            yield "thermometer", f"isotherms to +- {TWO_SIGMA * self.state.thermometer:.2g} K (95 %), in all intervals"
         vertical = [
             f"   log10 b_T {y:7.4f} +- {TWO_SIGMA * std:.4f}{'  (not separable)' * bool(mark)}"
             for y, std, mark in zip(self.log10_b, self.log10_b_std, self.ambiguous, strict=True)
@@ -198,8 +201,9 @@ class MasterCurve(AbstractFindings):
 
 @one_thread
 def master_curve(
-    dma: Dma, reference: float | None = None, vertical: bool = True, *, tolerance: float = 1.5
-) -> MasterCurve:
+    dma: Dma, reference: float | None = None, vertical: bool = True, *, tolerance: float = 1.5,
+    temperature_error: float | None = None,
+) -> MasterCurve:  # fmt: skip
     """Shifts all isotherms jointly to one reference temperature.
 
     Storage and loss modulus (and relaxation, where there is any) of every isotherm share one non-negative smooth
@@ -212,6 +216,8 @@ def master_curve(
         vertical: vertical shifts between none and those of entropy elasticity, with a free part as wide as the data
             need; False for none.
         tolerance: temperatures with no gap above it [K] are one isotherm.
+        temperature_error: standard error of the temperature of an isotherm [K], part of every interval; by default
+            what the scatter of the shift factors about a law says, and 0.3 K where it says nothing.
 
     Returns:
         A `MasterCurve` with shifts, laws, uncertainties and warnings.
@@ -228,6 +234,9 @@ def master_curve(
         raise InputError(f"vertical must be True or False, got {vertical!r}.")
     tolerance = float(scalar("tolerance", tolerance))
     positive("tolerance", tolerance)
+    if temperature_error is not None:
+        temperature_error = float(scalar("temperature_error", temperature_error))
+        not_negative("temperature_error", temperature_error)
     if reference is not None:
         reference = float(scalar("reference", reference))
         positive("reference", reference)
@@ -237,7 +246,7 @@ def master_curve(
         dma, sorted_dma = once, isotherms(once, tolerance)
     if reference is None:
         reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
-    return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)
+    return _assemble(dma, fit_jointly(sorted_dma, bool(vertical), temperature_error), reference)
 
 
 def _assemble(dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | None = None) -> MasterCurve:

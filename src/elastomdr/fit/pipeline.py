@@ -31,6 +31,7 @@ from .tabulate import tabulate
 if TYPE_CHECKING:
     from .._types import LawName
 
+_OPEN = 0.05  # chance that there are no vertical shifts above which the material has none
 _MISSED = 0.1  # misfit of the data as measured that is worth a warning
 
 
@@ -163,6 +164,7 @@ def material(
     terms: int | None = None,
     equilibrium: bool | None = None,
     balance: float | None = None,
+    temperature_error: float | None = None,
     poisson: float | None = None,
     law: LawName = "auto",
     name: str = "",
@@ -171,9 +173,9 @@ def material(
 ) -> MaterialFit:
     """A material from measured isotherms: `master_curve`, then `prony`, then a shift law.
 
-    The material carries the vertical shifts that the data ask for: none, those of entropy elasticity
-    (`em.EntropicVertical`) or a table (`em.VerticalTable`), whichever has the largest evidence. `misfit` says how close
-    it comes to the data as measured.
+    The material carries the vertical shifts that the data ask for by their evidence: those of entropy elasticity
+    (`em.EntropicVertical`), a table (`em.VerticalTable`), or none where that is as likely as one in twenty. `misfit`
+    says how close it comes to the data as measured.
 
     Args:
         dma: the measurement, with temperatures.
@@ -182,6 +184,7 @@ def material(
         terms: number of terms of the series, as for `prony`.
         equilibrium: whether there is an equilibrium modulus, as for `prony`.
         balance: weight of the storage modulus, as for `prony`.
+        temperature_error: standard error of the temperature of an isotherm [K], as for `master_curve`.
         poisson: Poisson's ratio of the material.
         law: "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
             within 0.1 decades of the shift factors, or within their uncertainty, and a table otherwise.
@@ -218,16 +221,16 @@ def material(
             with_misfit(fit.material, dma), master, fit, chosen, misfit(fit.material, dma), texts, citation, about
         )
 
-    found = fitted(_shifted(dma, reference, vertical))
+    found = fitted(_shifted(dma, reference, vertical, temperature_error))
     return replace(found, warnings=(*found.warnings, *_misses(found)))
 
 
-def _shifted(dma: Dma, reference: float | None, vertical: bool | None) -> MasterCurve:
+def _shifted(dma: Dma, reference: float | None, vertical: bool | None, error: float | None) -> MasterCurve:
     """The master curve with the vertical shifts that the data ask for, by their evidence: none, entropic, or free."""
-    free = master_curve(dma, reference, vertical is not False)
+    free = master_curve(dma, reference, vertical is not False, temperature_error=error)
     if vertical is False or free.temperature.size < 2:
         return free
-    if vertical is None and free.joint.weight > 0.5:
+    if vertical is None and free.joint.weight > _OPEN:
         return free.without_vertical()
     return free.with_entropy() or free
 

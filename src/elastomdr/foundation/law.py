@@ -40,6 +40,7 @@ class Foundation(AbstractRelaxation):
     shift: AbstractShift | None
     vertical: AbstractVertical | None  # b_T, which multiplies all stiffness
     softening: Softening | None  # factors on the moduli by strain; None: linear
+    thickness: Array | None  # of a layer, a scalar [m]: what its strain is a part of; None: not known, or no layer
     per_area: bool | None = static()
     name: str = static()
     range: Range | None = static()  # where the numbers hold; None: not known
@@ -54,6 +55,7 @@ class Foundation(AbstractRelaxation):
         shift: AbstractShift | None = None,
         vertical: AbstractVertical | None = None,
         softening: Softening | None = None,
+        thickness: Number | None = None,
         per_area: bool | None = None,
         name: str = "",
         range: RangeLike | None = None,
@@ -62,6 +64,7 @@ class Foundation(AbstractRelaxation):
         check_vertical(vertical)
         fill(self, **vars(law), shift=shift, vertical=vertical, softening=as_softening(softening), per_area=per_area)
         fill(self, name=name, range=as_range(range))
+        fill(self, thickness=None if thickness is None else scalar("thickness", thickness))
 
     @classmethod
     def kelvin(cls, stiffness: Number, viscosity: Number) -> "Foundation":
@@ -167,7 +170,7 @@ def springs(material: Solid, thickness: Number, *, bonded: bool = True, tangenti
         raise InputError("bonded must be True with tangential: a layer that slips on its base is not sheared.")
     own = _material("material", material)
     law = scaled(own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness)
-    return _foundation(law, material, True, material.name, material.range)
+    return replaced(_foundation(law, material, True, material.name, material.range), thickness=thickness)
 
 
 def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
@@ -197,7 +200,7 @@ def _foundation(law: Relaxation, material: Any, per_area: bool, name: str, known
         law = Relaxation(*(np.asarray(x) for x in (law.equilibrium, law.moduli, law.times, law.viscosity)))
     foundation = object.__new__(Foundation)  # its numbers were checked when the material was made
     fill(foundation, **vars(law), shift=material.shift, vertical=material.vertical, softening=material.softening)
-    fill(foundation, per_area=per_area, name=name, range=known)
+    fill(foundation, thickness=None, per_area=per_area, name=name, range=known)
     return foundation
 
 

@@ -50,6 +50,12 @@ class AbstractCurve(Result):
 
     velocity: Array = quantity("velocity", "m/s", "sliding velocity v", axis="sliding velocity")
     temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
+    strain: Array | None = quantity(
+        "effective strain of the contact", "-", "of a smooth body on a material that softens with strain", default=None
+    )
+    linear: Array | None = quantity(
+        "coefficient without softening", "-", "of hysteresis, where the material softens with strain", default=None
+    )
     error: Array = quantity("estimated error of the coefficient", "-", "numerical, absolute")
     model_error: Array | None = quantity(
         "bound on the error of the model", "-", "bound on the model's error of the coefficient, absolute", default=None
@@ -165,9 +171,6 @@ class FrictionCurve(AbstractCurve):
         "heat flux into the rubber", "W/m^2", "mu p v, less what flows into the road", default=None
     )
     road_share: Array | None = quantity("share of the heat that flows into the road", "-", default=None)
-    linear: Array | None = quantity(
-        "friction coefficient without softening", "-", "of hysteresis, where the material softens", default=None
-    )
     mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
     normal_force: Array = quantity("normal force", "N", "F_N")
     friction_force: Array = quantity("friction force", "N", "F_x against the motion")

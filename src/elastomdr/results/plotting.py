@@ -249,7 +249,8 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
     points = None if measured is None else as_measured(measured)
     sketch = Sketch(result, ask)
     ax, fields = sketch.ax, sketch.fields
-    cold, part, (band, described) = fields.get("cold"), fields.get("hysteresis"), _uncertainty(fields)
+    cold, hysteresis = fields.get("cold"), fields.get("hysteresis")
+    band, described = _uncertainty(fields)
     value = fields[sketch.y] if cold is None else np.fmax(fields[sketch.y], cold)
     highest = float(np.fmax.reduce(value, axis=None, initial=0.0)) or 1.0
     highest = highest if points is None else max(highest, float(points["mu"].max()))
@@ -261,8 +262,8 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
         if cold is not None:
             warm = np.atleast_1d(cold[line.curve.at])[line.order]
             ax.plot(line.x, warm, "--", color=colour, linewidth=0.7 * sketch.style.line, zorder=2.5)
-        if part is not None:
-            _draw_parts(sketch, line, np.atleast_1d(part[line.curve.at])[line.order], colour, len(lines) == 1)
+        if hysteresis is not None:
+            _draw_parts(sketch, line, np.atleast_1d(hysteresis[line.curve.at])[line.order], colour, len(lines) == 1)
         if (e > _VISIBLE * highest).any():
             shaded = True
             whole = max(whole, float(np.nanmax(line.y + e)))
@@ -283,7 +284,7 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
     before = sketch.before[1][1] if sketch.canvas.entries or sketch.canvas.foreign else 0.0
     ax.set_ylim(0.0, max(1.16 * highest, 1.04 * min(whole, 2 * highest), before))
     sketch.entry.notes += ["dashed: without heating"] if cold is not None else []
-    if part is not None and not (len(lines) == 1 and sketch.alone):
+    if hysteresis is not None and not (len(lines) == 1 and sketch.alone):
         sketch.entry.notes.append("dash-dotted: hysteresis, the rest is adhesive shear")
     sketch.entry.notes += [f"shaded: {described}"] if shaded else []
     return sketch.finish()

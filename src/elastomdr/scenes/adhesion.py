@@ -73,6 +73,7 @@ def on_contact(curve: FrictionCurve, adhesion: AdhesiveShear, lines: AbstractLin
 def on_cells(curve: FrictionCurve, adhesion: AdhesiveShear) -> FrictionCurve:
     """`sheared` under a smooth body on the cells that touch, in three dimensions."""
     area = curve.contact_area
+    assert area is not None
     return sheared(curve, adhesion, area / curve.normal_force, _STAIRCASE, None, "area of the cells that touch")
 
 

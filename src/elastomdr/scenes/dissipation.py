@@ -68,7 +68,7 @@ def dissipation(
     """
     scene = set_up(
         "dissipation", material, shape, velocity=velocity, load=load, depth=depth, pressure=None,
-        temperature=temperature, model=model, rtol=rtol, skip=True,
+        temperature=temperature, model=model, rtol=rtol, skip=True, softens=False,
     )  # fmt: skip
     if scene.plan.marched:
         raise InputError("shape must have a convex profile: branches are not separated where contact may be renewed.")

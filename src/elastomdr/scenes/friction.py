@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ParamSpec
@@ -16,6 +17,7 @@ from ..solve.heat import Heat
 from .adhesion import no_area, on_cells, on_contact
 from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
 from .several import over_materials
+from .softened import LINEAR, SOFTENED
 from .steady import no_pressure, set_up, solve
 
 if TYPE_CHECKING:
@@ -137,6 +139,8 @@ def friction(
                 one, shape, velocity=velocity, load=load, depth=depth, temperature=temperature,
                 points=model.cells or CELLS,
             )  # fmt: skip
+            if getattr(one, "softening", None) is not None:
+                curve = dataclasses.replace(curve, model=curve.model + LINEAR)
             return curve if adhesion is None else on_cells(curve, adhesion)
     scene = set_up(
         "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
@@ -155,7 +159,9 @@ def friction(
         converged=found.converged,
         extrapolated=found.extrapolated,
         temperature=scene.temperature,
-        model=scene.plan.model,
+        strain=found.strain,
+        linear=found.linear,
+        model=scene.plan.model + ("" if found.strain is None else SOFTENED),
         plan=scene.plan,
         inputs=found.inputs,
     )

@@ -9,6 +9,7 @@ from ..errors import InputError
 from ..mapping.shapes import AbstractShape
 from ..results.curve import RollingCurve
 from .several import over_materials
+from .softened import SOFTENED
 from .steady import set_up, solve
 
 if TYPE_CHECKING:
@@ -62,7 +63,9 @@ def rolling(
         converged=found.converged,
         extrapolated=found.extrapolated,
         temperature=scene.temperature,
-        model=scene.plan.model,
+        strain=found.strain,
+        linear=found.linear,
+        model=scene.plan.model + ("" if found.strain is None else SOFTENED),
         plan=scene.plan,
         inputs=found.inputs,
     )

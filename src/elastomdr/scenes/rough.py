@@ -130,6 +130,11 @@ def rough_friction(
         words += ": how far lines scatter is not known, and so no error of mu"
     inputs += [("ensemble", words)]
     inputs += [] if heat is None else [("heat", heat.words())]
+    if foundation.softening is not None:
+        far = np.nan
+        inputs.append(
+            ("softening", "of the material is left out: this model is linear, its moduli are of small strain")
+        )
     if outside is not None:
         inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
     beyond = NOT_KNOWN if traced else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)

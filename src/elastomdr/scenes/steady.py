@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .._runtime import Array, is_traced, nan_unless, require
+from .._trees import replaced
 from ..arguments import check_rtol, steady_scene
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
@@ -24,6 +25,7 @@ from ..solve.plan import Plan, make_plan
 from ..solve.sweep import run
 from .beyond import steady_beyond
 from .choice import of_smooth
+from .softened import check_softening, run_softened, softened_words
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -65,14 +67,21 @@ class Steady(NamedTuple):
     converged: Bool[Array, "..."]
     extrapolated: Bool[Array, "..."] | None  # whether the material is used beyond its range; None: that is not known
     inputs: tuple[tuple[str, str], ...]
+    strain: Float[Array, "..."] | None = None  # effective strain of the contact, where the material softens
+    linear: Float[Array, "..."] | None = None  # mu without softening
 
 
 def set_up(
     quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
-    model: Any, rtol: float, skip: bool,
+    model: Any, rtol: float, skip: bool, softens: bool = True,
 ) -> SmoothScene:  # fmt: skip
-    """Checks the arguments and plans the scene. Raises `InputError` for whatever has no meaning."""
+    """Checks the arguments and plans the scene; without `softens` the moduli are those of small strain.
+
+    Raises `InputError` for whatever has no meaning.
+    """
     lines, foundation = contact(material, shape)
+    small = not softens and foundation.softening is not None
+    foundation = replaced(foundation, softening=None) if small else foundation
     no_pressure(shape, pressure)
     chosen = of_smooth(model, quantity, shape.label)
     if isinstance(chosen, HalfSpace):
@@ -89,13 +98,16 @@ def set_up(
     corrected = averaged and isinstance(chosen, Averaged) and chosen.corrected
     words = LAYER if layer else (CORRECTED if corrected else AVERAGED) if averaged else BARE
     name = f"{describe(shape)} on {foundation.name or ('a layer' if layer else 'a half-space')}"
+    check_softening(foundation, lines)
+    spread = None if points.traced else _softened_too(foundation, control, value)
+    passing = None if spread is None else np.tile(reduced, spread.size // reduced.size)
     plan = make_plan(
-        quantity, name, words, law, lines, control, None if points.traced else value,
-        None if points.traced else reduced, int(np.prod(points.shape)), 1 if kelvin is None else int(np.size(kelvin)),
-        averaged, float(rtol), skip,
+        quantity, name, words, law, lines, control, spread, passing, int(np.prod(points.shape)),
+        1 if kelvin is None else int(np.size(kelvin)), averaged, float(rtol), skip,
     )  # fmt: skip
     plan = dataclasses.replace(plan, range=foundation.range, corrected=corrected)
     inputs = [*points.inputs(("shape", describe(shape))), ("relative tolerance", f"{rtol:g}")]
+    inputs += [("softening", "left out: moduli of small strain")] if small else []
     return SmoothScene(
         foundation,
         law,
@@ -112,6 +124,13 @@ def set_up(
     )
 
 
+def _softened_too(foundation: Foundation, control: Control, value: np.ndarray) -> np.ndarray:
+    """The loads to plan for: under softer rubber the contact is that under a higher one."""
+    if foundation.softening is None or control == "depth":
+        return value
+    return np.concatenate([value, value / np.min(foundation.softening.storage)])
+
+
 def no_pressure(shape: AbstractShape, pressure: Any) -> None:
     """Refuses a pressure on a smooth body. Raises `InputError`."""
     if pressure is not None:
@@ -122,7 +141,13 @@ def no_pressure(shape: AbstractShape, pressure: Any) -> None:
 
 def solve(scene: SmoothScene) -> Steady:
     """Runs the plan; points that failed are NaN, and one warning counts them."""
-    result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
+    softening, soft, inputs = scene.foundation.softening, None, scene.inputs
+    if softening is None:
+        result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
+    else:
+        result, soft = run_softened(
+            scene.plan, scene.foundation, scene.law, scene.lines, scene.value, scene.reduced
+        )  # fmt: skip
     traced = is_traced(result.mu)
     good = result.line.converged
 
@@ -148,6 +173,10 @@ def solve(scene: SmoothScene) -> Steady:
     beyond = steady_beyond(
         scene.foundation.range, scene.reduced.reshape(scene.shape), size, scene.temperature, stacklevel=4
     )
+    beyond_sweep = None
+    if softening is not None and soft is not None and not traced:
+        beyond_sweep = np.asarray(good & softening.outside(soft.strain)).reshape(scene.shape)
+        inputs += softened_words(soft, np.asarray(good), beyond_sweep)
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
         mu=shaped(result.mu),
@@ -158,8 +187,10 @@ def solve(scene: SmoothScene) -> Steady:
         depth=shaped(result.line.depth),
         contact=contact,
         converged=good.reshape(scene.shape),
-        extrapolated=beyond.points,
-        inputs=scene.inputs + beyond.said,
+        extrapolated=beyond.points if beyond.points is None or beyond_sweep is None else beyond.points | beyond_sweep,
+        inputs=inputs + beyond.said,
+        strain=None if soft is None else shaped(soft.strain),
+        linear=None if soft is None or soft.linear is None else shaped(soft.linear),
     )
 
 

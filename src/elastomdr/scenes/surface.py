@@ -24,12 +24,12 @@ from ..solve.local import Local, Softened
 from .adhesion import sheared
 from .beyond import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
 from .mean import Mean
+from .softened import LINEAR
 
 _LEAST = 1e-6  # share of real contact below which a pressure is taken for one in the wrong unit
 _HOT = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 _HOT_BY_SCALE = "; rubber at a temperature for each length scale, heated by its friction"
 _SOFTENED = "; moduli softened by the strain of each length scale"
-_LINEAR = "; linear: the softening of the material is left out"
 _STRAIN_SHARE = 2.0  # factor within which the strain at a scale is taken to be known
 _MOST_SHARE = 2.0
 _OFF = 1 / 3  # of what temperatures with half as many stations change, which is left
@@ -132,7 +132,7 @@ def surface_friction(
     if softened is not None and not traced:
         beyond = _strained_beyond(softened, surface, beyond, shape, foundation.range)
         inputs += beyond.said[-1:]
-    kind = "" if foundation.softening is None else _LINEAR if softened is None else _SOFTENED
+    kind = "" if foundation.softening is None else LINEAR if softened is None else _SOFTENED
     stress = field(found.mu * pressures.ravel())
     curve = FrictionCurve(
         velocity=scene.full(scene.velocity),
@@ -222,7 +222,7 @@ def _softening(
     softened: Softened, foundation: Any, surface: Any, model: Model, scene: Scene, found: "_Found", local: Local,
     carried: Any, rtol: Any,
 ) -> tuple[Any, tuple[Any, Any], list[tuple[str, str]]]:  # fmt: skip
-    """mu without softening, how far mu and A/A are off where the strain is twice or half as large, and all in words.
+    """mu without softening; how far mu and, relatively, the area are off at half and twice the strain; all in words.
 
     Nothing of it under a transformation of JAX, but that how far they are off is not known.
     """
@@ -235,13 +235,13 @@ def _softening(
         other = local._replace(softened=None if share is None else softened._replace(share=share))
         return multiscale.solve(modulus, surface, v, carried, model, max(rtol, 1e-3), local=other)
 
-    straight = at(None)
+    straight, here = at(None), at(softened.share)
     others = [at(softened.share * factor) for factor in (_STRAIN_SHARE, 1 / _STRAIN_SHARE)]
-    off = np.max([abs(other.mu - found.mu) for other in others], axis=0)
-    off_area = np.max([abs(other.area / found.area - 1) for other in others], axis=0)
+    off = np.max([abs(other.mu - here.mu) for other in others], axis=0)
+    off_area = np.max([abs(other.area / here.area - 1) for other in others], axis=0)
     strain = float(softened.strain(surface.q_high))
     storage, loss = (float(x) for x in softened.softening.factors(strain))
-    ratio, more = ((a / b)[found.good] for a, b in ((found.mu, straight.mu), (found.area, straight.area)))
+    ratio, more = ((a / b)[found.good] for a, b in ((here.mu, straight.mu), (here.area, straight.area)))
     text = f"strain up to {strain:.2g}, where the storage modulus is {storage:.0%} and the loss modulus {loss:.0%}"
     if ratio.size:
         text += (
@@ -304,7 +304,7 @@ def _set_up(
     """The foundation and its points, checked. Raises `InputError`."""
     foundation = surface_foundation(material)
     scene = rough_scene(foundation, surface, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol)
-    check_heat(heat, temperature, isinstance(model, HalfSpace) and (scene.traced or is_traced(heat)))
+    check_heat(heat, temperature, scene.traced or is_traced(heat), not isinstance(model, HalfSpace))
     return foundation, scene
 
 

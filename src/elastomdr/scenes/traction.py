@@ -125,7 +125,7 @@ def traction(
         )
     scene = set_up(
         "rolling", normal, shape, velocity=velocity, load=load, depth=depth, pressure=None, temperature=temperature,
-        model=model, rtol=rtol, skip=True,
+        model=model, rtol=rtol, skip=True, softens=False,
     )  # fmt: skip
     assert isinstance(scene.lines, SingleLine)
     found = solve(scene)

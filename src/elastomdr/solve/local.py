@@ -45,7 +45,7 @@ class Warmed(NamedTuple):
     def at(self, q: Any) -> Any:
         """The rise [K] at wave numbers q (...), in the shape (points, ...); held below the first station."""
         xp = namespace(self.log_q, self.rise, q)
-        spline = basis(self.log_q, xp.log(q).reshape(-1))
+        spline = basis(self.log_q, namespace(self.log_q, q).log(q).reshape(-1))
         rise = (self.rise @ spline.T).reshape(self.rise.shape[0], *np.shape(q))
         top = xp.max(self.rise, axis=-1).reshape(-1, *[1] * np.ndim(q))
         return xp.clip(rise, 0.0, top)

@@ -106,7 +106,7 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
 
 
 def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
-    """`warmed` under a transformation of JAX, in one program.
+    """`warmed` under a transformation of JAX.
 
     The search runs without derivatives, and one step of Newton's method from where it ends gives them: exact, since
     the rest is zero there. What is not traced becomes NumPy's: in a loop JAX would trace its own arrays too.
@@ -123,7 +123,6 @@ def _of_traced(problem: Problem, model: Any, highest: float) -> Warm:
             tree, [next(rest) if own else as_numpy(leaf) for leaf, own in zip(leaves, traced, strict=True)]
         )
 
-    @jax.jit
     def solve(values: list[Any]) -> tuple[Any, ...]:
         moving, still = whole(values), whole([fixed(value) for value in values])
         log_q, rise, seen, several = _first(still, model, stations, highest)
