@@ -348,7 +348,7 @@ UNITS = {  # of each quantity, whatever the result
     "m^2": "contact_area",
     "": "converged extrapolated follows stuck touching",
     "m/s": "road slowest velocity",
-    "K": "ambient steady temperature temperature_rise",
+    "K": "ambient contact_rise steady temperature temperature_rise",
     "N": "force friction_force max_force normal_force pull resistance",
     "W": "power slip_power",
     "m": "contact_radius depth diameter displacement drive height leading max_depth position separation stick_radius "
