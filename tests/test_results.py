@@ -348,11 +348,11 @@ def test_every_field_of_every_result_is_declared():
 
 UNITS = {  # of each quantity, whatever the result
     "-": "adhesion area area_ratio coefficient cold creepage error friction hysteresis linear model_error mu outside "
-    "ratio restitution rolling share slip spread squeeze stick strain",
+    "ratio restitution road_share rolling share slip spread squeeze stick strain",
     "m^2": "contact_area",
     "": "converged extrapolated follows stuck touching",
     "m/s": "road slowest velocity",
-    "K": "ambient steady temperature temperature_rise",
+    "K": "ambient contact_rise steady temperature temperature_rise",
     "N": "force friction_force max_force normal_force pull resistance",
     "W": "power slip_power",
     "m": "contact_radius depth diameter displacement drive height leading max_depth position separation stick_radius "
