@@ -32,6 +32,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         add(f"--{quantity}-unit", metavar="UNIT", help=f"{units}, where the file does not say")
     add("--temperature", metavar="T", help='temperature of all points, such as "20degC", or one for each isotherm '
         'without, such as "-20degC,0degC,20degC"')  # fmt: skip
+    add("--strain", metavar="PERCENT", help='the strain amplitude to use, such as "0.1%%", where several were measured '
+        "(default: the smallest)")  # fmt: skip
     add("--column", metavar="ROLE=TITLE", action="append", default=[],
         help="a column's title or number, such as storage=4")  # fmt: skip
     add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: without "
@@ -63,6 +65,8 @@ def run(options: argparse.Namespace) -> int:
         warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
         read = {key: getattr(options, key) for key in _READ}
         dma = em.read_dma(options.data, temperature=temperature, columns=columns, **read)
+        if options.strain is not None:
+            dma = dma.at_strain(_strain(options.strain))
         fitted = {key: getattr(options, key) for key in _FITTED}
         found = em.fit.material(dma, reference, name=options.name or "", **fitted)
         folder.mkdir(parents=True, exist_ok=True)
@@ -87,6 +91,13 @@ def _kelvin(name: str, text: str | None) -> Any:
         parts = [f"{part} degC" if _NUMBER.fullmatch(part.strip()) else part for part in text.split(",")]
         found = [float(Temperature.read(part)) for part in parts]
     return found if len(found) > 1 else found[0]
+
+
+def _strain(text: str) -> float:
+    match = re.fullmatch(r"\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
+    if match is None or match[1].count(".") > 1:
+        raise InputError(f'--strain must be an amplitude such as "0.1%" or 0.001, got {text!r}.')
+    return float(match[1]) / (100 if match[2] else 1)
 
 
 def _column(text: str) -> tuple[str, Any]:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..io.data import Dma, untold
+from ..io.data import Dma, in_strain_sweep, strains, untold
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
 
 _HOTTEST = 1500.0  # above which no DMA is run [K]
@@ -35,13 +35,18 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
         raise InputError(
             f"temperature must be at most {_HOTTEST:g} K, got {every.max():.4g} K: check its column and unit."
         )
+    if dma.omega.size and in_strain_sweep(dma).all():
+        raise InputError(
+            f"dma must have sweeps of frequency, got a sweep of strain, {strains(dma.strain)}: it has no master curve; "
+            "em.fit.softening(dma) makes its em.Softening."
+        )
     if every.size < 5:
         raise InputError(f"dma must have five points at least, got {every.size}.")
     rates = np.concatenate([dma.omega, 1 / dma.time])
     if rates.max() < 1.5 * rates.min():
         raise InputError(
             f"dma must span a range of frequencies (or times), got {rates.min():.4g} to {rates.max():.4g} rad/s only: "
-            "a sweep of strain or temperature at one frequency has no master curve."
+            "a sweep of temperature at one frequency has no master curve."
         )
     number, mean = group(every, tolerance)
     n = dma.omega.size

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 
 from .._runtime import positive, scalar, significant
 from ..errors import InputError
-from ..io.data import Dma, without_copies
+from ..io.data import Dma, of_one_strain, strains, without_copies
 from ..material.tabulated import TabulatedModulus
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law
@@ -170,6 +170,7 @@ class MasterCurve(AbstractFindings):
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the shifts, as pairs of a name and a text."""
         yield "data", self.dma.summary()
+        yield "strain", strains(self.dma.strain) or "amplitude not known"
         yield "reference", f"{significant(self.reference - 273.15, 5)} degC"
         low, high = self.window
         yield "reduced window", f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades"
@@ -225,12 +226,14 @@ def master_curve(
     if reference is not None:
         reference = float(scalar("reference", reference))
         positive("reference", reference)
+    dma, left = of_one_strain(dma)
     sorted_dma = isotherms(dma, tolerance)
     refuse_swapped(dma)
     if (once := without_copies(dma)) is not dma:
         dma, sorted_dma = once, isotherms(once, tolerance)
     if reference is None:
         reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
+    dma = replace(dma, warnings=(*dma.warnings, *left))
     return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)
 
 

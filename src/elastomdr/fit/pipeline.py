@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
-from ..io.data import Dma
+from ..io.data import Dma, strains
 from ..material.library import save_material
 from ..material.prony import Prony
 from ..material.tabulated import TabulatedModulus
@@ -103,6 +103,8 @@ class MaterialFit(AbstractFindings):
     def _note(self) -> str:
         fit = self.prony
         parts = [f"{fit.terms} terms over {np.log10(fit.window[1] / fit.window[0]):.1f} decades."]
+        if amplitude := strains(self.master.dma.strain):
+            parts.append(f"Measured at a strain amplitude of {amplitude}.")
         if not fit.storage.size:
             parts.append(f"From relaxation; both residuals are of the relaxation modulus. Loss: {fit.loss_known}.")
         if self.misfit:
@@ -199,6 +201,7 @@ def material(
     citation = citation or f"Measured data: {dma.source or 'arrays'}"
 
     def fitted(master: MasterCurve) -> MaterialFit:
+        dma = master.dma  # of one strain
         chosen, shift = shift_law(master, law)
         fit = prony(
             master,

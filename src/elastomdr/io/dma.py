@@ -15,7 +15,7 @@ import numpy as np
 from .._runtime import plain, positive
 from ..errors import InputError
 from .columns import Column, Quantity, choose, left_out, measured, missing, named, taken, understand
-from .data import KINDS, Dma, FitWarning, describe_list, join, untold
+from .data import KINDS, Dma, FitWarning, describe_list, in_strain_sweep, join, untold
 from .formats import Format, format_of
 from .sheets import read_sheet
 from .tables import Head, Table
@@ -54,6 +54,10 @@ QUANTITIES = (
     Quantity("relaxation", "modulus",
              (r"[ge]_?(relax|t)|[ge]\(t\)|relaxationsmodul|relax|relaxation|완화탄성률|relaxation modulus [ge]|"
               r"(stress |shear |tensile )?relaxation modulus( [ge]\(t\))?",), option="modulus_unit", limits=_POLYMERS),
+    Quantity("strain", "strain",
+             (r"(oscillation|oscillatory|dynamic) strain( amplitude)?|strain (amplitude|ampl\.?|dyn|dynamic)",
+              r"((shear|tensile) )?strain( γ| gamma)?|(strain )?amplitude|γ|γ_?0|gamma|(?-i:g)|epsilon|ε|dehnung|scherdehnung|deformation|scherdeformation|"
+              r"(dehnungs|deformations)amplitude",), valid="", limits=(1e-8, 5.0)),
 )  # fmt: skip
 _PAIRS = (("storage", "loss"), ("storage", "tangent"), ("absolute", "phase"), ("absolute", "tangent"))
 _SAME = 0.5  # [K], within which two temperatures are one, rounded
@@ -204,7 +208,7 @@ def _lacking(roles: set[str]) -> str:
 def _needed(roles: set[str]) -> tuple[str, ...]:
     """The roles that make the measurement: rate and both moduli, or time and relaxation, and the temperature."""
     pair = next((pair for pair in _PAIRS if set(pair) <= roles and "frequency" in roles), None)
-    return ("frequency", *pair, "temperature") if pair else ("time", "relaxation", "temperature")
+    return ("frequency", *pair, "temperature", "strain") if pair else ("time", "relaxation", "temperature")
 
 
 def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Column]:
@@ -227,6 +231,8 @@ def _measurement(
 ) -> Dma:
     needed = _needed({*chosen, *table.fixed})
     chosen = {role: chosen[role] for role in needed if role in chosen}
+    if "strain" in chosen and not _is_strain(table, chosen["strain"]):
+        del chosen["strain"]
     kind = _kind(name, table, chosen, kind, layout)
     values, good, bad = measured(name, table, chosen, units)
     if not good.any():
@@ -250,7 +256,17 @@ def _measurement(
         return Dma(none, none, none, none, time=values["time"], relaxation=values["relaxation"],
                    time_temperature=values["temperature"], **common)  # fmt: skip
     pair = needed[1], needed[2]
-    return Dma(values["temperature"], values["frequency"], *_moduli(values[pair[0]], values[pair[1]], pair), **common)
+    moduli = _moduli(values[pair[0]], values[pair[1]], pair)
+    return Dma(values["temperature"], values["frequency"], *moduli, strain=values["strain"], **common)
+
+
+def _is_strain(table: Table, column: Column) -> bool:
+    """Whether a column of strain is wanted: in a unit of strain, or, without one, different from row to row."""
+    if column.unit:
+        return column.known
+    numbers = table.column(column.place)
+    numbers = numbers[numbers > 0]
+    return bool(numbers.size and numbers.max() > 1.5 * numbers.min())
 
 
 def _moduli(first: np.ndarray, second: np.ndarray, pair: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
@@ -387,6 +403,8 @@ def _with_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
         for i in without:
             known = np.isfinite(np.concatenate([parts[i].temperature, parts[i].time_temperature]))
             rates = np.concatenate([parts[i].omega, 1 / parts[i].time])[~known]
+            if parts[i].omega.size and in_strain_sweep(parts[i]).all():
+                continue  # nobody shifts it
             text = f"{parts[i].source}: there is no temperature, which shifting needs: {untold(rates)}"
             parts[i] = replace(parts[i], warnings=(*parts[i].warnings, text))
         return parts

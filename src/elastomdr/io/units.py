@@ -12,6 +12,7 @@ KINDS = {  # kind of quantity -> its SI unit, and units that are recognised in c
     "time": ("s", "s ms min h"),
     "angle": ("rad", "deg rad"),
     "ratio": ("-", "- %"),
+    "strain": ("-", "% -"),
     "velocity": ("m/s", "m/s mm/s um/s km/h m/min"),
     "length": ("m", "m mm um nm"),
     "wave number": ("rad/m", "rad/m cycles/m 1/m"),
@@ -23,7 +24,7 @@ _SPELLED = str.maketrans({"μ": "µ", "⁻": "-", "¹": "1", "²": "2", "³": "3
 _ALIASES = {  # in small letters, without blanks
     "c": "degC", "°c": "degC", "℃": "degC", "oc": "degC", "degc": "degC", "deg_c": "degC", "celsius": "degC",
     "°f": "degF", "℉": "degF", "degf": "degF", "deg_f": "degF", "k": "kelvin", "kelvin": "kelvin",
-    "°": "degree", "deg": "degree", "sec": "second", "hr": "hour", "rads": "rad/s", "rad_s": "rad/s",
+    "pct": "percent", "prozent": "percent", "°": "degree", "deg": "degree", "sec": "second", "hr": "hour", "rads": "rad/s", "rad_s": "rad/s",
     "rad_per_s": "rad/s", "rad/sec": "rad/s", "rads**-1": "rad/s", "hertz": "Hz", "dyne/cm**2": "dyn/cm**2",
     "kg/cm**2": "kgf/cm**2", "kg/mm**2": "kgf/mm**2", "-": "", "1": "", "none": "",
 }  # fmt: skip
