@@ -24,7 +24,7 @@ def written(*sweeps, title="Strain [%]"):
     return "\n".join([f"{title},{TITLES}", *(",".join(f"{x:.12g}" for x in row) for row in rows)])
 
 
-@pytest.mark.parametrize("title", ["Strain [%]", "Oscillation strain (%)", "γ / %", "strain_dyn_pct", "Dehnung [%]"])
+@pytest.mark.parametrize("title", ["Strain [%]", "Oscillation strain (%)", "\u03b3 / %", "strain_dyn_pct", "Dehnung/%"])
 def test_a_sweep_of_strain(title, write):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -73,9 +73,7 @@ def test_a_strain_without_a_unit(write):
     """Asked for where it varies; passed over where it is one number for all."""
     assert np.isnan(em.read_dma(write(written((0.1, SMALL), title="Strain"))).strain).all()
     path = write(written((0.1, SMALL), (5.0, LARGE), title="Strain"))
-    with pytest.raises(
-        em.InputError, match=r"column 1 'Strain' has no unit; give it, as columns=\{'strain': '1 \[UNIT"
-    ):
+    with pytest.raises(em.InputError, match=r"column 1 'Strain' has no unit; give it, as columns=\{'strain': '1"):
         em.read_dma(path)
     np.testing.assert_allclose(np.unique(em.read_dma(path, columns={"strain": "1 [%]"}).strain), [0.001, 0.05])
 

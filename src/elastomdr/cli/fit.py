@@ -11,6 +11,8 @@ from . import DONE, NOT_CONVERGED
 
 _READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
+_LAWS = {"wlf": "WLF(8.9, 101.6, 20degC)", "vft": "VFT(1000, -100degC, 20degC)",
+         "arrhenius": "Arrhenius(80 kJ/mol, 20degC)"}  # fmt: skip
 _FITTED = ("vertical", "terms", "balance", "law", "poisson", "citation")
 
 
@@ -36,6 +38,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "(default: the smallest)")  # fmt: skip
     add("--column", metavar="ROLE=TITLE", action="append", default=[],
         help="a column's title or number, such as storage=4")  # fmt: skip
+    add("--shift", metavar="LAW", help=f"a shift law that is known: {', '.join(map(repr, _LAWS.values()))}, a file of "
+        "shift factors, or universal (default: the data decide)")  # fmt: skip
     add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: without "
         "where they are large, the data leave open whether there are any, and the material is then closer to the data "
         "as measured)")  # fmt: skip
@@ -67,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
         dma = em.read_dma(options.data, temperature=temperature, columns=columns, **read)
         if options.strain is not None:
             dma = dma.at_strain(_strain(options.strain))
-        fitted = {key: getattr(options, key) for key in _FITTED}
+        fitted = {key: getattr(options, key) for key in _FITTED} | {"shift": _law(options.shift)}
         found = em.fit.material(dma, reference, name=options.name or "", **fitted)
         folder.mkdir(parents=True, exist_ok=True)
         paths = found.save(folder)
@@ -91,6 +95,33 @@ def _kelvin(name: str, text: str | None) -> Any:
         parts = [f"{part} degC" if _NUMBER.fullmatch(part.strip()) else part for part in text.split(",")]
         found = [float(Temperature.read(part)) for part in parts]
     return found if len(found) > 1 else found[0]
+
+
+def _law(text: str | None) -> Any:
+    """A shift law from its name and constants, or from a file; "universal" as it is."""
+    import elastomdr as em
+
+    if text is None or text.strip() == "universal":
+        return text and text.strip()
+    match = re.fullmatch(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", text, re.IGNORECASE)
+    if match is None:
+        return em.read_shifts(text)
+    name, parts = match[1].lower(), [part.strip() for part in match[2].split(",")]
+    units = {"wlf": ("", "K"), "vft": ("K", "degC"), "arrhenius": ("J/mol",)}[name]
+    if len(parts) != len(units) + 1:
+        raise InputError(f'--shift must be a law such as "{_LAWS[name]}", got {text!r}.')
+    constants = [_constant(part, unit, _LAWS[name]) for part, unit in zip(parts, units, strict=False)]
+    return {"wlf": em.WLF, "vft": em.VFT, "arrhenius": em.Arrhenius}[name](*constants, _kelvin("--shift", parts[-1]))
+
+
+def _constant(text: str, unit: str, example: str) -> float:
+    if unit == "degC":
+        return float(_kelvin("--shift", text))
+    match = re.fullmatch(rf"({_NUMBER.pattern})\s*(k?J/mol|K)?", text, re.IGNORECASE)
+    known = {"": ("",), "K": ("", "k"), "J/mol": ("j/mol", "kj/mol")}[unit]
+    if match is None or (found := (match[4] or "").lower()) not in known:
+        raise InputError(f'--shift must be a law such as "{example}", got {text!r} for {unit or "a number"}.')
+    return float(match[1]) * (1000 if found == "kj/mol" else 1)
 
 
 def _strain(text: str) -> float:

@@ -5,13 +5,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..material.shift import AbstractShift
 from .fast_end import hidden, skewed
+from .given_law import log10_a
 from .isotherms import Isotherms, alike, own_noise
 from .laws import LawFit, fit_laws
-from .reference import Place, locate
+from .reference import Place, locate, of_law
 from .shifting import LN10, Shifts, guess_shifts, join
 
 _GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
+_RANGE = float(np.log(2.0))  # of ln(rate) within an isotherm, from which its level says something
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
 
 
@@ -33,6 +36,7 @@ class Joint(NamedTuple):
     misfit: float  # scatter about the common curve over that of each isotherm about a smooth curve of its own
     plain: Shifts  # without a vertical part
     weight: float  # that the data leave to it
+    law: AbstractShift | None = None  # that the shifts follow exactly, since the user gave it
 
 
 class AtReference(NamedTuple):
@@ -47,12 +51,14 @@ class AtReference(NamedTuple):
     laws: dict[str, LawFit]
 
 
-def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
+def fit_jointly(data: Isotherms, vertical: bool, law: AbstractShift | None = None) -> Joint:
     """Shifts without a vertical part first, then with one, starting from that answer.
 
     The choice between both enters the uncertainty with the weight that the data leave to the simpler one; data count
-    for less where their misfit is not noise.
+    for less where their misfit is not noise. With a `law` the shifts are those of the law.
     """
+    if law is not None:
+        return _along(law, data, vertical)
     guess = guess_shifts(data.points, data.temperature)
     plain = join(_with_offsets(data, guess).points, data.temperature, guess, False, roughly=True)
     found = plain.horizontal(plain.posterior.mean)[0]
@@ -71,8 +77,26 @@ def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
     return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain, float(weight))
 
 
+def _along(law: AbstractShift, data: Isotherms, vertical: bool) -> Joint:
+    """The spectrum, and vertical shifts, along a law."""
+    x, points = log10_a(law, data.temperature), data.points
+    slow, fast = (np.full(data.temperature.size, end) for end in (np.inf, -np.inf))
+    np.minimum.at(slow, points.isotherm, points.log_rate)
+    np.maximum.at(fast, points.isotherm, points.log_rate)
+    both = vertical and data.temperature.size > 1 and float(np.median(fast - slow)) > _RANGE
+    plain = join(points, data.temperature, x, False, roughly=True, fixed=True)
+    temper = alike(points, plain.posterior.residuals)
+    plain = join(points, data.temperature, x, False, temper, near=plain, fixed=True)
+    shifts = join(points, data.temperature, x, True, temper, near=plain, fixed=True) if both else plain
+    misfit = _misfit(shifts)
+    gain = (shifts.posterior.evidence - plain.posterior.evidence) / max(1.0, misfit) ** 2
+    return Joint(shifts, (), temper, misfit, plain, float(1 / (1 + np.exp(np.clip(gain, -50, 50)))), law)
+
+
 def without_vertical(joint: Joint) -> Joint:
     """The fit of the same isotherms that has no vertical part; what that changes is in the uncertainty."""
+    if joint.law is not None:
+        return joint._replace(shifts=joint.plain, misfit=_misfit(joint.plain), weight=1.0)
     plain = joint.plain
     temper = alike(plain.points, plain.posterior.residuals)
     x, lifted = (s.horizontal(s.posterior.mean)[0] for s in (plain, joint.shifts))
@@ -90,17 +114,21 @@ def about(joint: Joint, reference: float) -> AtReference:
     covariance = shifts.posterior.covariance
     x, by_x = shifts.horizontal(p)
     spread = by_x @ covariance @ by_x.T + _outer((d.by_isotherm * d.of_law for d in joint.doubts), n)
-    place = locate(temperature, x, spread, reference)
+    if joint.law is None:
+        place = locate(temperature, x, spread, reference)
+    else:
+        step = log10_a(joint.law, np.array([reference])) - log10_a(joint.law, temperature[[shifts.anchor]])
+        place = of_law(float(x[shifts.anchor] + step[0]), temperature, reference)
     change = np.eye(n) - place.weights
-    of_law = change @ spread @ change.T + place.variance
-    full = of_law + change @ _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n) @ change.T
-    log10_a = x - place.log10_a
+    laws_own = change @ spread @ change.T + place.variance
+    full = laws_own + change @ _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n) @ change.T
+    shifted = x - place.log10_a
     level = place.near @ shifts.vertical()  # of the reference: the free part is that of the isotherms nearby,
     level[shifts.slopes.stop] = np.log(temperature[shifts.anchor] / reference)  # entropy elasticity its own
     lift = shifts.vertical() - level
     std = np.sqrt(np.maximum(np.diag(lift @ covariance @ lift.T), 0.0))
-    laws = fit_laws(temperature, log10_a, of_law, reference) if n >= 2 else {}
-    return AtReference(log10_a, full, lift @ p, std, place, level, laws)
+    laws = fit_laws(temperature, shifted, laws_own, reference) if n >= 2 and joint.law is None else {}
+    return AtReference(shifted, full, lift @ p, std, place, level, laws)
 
 
 def curve(

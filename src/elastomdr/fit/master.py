@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -14,10 +14,12 @@ from jaxtyping import Bool, Float, Int
 from .._runtime import positive, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, of_one_strain, strains, without_copies
+from ..material.shift import AbstractShift, Arrhenius
 from ..material.tabulated import TabulatedModulus
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
+from .given_law import given_law, words
 from .isotherms import isotherms
 from .joint import AtReference, Joint, about, fit_jointly, without_vertical
 from .judge import judge
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Kind, LawName, Number, Style
-    from ..material.shift import VFT, WLF, Arrhenius
+    from ..material.shift import VFT, WLF
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,6 +69,7 @@ class MasterCurve(AbstractFindings):
     converged: bool
     source: str
     dma: Dma
+    given: str  # the shift law that the user gave, in words; "" where the data gave it
     joint: Joint  # the posterior of spectrum and shifts that all of this is read from
     state: AtReference
 
@@ -136,7 +139,7 @@ class MasterCurve(AbstractFindings):
         """The same master curve about another reference temperature [K]."""
         temperature = float(scalar("temperature", temperature))
         positive("temperature", temperature)
-        return _assemble(self.dma, self.joint, temperature, self.ambiguous)
+        return _assemble(self.dma, self.joint, temperature, self.ambiguous, self.given)
 
     @one_thread
     def without_vertical(self) -> "MasterCurve":
@@ -145,7 +148,7 @@ class MasterCurve(AbstractFindings):
         As `master_curve(..., vertical=False)` does, but the uncertainty contains what vertical shifts would change, and
         `ambiguous` says still where they cannot be separated.
         """
-        return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous)
+        return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous, self.given)
 
     def band(self, omega: ArrayLike) -> Band:
         """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
@@ -179,7 +182,10 @@ class MasterCurve(AbstractFindings):
             f"   log10 b_T {y:7.4f} +- {TWO_SIGMA * std:.4f}{'  (not separable)' * bool(mark)}"
             for y, std, mark in zip(self.log10_b, self.log10_b_std, self.ambiguous, strict=True)
         ]
-        yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical)
+        if self.given:
+            yield "shift factors", self.given
+        if not self.given or (np.abs(self.log10_b) > 1e-4).any():
+            yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical)
         for text in self.warnings:
             yield "warning", text
 
@@ -193,7 +199,12 @@ class MasterCurve(AbstractFindings):
 
 @one_thread
 def master_curve(
-    dma: Dma, reference: float | None = None, vertical: bool = True, *, tolerance: float = 1.5
+    dma: Dma,
+    reference: float | None = None,
+    vertical: bool = True,
+    *,
+    shift: AbstractShift | Literal["universal"] | None = None,
+    tolerance: float = 1.5,
 ) -> MasterCurve:
     """Shifts all isotherms jointly to one reference temperature.
 
@@ -206,6 +217,9 @@ def master_curve(
             it is reached by a shift law, whose uncertainty enters.
         vertical: vertical shifts between none and those of entropy elasticity, with a free part as wide as the data
             need; False for none.
+        shift: a law that the shifts follow as it is, with which temperature sweeps at one frequency have a master curve
+            as well: `em.WLF`, ..., factors shifted by hand (`em.read_shifts`), or "universal", WLF's law with
+            universal constants about the T_g that the peak of the loss modulus tells. By default the data decide.
         tolerance: temperatures with no gap above it [K] are one isotherm.
 
     Returns:
@@ -227,17 +241,23 @@ def master_curve(
         reference = float(scalar("reference", reference))
         positive("reference", reference)
     dma, left = of_one_strain(dma)
-    sorted_dma = isotherms(dma, tolerance)
-    refuse_swapped(dma)
+    if shift is not None and not isinstance(shift, AbstractShift):
+        isotherms(dma, tolerance, Arrhenius(1e5, 293.15))  # whether there are temperatures at all
+    law, origin = given_law(shift, dma)
+    sorted_dma = isotherms(dma, tolerance, law)
+    refuse_swapped(dma, law)
     if (once := without_copies(dma)) is not dma:
-        dma, sorted_dma = once, isotherms(once, tolerance)
+        dma, sorted_dma = once, isotherms(once, tolerance, law)
     if reference is None:
         reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
     dma = replace(dma, warnings=(*dma.warnings, *left))
-    return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)
+    given = f"{words(law)}, {origin}" if law is not None else ""
+    return _assemble(dma, fit_jointly(sorted_dma, bool(vertical), law), reference, None, given)
 
 
-def _assemble(dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | None = None) -> MasterCurve:
+def _assemble(
+    dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | None = None, given: str = ""
+) -> MasterCurve:
     shifts, state = joint.shifts, about(joint, reference)
     points = shifts.points
     reduced = points.log_rate + LN10 * (state.log10_a[points.isotherm] + points.offset)
@@ -270,6 +290,7 @@ def _assemble(dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | 
         converged=shifts.posterior.converged,
         source=dma.source,
         dma=dma,
+        given=given,
         joint=joint,
         state=state,
     )

@@ -8,11 +8,12 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from .. import __version__
+from ..errors import InputError
 from ..io.data import Dma, strains
 from ..material.library import save_material
 from ..material.prony import Prony
@@ -29,6 +30,7 @@ from .tabulate import tabulate
 
 if TYPE_CHECKING:
     from .._types import LawName
+    from ..material.shift import AbstractShift
 
 _LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
 _MISSED = 0.1  # misfit above which a warning names the material without vertical shifts as well
@@ -56,7 +58,7 @@ class MaterialFit(AbstractFindings):
         yield "material", self.material.name
         yield from (("columns", text) for text in self.master.dma.columns)
         yield from ((name, text) for name, text in self.master.findings() if name != "warning")
-        yield "shift law", f"{self.law} in the material" if self.law != "none" else "none in the material"
+        yield "shift law", "none in the material" if self.law == "none" else f"{self.law} in the material"
         yield from ((name, text) for name, text in self.prony.findings() if name != "warning")
         if self.misfit:
             parts = ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.misfit.items())
@@ -87,7 +89,7 @@ class MaterialFit(AbstractFindings):
             moduli[f"{name}_residual"] = rounded(self.misfit.get(f"{of} modulus", own[of]), 2)
         sources = {
             "moduli": moduli,
-            "shift": fitted | {"note": self._shift_note()},
+            "shift": (fitted if not self.master.given else self._given()) | {"note": self._shift_note()},
             "poisson": {"citation": "Assumed, not measured", "grade": "illustrative"},
             "range": {"citation": f"Span of the data: {self.citation}", "grade": "measured"},
         }
@@ -119,8 +121,14 @@ class MaterialFit(AbstractFindings):
         lifted = ", with its vertical shifts," if np.abs(self.master.log10_b).max() > 1e-4 else ""
         return f"the master curve{lifted} is met to: {met} rms"
 
+    def _given(self) -> dict[str, str]:
+        estimated = "estimated" in self.master.given
+        return {"citation": "Given with the data", "grade": "estimated" if estimated else "published fit"}
+
     def _shift_note(self) -> str:
         master = self.master
+        if master.given:
+            return f"{master.given}."
         worst = TWO_SIGMA * float(master.log10_a_std.max())
         parts = [f"{master.temperature.size} isotherms shifted jointly, log10 a_T to +- {worst:.2g} (95 %) at worst."]
         if self.law in master.laws:
@@ -160,6 +168,7 @@ def material(
     dma: Dma,
     reference: float | None = None,
     *,
+    shift: AbstractShift | Literal["universal"] | None = None,
     vertical: bool | None = None,
     terms: int | None = None,
     equilibrium: bool | None = None,
@@ -179,6 +188,7 @@ def material(
     Args:
         dma: the measurement, with temperatures.
         reference: reference temperature [K]; by default the measured temperature nearest to 20 degC.
+        shift: a shift law that is known, as for `master_curve`; the material carries it.
         vertical: True or False with or without vertical shifts; None to choose as above.
         terms: number of terms of the series, as for `prony`.
         equilibrium: whether there is an equilibrium modulus, as for `prony`.
@@ -197,19 +207,21 @@ def material(
         InputError: as `master_curve` and `prony`, and for a law that is none of these.
     """
     check_law(law)
+    if shift is not None and law != "auto":
+        raise InputError(f"law must be left out where shift is given, got {law!r}.")
     name = name or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem).strip("-.").lower() or "rubber"
     citation = citation or f"Measured data: {dma.source or 'arrays'}"
 
     def fitted(master: MasterCurve) -> MaterialFit:
         dma = master.dma  # of one strain
-        chosen, shift = shift_law(master, law)
+        chosen, own = shift_law(master, law)
         fit = prony(
             master,
             terms=terms,
             equilibrium=equilibrium,
             balance=balance,
             poisson=poisson,
-            shift=shift,
+            shift=own,
             name=name,
             citation=citation,
         )
@@ -219,7 +231,7 @@ def material(
             with_misfit(fit.material, dma), master, fit, chosen, misfit(fit.material, dma), texts, citation, about
         )
 
-    lifted = fitted(master_curve(dma, reference, True if vertical is None else vertical))
+    lifted = fitted(master_curve(dma, reference, True if vertical is None else vertical, shift=shift))
     size, celsius = _lift(lifted.master)
     if size <= _LIFT:
         return replace(lifted, warnings=(*lifted.warnings, *_misses(lifted)))

@@ -58,9 +58,9 @@ class Dma:
         _kind(self.kind)
         if np.size(self.strain) == 0:
             object.__setattr__(self, "strain", np.full(np.shape(self.omega), np.nan))
-        for name, like in (("storage", self.omega), ("loss", self.omega), ("temperature", self.omega),
-                           ("strain", self.omega), ("relaxation", self.time), ("time_temperature", self.time)):  # fmt: skip
-            _same(name, np.asarray(getattr(self, name)), "omega" if like is self.omega else "time", like)
+        for name in (*_OF_OMEGA, "relaxation", "time_temperature"):
+            like = "omega" if name in _OF_OMEGA else "time"
+            _same(name, np.asarray(getattr(self, name)), like, getattr(self, like))
         for name in ("omega", "storage", "loss", "time", "relaxation"):
             if np.size(getattr(self, name)):
                 _positive(name, getattr(self, name))

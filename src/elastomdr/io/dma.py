@@ -56,8 +56,9 @@ QUANTITIES = (
               r"(stress |shear |tensile )?relaxation modulus( [ge]\(t\))?",), option="modulus_unit", limits=_POLYMERS),
     Quantity("strain", "strain",
              (r"(oscillation|oscillatory|dynamic) strain( amplitude)?|strain (amplitude|ampl\.?|dyn|dynamic)",
-              r"((shear|tensile) )?strain( γ| gamma)?|(strain )?amplitude|γ|γ_?0|gamma|(?-i:g)|epsilon|ε|dehnung|scherdehnung|deformation|scherdeformation|"
-              r"(dehnungs|deformations)amplitude",), valid="", limits=(1e-8, 5.0)),
+              r"((shear|tensile) )?strain( \u03b3| gamma)?|(strain )?amplitude|\u03b3|\u03b3_?0|gamma|(?-i:g)|"
+              r"epsilon|ε|dehnung|scherdehnung|deformation|scherdeformation|(dehnungs|deformations)amplitude",),
+             valid="", limits=(1e-8, 5.0)),
 )  # fmt: skip
 _PAIRS = (("storage", "loss"), ("storage", "tangent"), ("absolute", "phase"), ("absolute", "tangent"))
 _SAME = 0.5  # [K], within which two temperatures are one, rounded

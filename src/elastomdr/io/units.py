@@ -24,7 +24,8 @@ _SPELLED = str.maketrans({"μ": "µ", "⁻": "-", "¹": "1", "²": "2", "³": "3
 _ALIASES = {  # in small letters, without blanks
     "c": "degC", "°c": "degC", "℃": "degC", "oc": "degC", "degc": "degC", "deg_c": "degC", "celsius": "degC",
     "°f": "degF", "℉": "degF", "degf": "degF", "deg_f": "degF", "k": "kelvin", "kelvin": "kelvin",
-    "pct": "percent", "prozent": "percent", "°": "degree", "deg": "degree", "sec": "second", "hr": "hour", "rads": "rad/s", "rad_s": "rad/s",
+    "pct": "percent", "prozent": "percent",
+    "°": "degree", "deg": "degree", "sec": "second", "hr": "hour", "rads": "rad/s", "rad_s": "rad/s",
     "rad_per_s": "rad/s", "rad/sec": "rad/s", "rads**-1": "rad/s", "hertz": "Hz", "dyne/cm**2": "dyn/cm**2",
     "kg/cm**2": "kgf/cm**2", "kg/mm**2": "kgf/mm**2", "-": "", "1": "", "none": "",
 }  # fmt: skip
