@@ -10,6 +10,7 @@ from ..errors import InputError
 from . import DONE, NOT_CONVERGED
 
 _READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
+_SIZES = {"area": "area", "length": "length", "ramp": "time"}
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
 _LAWS = {"wlf": "WLF(8.9, 101.6, 20degC)", "vft": "VFT(1000, -100degC, 20degC)",
          "arrhenius": "Arrhenius(80 kJ/mol, 20degC)"}  # fmt: skip
@@ -36,6 +37,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         'without, such as "-20degC,0degC,20degC"')  # fmt: skip
     add("--strain", metavar="PERCENT", help='the strain amplitude to use, such as "0.1%%", where several were measured '
         "(default: the smallest)")  # fmt: skip
+    for option, example, words in (
+        ("area", "100 mm2", "section of the specimen, for a file of dynamic stiffness"),
+        ("length", "20 mm", "its length, in shear its height"),
+        ("ramp", "1 s", "duration of the ramp before relaxation; times count from its start"),
+    ):
+        add(f"--{option}", metavar=option[0].upper(), help=f'{words}, such as "{example}"')
+    add("--storage-only", action="store_true", help="there is no loss modulus: it is taken from the spectrum")
     add("--column", metavar="ROLE=TITLE", action="append", default=[],
         help="a column's title or number, such as storage=4")  # fmt: skip
     add("--shift", metavar="LAW", help=f"a shift law that is known: {', '.join(map(repr, _LAWS.values()))}, a file of "
@@ -68,6 +76,8 @@ def run(options: argparse.Namespace) -> int:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
         read = {key: getattr(options, key) for key in _READ}
+        read |= {key: _size(key, getattr(options, key), unit) for key, unit in _SIZES.items()}
+        read["storage_only"] = options.storage_only
         dma = em.read_dma(options.data, temperature=temperature, columns=columns, **read)
         if options.strain is not None:
             dma = dma.at_strain(_strain(options.strain))
@@ -122,6 +132,19 @@ def _constant(text: str, unit: str, example: str) -> float:
     if match is None or (found := (match[4] or "").lower()) not in known:
         raise InputError(f'--shift must be a law such as "{example}", got {text!r} for {unit or "a number"}.')
     return float(match[1]) * (1000 if found == "kj/mol" else 1)
+
+
+def _size(key: str, text: str | None, kind: str) -> float | None:
+    """A number with its unit in SI."""
+    from ..io.units import to_si, usual
+
+    if text is None:
+        return None
+    match = re.fullmatch(rf"\s*({_NUMBER.pattern})\s*(\S.*)", text, re.IGNORECASE)
+    si = to_si(match[4], kind) if match else None
+    if match is None or si is None:
+        raise InputError(f"--{key} must be a number with a unit of {kind} ({usual(kind)}), got {text!r}.")
+    return float(match[1]) * si[0]
 
 
 def _strain(text: str) -> float:

@@ -77,6 +77,19 @@ def fit_jointly(data: Isotherms, vertical: bool, law: AbstractShift | None = Non
     return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain, float(weight))
 
 
+def rough_shifts(data: Isotherms, law: AbstractShift | None, near: Shifts | None = None) -> Shifts:
+    """Shifts and spectrum of isotherms without a vertical part, roughly; `near` is a fit of nearly the same data."""
+    if law is not None:
+        x = log10_a(law, data.temperature)
+    elif near is None:
+        x = guess_shifts(data.points, data.temperature)
+    else:
+        x = near.horizontal(near.posterior.mean)[0]
+        data = _with_offsets(data, x)
+    near = near if near is not None and near.points.channel.size == data.points.channel.size else None
+    return join(data.points, data.temperature, x, False, near=near, roughly=True, fixed=law is not None)
+
+
 def _along(law: AbstractShift, data: Isotherms, vertical: bool) -> Joint:
     """The spectrum, and vertical shifts, along a law."""
     x, points = log10_a(law, data.temperature), data.points

@@ -25,6 +25,7 @@ from .joint import AtReference, Joint, about, fit_jointly, without_vertical
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
+from .responses import as_relaxation
 from .separable import separable
 from .shifting import LN10
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
@@ -244,6 +245,7 @@ def master_curve(
     if shift is not None and not isinstance(shift, AbstractShift):
         isotherms(dma, tolerance, Arrhenius(1e5, 293.15))  # whether there are temperatures at all
     law, origin = given_law(shift, dma)
+    dma = as_relaxation(dma, tolerance, law)
     sorted_dma = isotherms(dma, tolerance, law)
     refuse_swapped(dma, law)
     if (once := without_copies(dma)) is not dma:

@@ -379,7 +379,11 @@ def _rank(quantity: Quantity, name: str) -> int | None:
 
 def _letter(quantity: Quantity, name: str) -> str:
     """ "G" or "E", where the name of a modulus says which it is."""
-    if quantity.kind != "modulus":
+    if quantity.kind == "viscosity":
+        return "G"
+    if quantity.kind == "compliance" and re.match(r"\|?D[*'(_12]", name):
+        return "E"
+    if quantity.kind not in ("modulus", "compliance", "strain"):
         return ""
     if re.match(r"((storage|loss)[ _])?shear", name, re.IGNORECASE):
         return "G"

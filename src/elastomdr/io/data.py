@@ -13,7 +13,7 @@ from .._runtime import as_float64, positive, scalar
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Kind
+    from .._types import ArrayLike, Kind, Response
 
 KINDS = ("shear", "tensile")
 SAME_STRAIN = float(np.log(1.15))  # of ln(strain amplitude), within which two are one
@@ -52,6 +52,8 @@ class Dma:
     source: str = ""
     copies: int = 0  # points that were left out because they repeat others
     columns: tuple[str, ...] = ()  # which columns of the file were taken as what
+    response: Response = "relaxation"  # "creep": `relaxation` is 1/J(t); "storage": G'(omega) alone, at t = 1/omega
+    ramp: float = 0.0  # duration of the ramp of strain, from whose start `time` counts [s]; 0: a step
     strain: Float[np.ndarray, " n"] = field(default_factory=lambda: _NONE)  # its amplitude [-]; NaN: not known
 
     def __post_init__(self) -> None:
@@ -80,13 +82,24 @@ class Dma:
             low, high = self.omega.min(), self.omega.max()
             parts.append(f"{self.omega.size} points of storage and loss modulus, {low:.3g} to {high:.3g} rad/s")
         if self.time.size:
-            parts.append(f"{self.time.size} points of relaxation, {self.time.min():.3g} to {self.time.max():.3g} s")
+            low, high, unit = self.time.min(), self.time.max(), "s"
+            if self.response == "storage":
+                low, high, unit = 1 / high, 1 / low, "rad/s"
+            parts.append(f"{self.time.size} points of {self.described}, {low:.3g} to {high:.3g} {unit}")
         temperature = np.concatenate([self.temperature, self.time_temperature])
         known = temperature[np.isfinite(temperature)] - 273.15
         parts.append(f"{known.min():.1f} to {known.max():.1f} degC" if known.size else "temperature not known")
         if words := strains(self.strain):
             parts.append(f"strain amplitude {words}")
         return f"{self.kind}, " + ", ".join(parts)
+
+    @property
+    def described(self) -> str:
+        """What was measured over time, in words."""
+        words = {"creep": "creep compliance", "storage": "storage modulus without loss"}.get(
+            self.response, "relaxation"
+        )
+        return f"{words} after a ramp of {self.ramp:g} s" if self.ramp else words
 
     def where(self, points: Bool[np.ndarray, " n"]) -> "Dma":
         """The same measurement with some of its points in frequency only; those in time stay."""
@@ -160,6 +173,11 @@ def join(*parts: Dma) -> Dma:
     if len({part.shifted for part in parts}) > 1:
         raise InputError("parts must be all raw or all shifted, got isotherms and a master curve.")
 
+    timed = [part for part in parts if part.time.size] or [parts[0]]
+    if len({(part.response, part.ramp) for part in timed}) > 1:
+        words = " and ".join(dict.fromkeys(part.described for part in timed))
+        raise InputError(f"parts must be of one response over time, got {words}: fit them one by one.")
+
     def chain(name: str) -> np.ndarray:
         return np.concatenate([getattr(part, name) for part in parts])
 
@@ -169,6 +187,8 @@ def join(*parts: Dma) -> Dma:
     return replace(
         parts[0],
         **{name: chain(name) for name in arrays},
+        response=timed[0].response,
+        ramp=timed[0].ramp,
         units={
             key: ", ".join(_each((part.units[key],) for part in parts if key in part.units))
             for key in dict.fromkeys(key for part in parts for key in part.units)
