@@ -3,11 +3,12 @@
 What was measured, M(t), is a functional of the relaxation modulus G(t):
 
     creep            M = 1/J(t)                                  with int_0^t G(t - s) dJ(s) = 1
-    ramp of r        M = (1/r) int_(t-r)^t G(s) ds               t from the start of the ramp
+    ramp of r        M = (1/r) int_(t-r)^t G(s) ds               t from the start of the ramp, ln s at its mean
     storage modulus  M = G'(omega)                               with t = 1/omega
 
-G(t)/M(t) depends on the shape of the spectrum only, and little on that. It is taken from the smooth spectrum through
-G, found from the ratio before, until it settles.
+G/M depends on the shape of the spectrum only, and little on that. It is taken from the smooth spectrum through G, found
+from the ratio before, until it settles. After a ramp G is not sought at t but at the mean of ln s over the ramp, where
+the ratio is nearly 1 for any spectrum: just behind the ramp, that is well before t.
 """
 
 from dataclasses import replace
@@ -31,18 +32,19 @@ def as_relaxation(dma: Dma, tolerance: float, law: AbstractShift | None) -> Dma:
     """The same measurement with its response turned into relaxation; itself where it is relaxation."""
     if (dma.response == "relaxation" and not dma.ramp) or not dma.time.size:
         return dma
-    ratio = _first(dma, tolerance)
+    ratio, time = _first(dma, tolerance), _middle(dma.time, dma.ramp)
     near = None
     for _ in range(_ROUNDS):
-        found = replace(dma, relaxation=dma.relaxation * ratio, response="relaxation", ramp=0.0)
+        found = replace(dma, time=time, relaxation=dma.relaxation * ratio, response="relaxation", ramp=0.0)
         data = isotherms(found, tolerance, law)
         near = rough_shifts(data, law, near)
-        before, ratio = ratio, _ratio(dma, data, near)
+        before, ratio = ratio, _ratio(dma, time, data, near)
         if np.abs(np.log(ratio / before)).max() < _SETTLED:
             break
     words = f"{dma.described}, as relaxation by the spectrum"
     return replace(
         dma,
+        time=time,
         relaxation=dma.relaxation * ratio,
         response="relaxation",
         ramp=0.0,
@@ -63,12 +65,18 @@ def _first(dma: Dma, tolerance: float) -> np.ndarray:
         m = np.clip(-curve.deriv()(u), 1e-3, _STEEPEST)
         if dma.response == "creep":
             ratio[at] = np.sinc(m)
-        elif dma.ramp:
-            ratio[at] = (1 - dma.ramp / (2 * dma.time[at])) ** m
     return ratio
 
 
-def _ratio(dma: Dma, data: Isotherms, shifts: Shifts) -> np.ndarray:
+def _middle(time: np.ndarray, ramp: float) -> np.ndarray:
+    """The mean of ln s between t - ramp and t, as a time."""
+    if not ramp:
+        return time
+    early = time - ramp
+    return np.exp((time * np.log(time) - early * np.log(early)) / ramp - 1)
+
+
+def _ratio(dma: Dma, time: np.ndarray, data: Isotherms, shifts: Shifts) -> np.ndarray:
     """G/M of a smooth spectrum at the times of all points."""
     p = shifts.posterior.mean
     times = np.exp(shifts.log_times + p[shifts.places])
@@ -78,7 +86,7 @@ def _ratio(dma: Dma, data: Isotherms, shifts: Shifts) -> np.ndarray:
     shift = shifts.horizontal(p)[0][data.points.isotherm[timed]] + data.points.offset[timed]
     factor = np.exp(-LN10 * shift)
     reduced = dma.time * factor
-    wanted = np.asarray(series.relaxation(reduced))
+    wanted = np.asarray(series.relaxation(time * factor))
     if dma.response == "creep":
         return wanted * np.asarray(series.creep_compliance(reduced))
     if dma.response == "storage":

@@ -96,9 +96,8 @@ class Dma:
     @property
     def described(self) -> str:
         """What was measured over time, in words."""
-        words = {"creep": "creep compliance", "storage": "storage modulus without loss"}.get(
-            self.response, "relaxation"
-        )
+        words = {"creep": "creep compliance", "storage": "storage modulus without loss"}
+        words = words.get(self.response, "relaxation")
         return f"{words} after a ramp of {self.ramp:g} s" if self.ramp else words
 
     def where(self, points: Bool[np.ndarray, " n"]) -> "Dma":

@@ -138,10 +138,11 @@ def read_dma(
         temperature: temperature of all points that have none in the files [K], or one for each isotherm without, in
             their order.
         kind: "shear" or "tensile": what the moduli are, where the file does not say.
-        columns: columns by quantity (frequency, temperature, storage, loss, absolute, phase, tangent, time,
-            relaxation, creep, stress, strain, compliance, viscosity, stiffness, ...), for titles that are not recognised or are wrong: a title, or a number from 1, with the unit
-            where the file's is missing or wrong: {"storage": "Modulus 1", "loss": 4, "frequency": "2 [Hz]"};
-            "log10(3)" for logarithms; "10 Hz" for a number that holds for all rows.
+        columns: columns by quantity (frequency, temperature, storage, loss, absolute, phase, tangent, time, relaxation,
+            creep, stress, strain, and viscosity, compliance, stiffness with _real, _imaginary or _storage, _loss), for
+            titles that are not recognised or are wrong: a title, or a number from 1, with the unit where the file's is
+            missing or wrong: {"storage": "Modulus 1", "loss": 4, "frequency": "2 [Hz]"}; "log10(3)" for logarithms;
+            "10 Hz" for a number that holds for all rows.
         frequency_unit: unit of frequencies without one, such as "Hz" or "rad/s"; it overrules none in a file.
         modulus_unit: likewise of moduli, such as "MPa".
         temperature_unit: likewise of temperatures, "degC" or "K".
