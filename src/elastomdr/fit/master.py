@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 
 from .._runtime import positive, scalar, significant
 from ..errors import InputError
-from ..io.data import Dma, of_one_strain, strains, without_copies
+from ..io.data import Dma, in_kelvin, of_one_strain, strains, without_copies
 from ..material.shift import AbstractShift, Arrhenius
 from ..material.tabulated import TabulatedModulus
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
@@ -240,7 +240,7 @@ def master_curve(
     positive("tolerance", tolerance)
     if reference is not None:
         reference = float(scalar("reference", reference))
-        positive("reference", reference)
+        in_kelvin("reference", reference)
     dma, left = of_one_strain(dma)
     if shift is not None and not isinstance(shift, AbstractShift):
         isotherms(dma, tolerance, Arrhenius(1e5, 293.15))  # whether there are temperatures at all

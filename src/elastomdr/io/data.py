@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Kind, Response
 
 KINDS = ("shear", "tensile")
+COLDEST = 100.0  # temperature below which a number is one of degrees [K]
 SAME_STRAIN = float(np.log(1.15))  # of ln(strain amplitude), within which two are one
 _SAME_RATE = 0.01  # of ln(omega), likewise,
 _SAME_PLACE = 2.0  # and of temperature [K]: a sweep of strain warms its sample
@@ -234,7 +235,20 @@ def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None
         raise InputError(f"{name} must have as many entries as {other}, {others.size}, got {values.size}.")
 
 
+def in_kelvin(name: str, value: Any) -> None:
+    """Raises `InputError` for temperatures that can only be meant in degrees Celsius."""
+    array = np.asarray(value, dtype=float)
+    known = array[np.isfinite(array)]
+    if known.size and known.min() < COLDEST:
+        low = float(known.min())
+        raise InputError(
+            f"{name} must be in kelvin, {COLDEST:g} at least, got {low:g}: {low:g} degC is {low + 273.15:.6g} K "
+            f"({low:g}degC on the command line)."
+        )
+
+
 def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
+    in_kelvin("temperature", value)
     array = _positive("temperature", value)
     if array.size == 1:
         return np.full(like.size, array[0])

@@ -15,7 +15,7 @@ import numpy as np
 from .._runtime import plain, positive
 from ..errors import InputError
 from .columns import Column, Quantity, choose, left_out, measured, missing, named, taken, understand
-from .data import KINDS, Dma, FitWarning, describe_list, in_strain_sweep, join, untold
+from .data import COLDEST, KINDS, Dma, FitWarning, describe_list, in_kelvin, in_strain_sweep, join, untold
 from .formats import Format, format_of
 from .sheets import read_sheet
 from .tables import Head, Table
@@ -35,7 +35,7 @@ QUANTITIES = (
               r"(?-i:T)|temp\.?|temperature|temperatur|온도",
               r"t[ _]set|(set|set ?point|program(med)?|target|nominal|furnace|oven|chamber) temp(\.|erature)?|"
               "solltemperatur"),
-             option="temperature_unit", limits=(100.0, 800.0)),
+             option="temperature_unit", limits=(COLDEST, 800.0)),
     Quantity("time", "time", (r"(?-i:t)|(step )?time|zeit|시간",), option="time_unit"),
     Quantity("storage", "modulus",
              (r"storage modulus|storage|stor|s torage|speichermodul|저장 ?탄성(률|계수)|(modulus )?[ge]'|"
@@ -100,7 +100,17 @@ _TEMPERATURE = re.compile(  # a remark with nothing but the temperature, and wha
     re.IGNORECASE,
 )
 _NUMBERED = re.compile(rf"\W*(?:{_PARTS})\s*\d+\s*[CK]\b", re.IGNORECASE)  # "Run 3 C" is its number
-_CONDITION = re.compile(rf"\s*[(\[]\s*([+-]?\d+(?:[.,]\d+)?)\s*({_UNIT}|k?Hz|rad/s)\s*[)\]]")  # E' (-40 °C) [MPa]
+_VALUE = rf"(?:T\s*=\s*)?([+-]?\d+(?:[.,]\d+)?)\s*_?({_UNIT}|k?Hz|rad/s)(?![\w/])"
+_CONDITIONS = (  # in titles: E' (-40 °C) [MPa], E' [MPa] @ -40 °C, E'_-40C, E', 10 Hz, MPa
+    re.compile(rf"\s*[(\[]\s*{_VALUE}\s*[)\]]"),
+    re.compile(rf"[\s,;_@]+(?:(?:at|bei|@)\s*)?{_VALUE}"),
+)
+_RATE = re.compile(
+    r"[^\w]*(?:(?:step|block|sweep|set)\s*\d*[^\w]*)?(?:f|freq\.?|frequency|frequenz)\s*[=:,;]?\s*(\d+(?:[.,]\d+)?)\s*[\[(]?"
+    r"(k?Hz|rad/s)\W*",
+    re.IGNORECASE,
+)
+_NAME = re.compile(rf"(?<![A-Za-z0-9.,])([+-]?\d+(?:[.,]\d+)?)[ _]?({_UNIT})(?![A-Za-z0-9])")  # of a file
 
 
 class Specimen(NamedTuple):
@@ -174,6 +184,8 @@ def read_dma(
     parts = [part for path in paths for part in _read(Path(path), kind, columns, units, unmet, specimen)]
     if unmet:
         raise InputError(f"columns must name titles or numbers of columns, got {unmet}, which no file has.")
+    if temperature is None:
+        parts = _from_names(parts)
     dma = join(*_with_temperatures(parts, temperature))
     for text in dma.warnings:
         warnings.warn(text, FitWarning, stacklevel=2)
@@ -458,9 +470,11 @@ def _by_condition(table: Table) -> list[Table]:
     groups: dict[tuple[str, float], list[Head]] = {}
     shared: list[Head] = []
     for head in table.heads:
-        match = _CONDITION.search(head.title)
+        match = next((found for one in _CONDITIONS if (found := one.search(head.title))), None)
         kind = next((kind for kind in ("temperature", "frequency") if match and to_si(match[2], kind)), "")
-        own = head._replace(title=_CONDITION.sub(" ", head.title, count=1).replace(" /", "/").strip())
+        title = f"{head.title[: match.start()]} {head.title[match.end() :]}" if match else ""
+        title = re.sub(r"\(\s*\)|\[\s*\]|[(\[]\s*(?=[(\[])", " ", title).replace(" /", "/")
+        own = head._replace(title=re.sub(r"\s*,\s*(?=[,\[(]|$)|[\s_@]+$", "", title).strip())
         column = understand(own, QUANTITIES)
         if match is None or not kind or column is None or column.role in ("frequency", "temperature", "time"):
             shared.append(head)
@@ -477,6 +491,8 @@ def _beside(name: str, table: Table) -> list[Table]:
     columns = [column for head in table.heads if (column := understand(head, QUANTITIES))]
     roles = [column.role for column in columns]
     found = _repeated(roles)
+    if "frequency" not in roles and "time" not in roles and "frequency" not in table.fixed:
+        table = table._replace(fixed=table.fixed | _rate_above(table))
     if found is None:
         above = {} if "temperature" in roles else _between(name, table, 0, _LAST)
         return [table._replace(fixed=above | table.fixed)]
@@ -504,6 +520,16 @@ def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
             "theirs."
         )
     return {"temperature": min(found)} if found else {}
+
+
+def _rate_above(table: Table) -> dict[str, float]:
+    """The frequency [rad/s] in the last line above a table that says one and nothing else."""
+    for row in reversed(table.above):
+        for text in (" ".join(cell for cell in row.cells if cell), *row.cells):
+            match = _RATE.fullmatch(text.strip())
+            if match and (si := to_si(match[2], "frequency")):
+                return {"frequency": float(match[1].replace(",", ".")) * si[0]}
+    return {}
 
 
 def _repeated(roles: Sequence[str]) -> tuple[int, int] | None:
@@ -535,6 +561,25 @@ def _temperatures(cells: Sequence[str]) -> Iterator[tuple[int, float, str]]:
             yield place, kelvin, text
 
 
+def _from_names(parts: list[Dma]) -> list[Dma]:
+    """The measurements with the temperatures that the names of their files give to those without, one to each file.
+
+    A dash right behind a word ("rubber-20C") may be a minus or not: such names say nothing.
+    """
+    every = [part.source for part in parts]
+    for i, part in enumerate(parts):
+        stem = re.sub("[\u2212\u2013]", "-", Path(part.source).stem)
+        found = _NAME.findall(stem)
+        dash = re.search(r"[A-Za-z0-9)]-\d+(?:[.,]\d+)?[ _]?(?:deg ?C|°C|C|K)(?![A-Za-z0-9])", stem)
+        without = not np.isfinite([*part.temperature, *part.time_temperature]).any()
+        if without and len(found) == 1 and not dash and every.count(part.source) == 1:
+            factor, offset = to_si(found[0][1].replace(" ", ""), "temperature") or (1.0, 0.0)
+            kelvin = float(found[0][0].replace(",", ".")) * factor + offset
+            words = f"temperature {kelvin - 273.15:g} degC from the name of the file"
+            parts[i] = replace(part.at(kelvin), columns=tuple(f"{text}; {words}" for text in part.columns))
+    return parts
+
+
 def _with_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
     """The measurements with the temperatures that the user gives to those without."""
     without = [i for i, one in enumerate(parts) if not np.isfinite([*one.temperature, *one.time_temperature]).all()]
@@ -548,8 +593,7 @@ def _with_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
             parts[i] = replace(parts[i], warnings=(*parts[i].warnings, text))
         return parts
     given = [float(plain("temperature", one)) for one in (temperature if np.ndim(temperature) else [temperature])]
-    for kelvin in given:
-        positive("temperature", kelvin)
+    in_kelvin("temperature", given)
     if not without:
         celsius = np.unique(np.concatenate([[*one.temperature, *one.time_temperature] for one in parts]) - 273.15)
         raise InputError(
