@@ -240,7 +240,7 @@ def master_curve(
     positive("tolerance", tolerance)
     if reference is not None:
         reference = float(scalar("reference", reference))
-        in_kelvin("reference", reference)
+        in_kelvin("reference", reference, 70.0)  # liquid nitrogen is colder than any reference
     dma, left = of_one_strain(dma)
     if shift is not None and not isinstance(shift, AbstractShift):
         isotherms(dma, tolerance, Arrhenius(1e5, 293.15))  # whether there are temperatures at all

@@ -235,14 +235,14 @@ def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None
         raise InputError(f"{name} must have as many entries as {other}, {others.size}, got {values.size}.")
 
 
-def in_kelvin(name: str, value: Any) -> None:
+def in_kelvin(name: str, value: Any, coldest: float = COLDEST) -> None:
     """Raises `InputError` for temperatures that can only be meant in degrees Celsius."""
     array = np.asarray(value, dtype=float)
     known = array[np.isfinite(array)]
-    if known.size and known.min() < COLDEST:
+    if known.size and known.min() < coldest:
         low = float(known.min())
         raise InputError(
-            f"{name} must be in kelvin, {COLDEST:g} at least, got {low:g}: {low:g} degC is {low + 273.15:.6g} K "
+            f"{name} must be in kelvin, {coldest:g} at least, got {low:g}: {low:g} degC is {low + 273.15:.6g} K "
             f"({low:g}degC on the command line)."
         )
 
