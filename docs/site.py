@@ -24,6 +24,7 @@ GROUPS = {
     "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount"),
     "Materials": (
         "Prony", "KelvinVoigt", "Maxwell", "StandardSolid", "TabulatedModulus", "WLF", "Arrhenius", "VFT", "ShiftTable",
+        "EntropicVertical", "VerticalTable",
         "materials", "load_material", "save_material",
     ),
     "Files of others": ("read_dma", "read_friction", "read_shifts", "read_spectrum", "read_surface"),

@@ -14,6 +14,7 @@ _HOMES = {
     "material.prony": ("Prony", "KelvinVoigt", "Maxwell", "StandardSolid"),
     "material.tabulated": ("TabulatedModulus",),
     "material.shift": ("WLF", "Arrhenius", "VFT", "ShiftTable"),
+    "material.vertical": ("EntropicVertical", "VerticalTable"),
     "material.library": ("materials", "load_material", "save_material"),
     "mapping.shapes": ("Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Cylinder"),
     "mapping.profile": ("Profile",),

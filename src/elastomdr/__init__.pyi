@@ -38,6 +38,8 @@ from .material.shift import WLF as WLF
 from .material.shift import Arrhenius as Arrhenius
 from .material.shift import ShiftTable as ShiftTable
 from .material.tabulated import TabulatedModulus as TabulatedModulus
+from .material.vertical import EntropicVertical as EntropicVertical
+from .material.vertical import VerticalTable as VerticalTable
 from .models import Averaged as Averaged
 from .models import HalfSpace as HalfSpace
 from .models import Line as Line

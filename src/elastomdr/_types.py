@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .material.shift import AbstractShift
     from .material.tabulated import TabulatedModulus
     from .material.validity import Range
+    from .material.vertical import AbstractVertical
     from .models import Model
 
 
@@ -64,6 +65,7 @@ class Properties(TypedDict, total=False):
     poisson: Number | None
     bulk: Number | None
     shift: AbstractShift | None
+    vertical: AbstractVertical | None
     name: str
     citation: str
     range: RangeLike | None

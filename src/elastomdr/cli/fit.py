@@ -14,7 +14,7 @@ _SIZES = {"area": "area", "length": "length", "ramp": "time"}
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
 _LAWS = {"wlf": "WLF(8.9, 101.6, 20degC)", "vft": "VFT(1000, -100degC, 20degC)",
          "arrhenius": "Arrhenius(80 kJ/mol, 20degC)"}  # fmt: skip
-_FITTED = ("vertical", "terms", "balance", "law", "poisson", "citation")
+_FITTED = ("vertical", "terms", "balance", "temperature_error", "law", "poisson", "citation")
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -48,12 +48,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="a column's title or number, such as storage=4")  # fmt: skip
     add("--shift", metavar="LAW", help=f"a shift law that is known: {', '.join(map(repr, _LAWS.values()))}, a file of "
         "shift factors, or universal (default: the data decide)")  # fmt: skip
-    add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: without "
-        "where they are large, the data leave open whether there are any, and the material is then closer to the data "
-        "as measured)")  # fmt: skip
+    add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: the "
+        "data decide)")  # fmt: skip
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
     add("--balance", type=float, metavar="FACTOR", help="how many times more exactly the storage modulus is met than "
         "the loss modulus (default: their scatter)")  # fmt: skip
+    add("--temperature-error", type=float, metavar="K", help="standard error of the temperature of an isotherm "
+        "(default: by the scatter of the shift factors, about 0.3)")  # fmt: skip
     add("--law", default="auto", help="auto, WLF, Arrhenius, VFT, table or none (default: auto)")
     add("--poisson", type=float, help="Poisson's ratio (default: 0.5, with a warning for tensile moduli)")
     add("--citation", default="", help="where the data come from, for the material file")

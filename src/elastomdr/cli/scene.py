@@ -159,9 +159,9 @@ def _pair(material: Any, other: Any, found: dict[str, Any]) -> dict[str, Any]:
     """Two bodies in contact. Where they shift differently, both are brought to the one temperature first."""
     import numpy as np
 
-    from ..foundation.law import same_shift
+    from ..material.vertical import same_thermal
 
-    if same_shift(material.shift, other.shift):
+    if same_thermal(material, other):
         return found | {"material": em.half_space(material, other)}
     temperature, *more = np.ravel(found.pop("temperature", ()))[:2].tolist() or [None]
     if temperature is None or more:
@@ -169,7 +169,8 @@ def _pair(material: Any, other: Any, found: dict[str, Any]) -> dict[str, Any]:
         raise InputError(
             f"temperature must be a single value, got {got}: material and other have different shift laws."
         )
-    pair = em.half_space(*(rubber if rubber.shift is None else rubber.at(temperature) for rubber in (material, other)))
+    bodies = [body.at(temperature) if body.shift or body.vertical else body for body in (material, other)]
+    pair = em.half_space(*bodies)
     name = f"{pair.name} at {temperature:g} K"
     return found | {"material": em.Foundation(pair.equilibrium, pair.moduli, pair.times, pair.viscosity,
                                               per_area=False, name=name, range=pair.range)}  # fmt: skip

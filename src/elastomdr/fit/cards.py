@@ -143,6 +143,8 @@ def _describe(material: Prony) -> Iterator[str]:
     yield f"{'shear' if material.kind == 'shear' else 'tensile'} Prony series; units Pa, s, K"
     if material.shift is not None:
         yield f"relaxation times at {float(material.shift.reference):.6g} K"
+    if material.vertical is not None:
+        yield "moduli only at this temperature: the vertical shifts of the material have no place here"
     if material.citation:
         yield " ".join(material.citation.split())
 

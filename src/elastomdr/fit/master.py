@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._runtime import positive, scalar, significant
+from .._runtime import not_negative, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, in_kelvin, of_one_strain, strains, without_copies
 from ..material.shift import AbstractShift, Arrhenius
 from ..material.tabulated import TabulatedModulus
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
-from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law
+from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law, vertical_law
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .given_law import given_law, words
 from .isotherms import isotherms
-from .joint import AtReference, Joint, about, fit_jointly, without_vertical
+from .joint import AtReference, Joint, about, entropic, fit_jointly, without_vertical
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
@@ -45,7 +45,8 @@ class MasterCurve(AbstractFindings):
 
     There is one entry per isotherm in `temperature`, `log10_a`, `log10_b`, their standard deviations and `ambiguous`,
     and one per measured point in `omega` and the fields after it. A standard deviation covers noise, the freedom of the
-    vertical shift and the choice whether there is any. `warnings` says in words what cannot be relied on.
+    vertical shift, the choice whether there is any, and the error of the isotherms' temperatures. `warnings` says in
+    words what cannot be relied on.
     """
 
     reference: float  # T_ref [K]
@@ -134,7 +135,7 @@ class MasterCurve(AbstractFindings):
         Raises `InputError` for relaxation data, or fewer than three bands with data.
         """
         check_law(law)
-        return tabulate(self, per_decade, shift_law(self, law)[1], poisson, name, citation)
+        return tabulate(self, per_decade, shift_law(self, law)[1], vertical_law(self), poisson, name, citation)
 
     def at_reference(self, temperature: float) -> "MasterCurve":
         """The same master curve about another reference temperature [K]."""
@@ -150,6 +151,12 @@ class MasterCurve(AbstractFindings):
         `ambiguous` says still where they cannot be separated.
         """
         return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous, self.given)
+
+    @one_thread
+    def with_entropy(self) -> "MasterCurve | None":
+        """The same isotherms with b_T = T_ref/T, as of entropy elasticity; None where the data ask for other shifts."""
+        joint = entropic(self.joint)
+        return None if joint is None else _assemble(self.dma, joint, self.reference, self.ambiguous, self.given)
 
     def band(self, omega: ArrayLike) -> Band:
         """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
@@ -179,6 +186,8 @@ class MasterCurve(AbstractFindings):
         low, high = self.window
         yield "reduced window", f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades"
         yield "scatter", ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.noise.items())
+        if self.temperature.size > 1:
+            yield "thermometer", f"isotherms to +- {TWO_SIGMA * self.state.thermometer:.2g} K (95 %), in all intervals"
         vertical = [
             f"   log10 b_T {y:7.4f} +- {TWO_SIGMA * std:.4f}{'  (not separable)' * bool(mark)}"
             for y, std, mark in zip(self.log10_b, self.log10_b_std, self.ambiguous, strict=True)
@@ -206,6 +215,7 @@ def master_curve(
     *,
     shift: AbstractShift | Literal["universal"] | None = None,
     tolerance: float = 1.5,
+    temperature_error: float | None = None,
 ) -> MasterCurve:
     """Shifts all isotherms jointly to one reference temperature.
 
@@ -220,8 +230,11 @@ def master_curve(
             need; False for none.
         shift: a law that the shifts follow as it is, with which temperature sweeps at one frequency have a master curve
             as well: `em.WLF`, ..., factors shifted by hand (`em.read_shifts`), or "universal", WLF's law with
-            universal constants about the T_g that the peak of the loss modulus tells. By default the data decide.
+            universal constants about the T_g at which storage and loss modulus suit each other best. By default the
+            data decide.
         tolerance: temperatures with no gap above it [K] are one isotherm.
+        temperature_error: standard error of the temperature of an isotherm [K], part of every interval; by default
+            what the scatter of the shift factors about a law says, and 0.3 K where it says nothing.
 
     Returns:
         A `MasterCurve` with shifts, laws, uncertainties and warnings.
@@ -238,6 +251,9 @@ def master_curve(
         raise InputError(f"vertical must be True or False, got {vertical!r}.")
     tolerance = float(scalar("tolerance", tolerance))
     positive("tolerance", tolerance)
+    if temperature_error is not None:
+        temperature_error = float(scalar("temperature_error", temperature_error))
+        not_negative("temperature_error", temperature_error)
     if reference is not None:
         reference = float(scalar("reference", reference))
         in_kelvin("reference", reference, 70.0)  # liquid nitrogen is colder than any reference
@@ -254,7 +270,8 @@ def master_curve(
         reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
     dma = replace(dma, warnings=(*dma.warnings, *left))
     given = f"{words(law)}, {origin}" if law is not None else ""
-    return _assemble(dma, fit_jointly(sorted_dma, bool(vertical), law), reference, None, given)
+    joint = fit_jointly(sorted_dma, bool(vertical), law, temperature_error)
+    return _assemble(dma, joint, reference, None, given)
 
 
 def _assemble(

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
     from .._types import ArrayLike, Kind, Style
     from ..material.shift import AbstractShift
+    from ..material.vertical import AbstractVertical
 
 _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
@@ -172,6 +173,7 @@ def prony(
     kind: Kind | None = None,
     poisson: float | None = None,
     shift: AbstractShift | None = None,
+    vertical: AbstractVertical | None = None,
     name: str = "",
     citation: str = "",
 ) -> PronyFit:
@@ -193,6 +195,7 @@ def prony(
         kind: "shear" or "tensile"; by default what the master curve says, or shear.
         poisson: Poisson's ratio of the material; by default 0.5, with a warning for tensile moduli.
         shift: shift law of the material.
+        vertical: its law of vertical shifts.
         name: name of the material.
         citation: source of the material.
 
@@ -256,7 +259,7 @@ def prony(
     measured_at = None if master is None else master.measured_at
     material = Prony(
         level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
-        name=name, citation=citation,
+        vertical=vertical, name=name, citation=citation,
         range=Range(limits, measured_at, misfit=misfit_bands(omega, parts["storage"], parts["loss"])),
     )  # fmt: skip
     end = slow_end(points, noise)
@@ -303,8 +306,8 @@ def prony(
 
 def _smooth(points: Points) -> Joint:
     """The smooth spectrum through data of one temperature."""
-    shifts = join(points, np.array([293.15]), np.zeros(1), False)
+    shifts = join(points, np.array([293.15]), np.zeros(1), "none")
     count = alike(points, shifts.posterior.residuals)
     if count > 1:
-        shifts = join(points, np.array([293.15]), np.zeros(1), False, count, near=shifts)
+        shifts = join(points, np.array([293.15]), np.zeros(1), "none", count, near=shifts)
     return Joint(shifts, (), count, 1.0, shifts, 1.0)

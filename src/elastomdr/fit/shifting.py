@@ -11,7 +11,7 @@ change slowly, how slowly the data decide. All isotherms are fitted at once: the
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from .spectrum import LOSS, PER_DECADE, Points, Prediction, nodes, predict
 
 LN10 = float(np.log(10.0))
 _ENTROPY = (0.5, 0.75)  # mean and width of s
+Lift = Literal["none", "entropic", "free"]  # vertical shifts: none, those of entropy elasticity, or what data ask for
 _FREE = (0.003, 0.3)  # limits of the standard deviation of delta_i
 _FIXED = 1e-5  # width of a prior that fixes an unknown
 _SLOPE = np.log(0.06)  # usual -d(log10 a_T)/dT of rubbers and melts [1/K]
@@ -126,7 +127,7 @@ def join(
     points: Points,
     temperature: np.ndarray,
     first_guess: np.ndarray,
-    vertical: bool,
+    vertical: Lift,
     temper: float = 1.0,
     near: Shifts | None = None,
     roughly: bool = False,
@@ -189,7 +190,7 @@ def join(
 
 
 def _priors(
-    shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float, fast: list[Prior], fixed: bool
+    shifts: Shifts, start: np.ndarray, vertical: Lift, roughness: float, fast: list[Prior], fixed: bool
 ) -> list[Prior]:
     """The first of them is that of the spectrum's smoothness, `roughness` its width to begin with."""
     n, k = start.size, shifts.log_times.size
@@ -203,15 +204,16 @@ def _priors(
     curvature, change = (_USUAL_CURVATURE, _USUAL_CHANGE) if blind else ((0.0, 0.0), (0.0, 0.0))
     # Relaxation shows lines worse than a loss modulus does: how far off the grid they are has to be learnt from all.
     near, far = (LN10 / PER_DECADE * part for part in _PLACE)
-    free = every[entropy + 1 : shifts.places.start]
+    free, is_free = every[entropy + 1 : shifts.places.start], vertical == "free"
+    mean, width = _ENTROPY if is_free else (float(vertical == "entropic"), _FIXED)
     return [
         Prior(second, roughness, _CURVATURE, 0.0, _LOOSEN, curvature),
         Prior(every[shifts.spectrum], 12.0, None, start[shifts.spectrum].mean()),
         Prior(every[[shifts.equilibrium]], 3.0, None, start[shifts.equilibrium]),
         *([_held(slopes, start[shifts.slopes])] if fixed else slope_priors(slopes, shifts.temperature, change)),
-        Prior(every[[entropy]], _ENTROPY[1] if vertical else _FIXED, None, _ENTROPY[0] if vertical else 0.0),
+        Prior(every[[entropy]], width, None, mean),
         Prior(every[shifts.places], near, (near, far) if blind else None),
-        Prior(free, 0.01 if vertical else _FIXED, _FREE if vertical else None),
+        Prior(free, 0.01 if is_free else _FIXED, _FREE if is_free else None),
         *fast,
     ]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, overload
 import numpy as np
 
 from .._runtime import Array, as_float64, is_traced, numpy_unless_traced, positive, scalar
-from .._trees import fill, same, static
+from .._trees import fill, static
 from ..errors import InputError
 from ..mapping.radok import layer_operator, normal_operator, tangential_operator
 from ..material.prony import Prony
@@ -15,6 +15,7 @@ from ..material.relaxation import AbstractRelaxation, Relaxation, checked, scale
 from ..material.shift import AbstractShift
 from ..material.tabulated import AbstractTable, TabulatedModulus, described, needs_series
 from ..material.validity import Range, as_range, shared
+from ..material.vertical import AbstractVertical, check_vertical, same_thermal
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -35,6 +36,7 @@ class Foundation(AbstractRelaxation):
     times: Float[Array, " n"]  # tau_k, ascending [s]
     viscosity: Float[Array, ""]  # eta [Pa s, or Pa s/m]
     shift: AbstractShift | None
+    vertical: AbstractVertical | None  # b_T, which multiplies all stiffness
     per_area: bool | None = static()
     name: str = static()
     range: Range | None = static()  # where the numbers hold; None: not known
@@ -47,12 +49,14 @@ class Foundation(AbstractRelaxation):
         viscosity: Number = 0.0,
         *,
         shift: AbstractShift | None = None,
+        vertical: AbstractVertical | None = None,
         per_area: bool | None = None,
         name: str = "",
         range: RangeLike | None = None,
     ):
         law = checked(equilibrium, moduli, times, viscosity)
-        fill(self, **vars(law), shift=shift, per_area=per_area, name=name, range=as_range(range))
+        check_vertical(vertical)
+        fill(self, **vars(law), shift=shift, vertical=vertical, per_area=per_area, name=name, range=as_range(range))
 
     @classmethod
     def kelvin(cls, stiffness: Number, viscosity: Number) -> "Foundation":
@@ -84,13 +88,15 @@ class Foundation(AbstractRelaxation):
 class TabulatedFoundation(AbstractTable):
     """A half-space by a table of E*(omega), for steady models of surfaces; `em.half_space(tabulated)` makes it.
 
-    It answers what such models ask of a `Foundation`: `complex_modulus`, `shift`, `range`, `name`, `per_area`.
+    It answers what such models ask of a `Foundation`: `complex_modulus`, `shift`, `vertical`, `range`, `name` and
+    `per_area`.
     """
 
     omega: Float[Array, " n"]
     storage_table: Float[Array, " n"]  # Re E* [Pa]
     loss_table: Float[Array, " n"]  # Im E* [Pa]
     shift: AbstractShift | None
+    vertical: AbstractVertical | None
     name: str = static()
     range: Range | None = static()  # where the numbers hold; None: not known
     per_area: ClassVar[bool] = False
@@ -119,17 +125,17 @@ def half_space(
     if other is None and isinstance(material, TabulatedModulus):
         return _half_space_of_table(material, tangential)
     operator = tangential_operator if tangential else normal_operator
-    law, shift, name = operator(_material("material", material)), material.shift, material.name
-    known = material.range
+    law, name, known = operator(_material("material", material)), material.name, material.range
     if other is not None:
         law = series(law, operator(_material("other", other)))
-        if not same_shift(material.shift, other.shift):
+        if not same_thermal(material, other):
             raise InputError(
-                "other must have the same shift law as material, got "
-                f"{other.shift} and {material.shift}; bring both to their temperature first, with material.at(T)."
+                "other must have the same shift law as material, and the same vertical one, got "
+                f"{other.shift}, {other.vertical} and {material.shift}, {material.vertical}; bring both to their "
+                "temperature first, with material.at(T)."
             )
         name, known = f"{material.name or 'material'} on {other.name or 'material'}", shared(known, other.range)
-    return _foundation(law, shift, False, name, known)
+    return _foundation(law, material, False, name, known)
 
 
 @numpy_unless_traced
@@ -147,7 +153,7 @@ def springs(material: Solid, thickness: Number, *, bonded: bool = True, tangenti
         raise InputError("bonded must be True with tangential: a layer that slips on its base is not sheared.")
     own = _material("material", material)
     law = scaled(own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness)
-    return _foundation(law, material.shift, True, material.name, material.range)
+    return _foundation(law, material, True, material.name, material.range)
 
 
 def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
@@ -172,13 +178,12 @@ def as_foundation(material: Any) -> Foundation:
     )
 
 
-def _foundation(
-    law: Relaxation, shift: AbstractShift | None, per_area: bool, name: str, known: Range | None
-) -> Foundation:
+def _foundation(law: Relaxation, material: Any, per_area: bool, name: str, known: Range | None) -> Foundation:
     if not is_traced(law):
         law = Relaxation(*(np.asarray(x) for x in (law.equilibrium, law.moduli, law.times, law.viscosity)))
     foundation = object.__new__(Foundation)  # its numbers were checked when the material was made
-    fill(foundation, **vars(law), shift=shift, per_area=per_area, name=name, range=known)
+    fill(foundation, **vars(law), shift=material.shift, vertical=material.vertical)
+    fill(foundation, per_area=per_area, name=name, range=known)
     return foundation
 
 
@@ -186,8 +191,9 @@ def _half_space_of_table(material: TabulatedModulus, tangential: bool) -> Tabula
     nu, shear = material.poisson, material.shear()
     factor = 4 / (2 - nu) if tangential else 2 / (1 - nu)
     return TabulatedFoundation(
-        shear.omega, shear.storage_table * factor, shear.loss_table * factor, shear.shift, shear.name, shear.range
-    )
+        shear.omega, shear.storage_table * factor, shear.loss_table * factor, shear.shift, shear.vertical, shear.name,
+        shear.range,
+    )  # fmt: skip
 
 
 def _material(name: str, material: Any) -> Prony:
@@ -195,12 +201,3 @@ def _material(name: str, material: Any) -> Prony:
     if not isinstance(material, Prony):
         raise InputError(f"{name} must be an em.Prony, or one made by em.load_material(...), got {material!r}.")
     return material
-
-
-def same_shift(first: AbstractShift | None, second: AbstractShift | None) -> bool:
-    """Whether two shift laws are one; under a transformation of JAX as far as can be seen."""
-    if first is None or second is None:
-        return first is second
-    if is_traced(first, second):
-        return first is second
-    return bool(same(first, second))

@@ -22,10 +22,10 @@ def check_material(name_or_path: str | os.PathLike[str]) -> list[str]:
     """What is wrong with a material file, one line per finding; an empty list where nothing is.
 
     Looks at moduli, times and temperatures outside what a polymer in SI units has, storage and loss moduli below zero
-    or a relaxation function that rises within the range of validity, a reference temperature or a shift law that does
-    not cover that range, and missing ranges, sources and grades. Of a table of moduli it looks at a storage modulus
-    that falls with the frequency by more than a tenth, and a range that is wider than the table. A file that does not
-    load is a finding, not an error.
+    or a relaxation function that rises within the range of validity, a reference temperature or a law of shifts that
+    does not cover that range, and missing ranges, sources and grades. Of a table of moduli it looks at a storage
+    modulus that falls with the frequency by more than a tenth, and a range that is wider than the table. A file that
+    does not load is a finding, not an error.
     """
     try:
         path = locate(name_or_path)
@@ -123,6 +123,14 @@ def _temperatures(material: Any, document: dict[str, Any]) -> list[str]:
             material.shift.a(np.asarray(limits, dtype=float))
         except InputError as error:
             findings.append(f"the shift law does not cover the range: {error}")
+    if material.vertical is not None:
+        try:
+            material.vertical.b(np.asarray(limits, dtype=float))
+            off = 0.0 if reference is None else abs(float(material.vertical.b(reference)) - 1)
+            if off > _ROUNDED:
+                findings.append(f"b_T is off 1 by {off:.3g} at the reference temperature")
+        except InputError as error:
+            findings.append(f"the law of vertical shifts does not cover the range: {error}")
     return [finding for finding in findings if finding]
 
 
@@ -130,6 +138,8 @@ def _sources(document: dict[str, Any]) -> list[str]:
     groups = ["moduli", "poisson" if "poisson" in document else "bulk", "range"]
     if "shift" in document:
         groups.insert(1, "shift")
+    if "vertical" in document:
+        groups.insert(1, "vertical")
     sources = document.get("source", {})
     findings = [f"[source.{group}] describes numbers that are not there" for group in sources if group not in groups]
     for group in groups:

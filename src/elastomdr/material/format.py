@@ -34,6 +34,7 @@ _KEYS = {
     "storage": _NUMBERS,
     "loss": _NUMBERS,
     "shift": _TABLE,
+    "vertical": _TABLE,
     "range": _TABLE,
     "misfit": _TABLE,
     "source": _TABLE,
@@ -46,9 +47,13 @@ SHIFT_KEYS = {
     "VFT": {"b": _NUMBER, "t0": _NUMBER, "reference": _NUMBER},
     "table": {"temperature": _NUMBERS, "log10_a": _NUMBERS},
 }
+VERTICAL_KEYS = {
+    "entropic": {"reference": _NUMBER},
+    "table": {"temperature": _NUMBERS, "factor": _NUMBERS},
+}
 _RANGE_KEYS = {"omega": _PAIR_OR_NONE, "time": _PAIR, "temperature": _PAIR}
 _MISFIT_KEYS: dict[str, str] = dict.fromkeys(("omega", "storage_residual", "loss_residual"), _NUMBERS)
-_SOURCE_GROUPS: dict[str, str] = dict.fromkeys(("moduli", "shift", "poisson", "bulk", "range"), _TABLE)
+_SOURCE_GROUPS: dict[str, str] = dict.fromkeys(("moduli", "shift", "vertical", "poisson", "bulk", "range"), _TABLE)
 _SOURCE_KEYS = {
     "citation": _TEXT,
     "grade": _TEXT,
@@ -74,6 +79,7 @@ _COMMENTS = {
     "t0": "[K]",
     "reference": "[K]",
     "log10_a": "[1]",
+    "factor": "b_T, of all moduli [1]",
     "omega": "at the reference temperature [rad/s]",
     "time": "at the reference temperature [s]",
     "temperature": "[K]",
@@ -131,13 +137,14 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
     if "poisson" not in document and "bulk" not in document:
         raise InputError(f"{path}: key 'poisson' (or 'bulk') is missing.")
     _same_length(path, "", document, lists[1:] if lists is _SERIES else lists)
-    if "shift" in document:
-        shift = document["shift"]
-        law = shift.get("law")
-        if not isinstance(law, str) or law not in SHIFT_KEYS:
-            hint = closest(law, SHIFT_KEYS) if isinstance(law, str) else ""
-            raise InputError(f"{path}: law in [shift] must be one of {', '.join(SHIFT_KEYS)}, got {law!r}.{hint}")
-        _validate_table(path, "shift", shift, {"law": _TEXT, **SHIFT_KEYS[law]}, SHIFT_KEYS[law])
+    for where, laws in (("shift", SHIFT_KEYS), ("vertical", VERTICAL_KEYS)):
+        if where not in document:
+            continue
+        law = document[where].get("law")
+        if not isinstance(law, str) or law not in laws:
+            hint = closest(law, laws) if isinstance(law, str) else ""
+            raise InputError(f"{path}: law in [{where}] must be one of {', '.join(laws)}, got {law!r}.{hint}")
+        _validate_table(path, where, document[where], {"law": _TEXT, **laws[law]}, laws[law])
     _validate_table(path, "range", document.get("range", {}), _RANGE_KEYS)
     if "misfit" in document:
         _validate_table(path, "misfit", document["misfit"], _MISFIT_KEYS, _MISFIT_KEYS)

@@ -39,6 +39,7 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
     from .prony import Prony
     from .shift import VFT, WLF, Arrhenius, ShiftTable
     from .tabulated import TabulatedModulus
+    from .vertical import EntropicVertical, VerticalTable
 
     kind, keys = Prony, ("equilibrium", "moduli", "times")
     if is_tabulated(document):
@@ -49,10 +50,15 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
         if shift is not None:
             laws = {"WLF": WLF, "Arrhenius": Arrhenius, "VFT": VFT, "table": ShiftTable}
             shift = laws[shift["law"]](**{key: value for key, value in shift.items() if key != "law"})
+        vertical = document.get("vertical")
+        if vertical is not None:
+            laws = {"entropic": EntropicVertical, "table": VerticalTable}
+            vertical = laws[vertical["law"]](**{key: value for key, value in vertical.items() if key != "law"})
         material = kind(
             *(document[key] for key in keys),
             kind=document["kind"],
             shift=shift,
+            vertical=vertical,
             name=document.get("name", path.stem),
             citation=_citation(document.get("source", {})),
             range=_range(document),
@@ -129,6 +135,7 @@ def save_material(
         "poisson": None if material.poisson is None else float(material.poisson),
         **(_series(material) if isinstance(material, Prony) else _tabulated(material)),
         "shift": _shift_table(material.shift),
+        "vertical": _vertical_table(material.vertical),
         "range": info.get("range", known.table() if known is not None and known.table() else None),
         "misfit": _misfit_table(known),
         "source": info.get("source", cited or None),
@@ -238,3 +245,18 @@ def _shift_table(shift: Any) -> dict[str, Any] | None:
         if isinstance(shift, law):
             return {"law": law.__name__, **{key: float(getattr(shift, key)) for key in SHIFT_KEYS[law.__name__]}}
     raise InputError(f"material.shift must be a WLF, Arrhenius, VFT or ShiftTable to be saved, got {brief(shift)}.")
+
+
+def _vertical_table(vertical: Any) -> dict[str, Any] | None:
+    from .vertical import EntropicVertical, VerticalTable
+
+    if isinstance(vertical, EntropicVertical):
+        return {"law": "entropic", "reference": float(vertical.reference)}
+    if isinstance(vertical, VerticalTable):
+        lists = {"temperature": vertical.temperature, "factor": vertical.factor}
+        return {"law": "table", **{key: [float(entry) for entry in value] for key, value in lists.items()}}
+    if vertical is not None:
+        raise InputError(
+            f"material.vertical must be an EntropicVertical or a VerticalTable to be saved, got {brief(vertical)}."
+        )
+    return None

@@ -96,7 +96,7 @@ def half_plane_sliding(
 
     fine = [pair[0] for pair in found]
     mu = field([f.mu for f in fine])
-    load = scene.value.reshape(scene.shape)
+    load = (scene.value * scene.vertical).reshape(scene.shape)
     rows = scene.inputs(foundation, f"cylinder, radius {float(radius):g} m")
     return HalfPlaneCurve(
         velocity=scene.given.reshape(scene.shape),

@@ -123,11 +123,13 @@ def half_space_sliding(
             stacklevel=3,
         )
     fine = [pair[0] for pair in found]
+    force = field([f.force for f in fine]) * scene.vertical.reshape(scene.shape)
+    mu = field([f.mu for f in fine])
     return FrictionCurve(
         velocity=scene.given.reshape(scene.shape),
-        mu=field([f.mu for f in fine]),
-        normal_force=field([f.force for f in fine]),
-        friction_force=field([f.mu * f.force for f in fine]),
+        mu=mu,
+        normal_force=force,
+        friction_force=mu * force,
         depth=field([f.depth for f in fine]),
         contact=Contact(field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])),
         error=field([error for _, error in found]),

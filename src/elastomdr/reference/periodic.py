@@ -62,14 +62,15 @@ def slide_periodic(
     def field(values: list[Any]) -> Any:
         return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(scene.shape)
 
-    drag, force = field([area * fine.stress for fine, _ in found]), scene.value.reshape(scene.shape)
+    vertical = scene.vertical.reshape(scene.shape)
+    drag, force = (field([area * fine.stress for fine, _ in found]), scene.value.reshape(scene.shape))
     grid = f"{heights.shape[0]} by {heights.shape[1]} points"
     inputs = {**dict(scene.inputs(foundation, name)), "cell": _metres(sides), "grid": grid}
     return HalfSpaceCurve(
         velocity=scene.given.reshape(scene.shape),
         mu=drag / force,
-        normal_force=force,
-        friction_force=drag,
+        normal_force=force * vertical,
+        friction_force=drag * vertical,
         area=field([fine.area for fine, _ in found]),
         separation=field([fine.separation for fine, _ in found]),
         error=field([area * abs(fine.stress - coarse.stress) for fine, coarse in found]) / force,

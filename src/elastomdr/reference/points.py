@@ -8,6 +8,7 @@ from jaxtyping import Float
 from .._runtime import as_float64, is_traced, positive
 from ..errors import InputError
 from ..foundation.law import Foundation
+from ..material.vertical import thermal_factors
 from ..results.words import brief
 from ..solve.passage import Control
 
@@ -16,7 +17,8 @@ class Points(NamedTuple):
     """The points of a call, flattened."""
 
     control: Control
-    value: Float[np.ndarray, " n"]
+    value: Float[np.ndarray, " n"]  # load over b_T [N], or depth [m]
+    vertical: Float[np.ndarray, " n"]  # b_T, by which forces are larger than those of the foundation's law
     velocity: Float[np.ndarray, " n"]  # times a_T
     given: Float[np.ndarray, " n"]  # velocity as given
     temperature: Any  # in the broadcast shape, or None
@@ -26,7 +28,8 @@ class Points(NamedTuple):
     def inputs(self, foundation: Foundation, shape: str) -> tuple[tuple[str, str], ...]:
         unit = "N" if self.control == "load" else "m"
         rows = [("material", foundation.name or "given directly"), ("shape", shape)]
-        rows += [(self.control, brief(self.value, unit)), ("velocity", brief(self.given, "m/s"))]
+        given = self.value * self.vertical if self.control == "load" else self.value
+        rows += [(self.control, brief(given, unit)), ("velocity", brief(self.given, "m/s"))]
         if self.temperature is not None:
             rows.append(("temperature", brief(self.temperature, "K")))
         return (*rows, ("grid", f"{self.cells} points"))
@@ -49,18 +52,17 @@ def broadcast(
     positive("velocity", velocity)
     if float(foundation.equilibrium) == 0:
         raise InputError("material must be a solid, got equilibrium modulus 0: a liquid sinks for ever.")
-    kelvin, factor = None, 1.0
+    kelvin, factor, vertical = None, 1.0, 1.0
     if temperature is not None:
         kelvin = as_float64("temperature", temperature)
-        if foundation.shift is None:
-            raise InputError(f"temperature was given ({brief(kelvin, 'K')}), but the material has no shift law.")
-        factor = np.asarray(foundation.shift.a(kelvin))
+        factor, vertical = thermal_factors(foundation, kelvin)
     try:
-        arrays = np.broadcast_arrays(value, velocity, velocity * factor, 0.0 if kelvin is None else kelvin)
+        arrays = np.broadcast_arrays(value, velocity, velocity * factor, 0.0 if kelvin is None else kelvin, vertical)
     except ValueError as error:
         raise InputError(f"velocity, {control} and temperature must broadcast.") from error
-    value, given, reduced, kelvins = arrays
+    value, given, reduced, kelvins, vertical = arrays
+    value = value / vertical if control == "load" else value
     return Points(
-        control, value.ravel(), reduced.ravel(), given.ravel(), None if kelvin is None else kelvins.copy(),
-        given.shape, int(points),
+        control, value.ravel(), vertical.ravel(), reduced.ravel(), given.ravel(), 
+        None if kelvin is None else kelvins.copy(), given.shape, int(points),
     )  # fmt: skip

@@ -131,7 +131,7 @@ def friction_bands(
         error=banded(np.where(good, error, np.nan)),
         converged=banded(good),
         temperature=None if kelvin is None else banded(np.broadcast_to(kelvin, shape)),
-        pressure=None if length is None else banded(loads / length),
+        pressure=None if length is None else banded(loads * scene.vertical / length),
         width=float(edges[1] / edges[0]),
         model=(AVERAGED if model.average else BARE) + scene.rule,
         plan=f"{lanes[0].size * len(lines)} line solutions of {lines[0].count} samples, all branches carried",

@@ -76,7 +76,7 @@ def dissipation(
         raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
     found = solve(scene)
     traced = is_traced(found.mu, scene.law)
-    dashpot, branches, work, good = _forces(scene, xp.ravel(found.normal_force), xp)
+    dashpot, branches, work, good = _forces(scene, xp.ravel(found.normal_force) / scene.vertical, xp)
     with_dashpot = is_traced(scene.law.viscosity) or bool(scene.law.viscosity > 0)
     forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches
     total = xp.sum(forces, axis=0)

@@ -9,8 +9,9 @@ from .._runtime import as_float64, is_traced, not_negative, positive, require
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
-from ..material.relaxation import Relaxation
+from ..material.relaxation import Relaxation, scaled
 from ..material.validity import Range
+from ..material.vertical import thermal_factors
 from ..results.words import brief
 from ..solve.passage import Control
 
@@ -118,11 +119,10 @@ def given_history(
     inputs = [("time", brief(time, "s")), ("position", brief(position, "m"))]
     inputs.append((control, brief(value, ("N/m" if per_length else "N") if control == "load" else "m")))
     if temperature is not None:
-        if foundation.shift is None:
-            raise InputError("temperature was given, but the material has no shift law; leave the temperature out.")
         kelvin = as_float64("temperature", temperature)
         positive("temperature", kelvin)
-        factor = foundation.shift.a(kelvin)
+        factor, vertical = thermal_factors(foundation, kelvin)
+        law = scaled(law, vertical)
         law = Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor)
         inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))

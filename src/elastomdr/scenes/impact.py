@@ -14,6 +14,7 @@ from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.shapes import AbstractShape, Cylinder
 from ..material.relaxation import Relaxation
+from ..material.vertical import thermal_factors
 from ..results.base import Origin, distinct
 from ..results.impact import History, Impact
 from ..results.words import brief, describe
@@ -209,7 +210,7 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
         known, there = foundation.range, None if kelvin is None else kelvin[i]
         if known is None:
             continue
-        factor = 1.0 if there is None or foundation.shift is None else np.asarray(foundation.shift.a(there))
+        factor = 1.0 if there is None else np.asarray(thermal_factors(foundation, there)[0])
         rate = _PASSAGE * factor / times
         points[i] = known.outside(rate, there)
         if points[i].any():
@@ -234,17 +235,12 @@ def _standing(foundations: list[Foundation], shape: AbstractShape) -> bool:
 
 
 def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...], xp: Any) -> Relaxation:
-    """The law, with one column per point where a temperature gives each its own times."""
+    """The law, with one column per point where a temperature gives each its own times and moduli."""
     law = foundation.law()
     if kelvin is None:
         return law
-    if foundation.shift is None:
-        raise InputError(
-            f"temperature was given, but {foundation.name or 'the material'} has no shift law; give the material one "
-            "with shift=em.WLF(...), or leave the temperature out."
-        )
-    factor = xp.broadcast_to(xp.asarray(foundation.shift.a(kelvin)), points).reshape(-1)
-    return Relaxation(law.equilibrium, law.moduli, law.times[:, None] * factor, law.viscosity * factor)
+    a, b = (xp.broadcast_to(xp.asarray(x), points).reshape(-1) for x in thermal_factors(foundation, kelvin))
+    return Relaxation(law.equilibrium * b, law.moduli[:, None] * b, law.times[:, None] * a, law.viscosity * a * b)
 
 
 def _lanes(law: Relaxation, width: int, xp: Any) -> tuple[Any, Any, Any]:
@@ -253,6 +249,6 @@ def _lanes(law: Relaxation, width: int, xp: Any) -> tuple[Any, Any, Any]:
     columns = times.shape[-1]
     viscosity = xp.broadcast_to(law.viscosity, (columns,))
     filled = xp.zeros((width - law.moduli.shape[0], columns))
-    own = xp.broadcast_to(law.moduli[:, None], times.shape)
+    own = xp.broadcast_to(law.moduli if law.moduli.ndim == 2 else law.moduli[:, None], times.shape)
     moduli = xp.concatenate([xp.broadcast_to(law.equilibrium, (1, columns)), own, filled])
     return xp.concatenate([xp.zeros((1, columns)), 1 / times, filled]), moduli, viscosity

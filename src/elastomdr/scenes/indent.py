@@ -14,7 +14,8 @@ from ..foundation.law import Foundation, as_foundation
 from ..foundation.modes import recovery_modes
 from ..mapping.disc import Disc
 from ..mapping.shapes import AbstractShape, Cylinder, PowerLaw
-from ..material.relaxation import Relaxation
+from ..material.relaxation import Relaxation, scaled
+from ..material.vertical import thermal_factors
 from ..results.indentation import Indentation
 from ..results.words import brief, describe
 from ..solve.control import Course, indent_under, indent_with_adhesion
@@ -78,7 +79,7 @@ def indent(
     Source: Lee & Radok 1960; Ting 1966; Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
     disc, foundation = contact(material, shape)
-    law, kelvin = at_temperature(foundation, temperature)
+    law, kelvin, factor = at_temperature(foundation, temperature)
     course = _course(law, time, depth, load, pull=adhesion is not None)
     rtol = _tolerance(rtol)
     if course.depth is not None and not is_traced(disc, course.depth) and np.isfinite(disc.largest) and not disc.flat:
@@ -112,7 +113,6 @@ def indent(
     inputs.append(("relative tolerance", f"{rtol:g}"))
 
     ruled = found.depth if course.load is None or course.depth is not None else course.load
-    factor = 1.0 if foundation.shift is None or kelvin is None else foundation.shift.a(kelvin)
     beyond = history_beyond(
         foundation.range, numpy.broadcast_to(course.time, found.depth.shape), ruled, kelvin, factor, stacklevel=3
     )
@@ -164,23 +164,19 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
     return Disc(shape, "layer" if foundation.per_area else "half-space"), foundation
 
 
-def at_temperature(foundation: Foundation, temperature: Any) -> tuple[Relaxation, Any]:
-    """The law with its times shifted to a temperature [K], and that temperature as an array; None leaves it."""
+def at_temperature(foundation: Foundation, temperature: Any) -> tuple[Relaxation, Any, Any]:
+    """The law with times and moduli shifted to a temperature [K], that as an array, and a_T; None leaves it."""
     law = foundation.law()
     if temperature is None:
-        return law, None
+        return law, None, 1.0
     kelvin = scalar("temperature", temperature)
-    if foundation.shift is None:
-        raise InputError(
-            f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift "
-            "law; give the material one with shift=em.WLF(...), or leave the temperature out."
-        )
-    factor = foundation.shift.a(kelvin)
+    factor, vertical = thermal_factors(foundation, kelvin)
     if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
         raise InputError(
             f"temperature must be near where the shift law was measured, got {float(kelvin):g} K, a_T = {factor:.3g}."
         )
-    return Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor), kelvin
+    law = scaled(law, vertical)
+    return Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor), kelvin, factor
 
 
 def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:

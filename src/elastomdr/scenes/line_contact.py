@@ -88,14 +88,15 @@ def line_contact(
     if not good:
         warnings.warn("the point did not converge; it is NaN.", ConvergenceWarning, stacklevel=3)
     mu, load_, deep, share = (float(getattr(found.line, name)[0]) for name in ("mu", "load", "depth", "share"))
+    vertical = float(scene.vertical[0])
     inputs = [("material", scene.foundation.name or "given directly"), ("surface", surface_words(surface, line))]
     inputs += [] if pressure is None else [("pressure", brief(np.asarray(pressure), "Pa"))]
     inputs += [(f"line {scene.control}", brief(scene.value, "N/m" if scene.control == "load" else "m"))]
     inputs += [("velocity", brief(scene.velocity, "m/s"))]
     inputs += [] if scene.kelvin is None else [("temperature", brief(scene.kelvin, "K"))]
     return LineContact(
-        x=np.asarray(line.x), height=height - height.max() + deep, surface=found.surface, force=found.force,
-        touching=found.force > 0, mu=mu, load=load_, depth=deep, share=share,
+        x=np.asarray(line.x), height=height - height.max() + deep, surface=found.surface, force=vertical * found.force,
+        touching=found.force > 0, mu=mu, load=vertical * load_, depth=deep, share=share,
         error=np.full(height.size, float(found.line.error[0])), converged=np.full(height.size, good),
         model=BARE + scene.rule, plan=f"one periodic state of {height.size} samples", inputs=tuple(inputs),
     )  # fmt: skip

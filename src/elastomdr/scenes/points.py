@@ -9,7 +9,7 @@ import numpy as np
 from .._arrays import xp
 from .._runtime import Array, as_float64, is_traced, positive
 from ..errors import InputError
-from ..results.words import brief
+from ..material.vertical import thermal_factors
 from ..solve.heat import Heat
 
 _FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
@@ -23,6 +23,7 @@ class Points(NamedTuple):
     value: Any  # load, depth or pressure as given
     kelvin: Any  # as given [K], or None
     reduced: Any  # v a_T [m/s], of the broadcast shape
+    vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
     traced: bool
 
     def full(self, array: Any) -> Any:
@@ -52,11 +53,6 @@ def steady_points(foundation: Any, body: Any, *, velocity: Any, temperature: Any
     positive("velocity", velocity)
     positive(name, value)
     kelvin = None if temperature is None else as_float64("temperature", temperature)
-    if kelvin is not None and foundation.shift is None:
-        raise InputError(
-            f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift law; "
-            "give the material one with shift=em.WLF(...), or leave the temperature out."
-        )
     arrays = [velocity, value, *([] if kelvin is None else [kelvin])]
     try:
         shape = np.broadcast_shapes(*(np.shape(a) for a in arrays))
@@ -65,11 +61,11 @@ def steady_points(foundation: Any, body: Any, *, velocity: Any, temperature: Any
         raise InputError(f"velocity, {name} and temperature must broadcast, got shapes {shapes}.") from error
     if 0 in shape:
         raise InputError(f"velocity, {name} and temperature must not be empty, got shape {shape}.")
-    factor = 1.0 if kelvin is None else foundation.shift.a(kelvin)
+    factor, vertical = (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
     if kelvin is not None and not is_traced(velocity, factor):
         _check_shift(kelvin, velocity, factor)
-    points = Points(shape, velocity, value, kelvin, None, is_traced(foundation, body, velocity, value, kelvin))
-    return points._replace(reduced=points.full(velocity * factor))
+    points = Points(shape, velocity, value, kelvin, None, None, is_traced(foundation, body, velocity, value, kelvin))
+    return points._replace(reduced=points.full(velocity * factor), vertical=points.full(vertical))
 
 
 def check_rtol(rtol: Any) -> None:

@@ -89,20 +89,16 @@ def rough_friction(
         if not np.any(law.moduli) and not float(law.viscosity):  # nothing is lost, and what is left is rounding
             found = found._replace(mu=0 * found.mu, error=0 * found.error)
     warm, cold = None, found.mu
-    if (
-        heat is not None
-        and isinstance(surface, AbstractSpectrum)
-        and kelvin is not None
-        and foundation.shift is not None
-    ):
+    vertical = scene.vertical
+    if heat is not None and isinstance(surface, AbstractSpectrum) and kelvin is not None:
         v, t = (np.broadcast_to(a, shape).ravel() for a in (velocity, kelvin))
 
         def at_pressure(reduced: np.ndarray, pressure: np.ndarray, coarse: bool) -> Mean:
             return points(reduced, pressure * length, coarse)
 
-        warm = warmed(heat, foundation, foundation.shift, surface, v, t, given / length, found, at_pressure)
-        found, reduced = warm.mean, warm.reduced.reshape(shape)
-    mu, good = found.mu, found.good
+        warm = warmed(heat, foundation, surface, v, t, given * vertical / length, found, at_pressure)
+        found, reduced, vertical = warm.mean, warm.reduced.reshape(shape), warm.vertical
+    mu, good, force = found.mu, found.good, found.load * vertical
     error = found.error + (0.0 if warm is None else SETTLED * np.abs(mu - cold))
     coarse = good & coarse_at(error, mu)
     good = good & ~coarse
@@ -151,8 +147,8 @@ def rough_friction(
     return FrictionCurve(
         velocity=numpy.broadcast_to(velocity, shape).copy(),
         mu=field(mu),
-        normal_force=field(found.load),
-        friction_force=field(mu * found.load),
+        normal_force=field(force),
+        friction_force=field(mu * force),
         depth=field(found.depth),
         contact=None,
         error=field(error + spread),
@@ -163,7 +159,7 @@ def rough_friction(
         inputs=tuple(inputs),
         extrapolated=beyond.points,
         model_error=None if isinstance(surface, RoughLine) else field(mu * far),
-        pressure=None if pressure is None else (given / length).reshape(shape),
+        pressure=None if pressure is None else (given * scene.vertical / length).reshape(shape),
         temperature_rise=None if warm is None else field(warm.rise),
         cold=None if warm is None else field(cold),
         heat_flux=None if warm is None else field(warm.heat),

@@ -30,7 +30,8 @@ class RoughScene(NamedTuple):
     kelvin: Any  # as given [K], or None
     value: Any  # line load [N/m] or depth [m], as given
     reduced: Any  # v a_T [m/s], of the broadcast shape
-    given: Any  # line load [N/m] or depth [m] of each point, flat
+    given: Any  # line load over b_T [N/m] or depth [m] of each point, flat
+    vertical: Any  # b_T, by which forces are larger than those of the foundation's law, flat
     control: Any  # "load" or "depth"
     length: Any  # that turns the pressure into a line load [m]; None without a pressure
     rule: str  # how, in words
@@ -59,9 +60,11 @@ def set_up(
     control, value, length, rule = _control(surface, load, depth, pressure, model.equivalent_length)
     at = steady_points(foundation, surface, velocity=velocity, temperature=temperature, **{control: value})
     lines = ensemble(surface, model.samples, model.periods, which)
+    given, vertical = at.full(value).ravel(), at.vertical.ravel()
+    given = given / vertical if control != "depth" else given
     return RoughScene(
-        foundation, lines, which, at.shape, at.velocity, at.kelvin, value, at.reduced, at.full(value).ravel(), control,
-        length, rule, at.traced,
+        foundation, lines, which, at.shape, at.velocity, at.kelvin, value, at.reduced, given, vertical, control, length,
+        rule, at.traced,
     )  # fmt: skip
 
 

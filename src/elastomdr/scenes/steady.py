@@ -41,7 +41,8 @@ class Scene(NamedTuple):
     law: Relaxation
     lines: AbstractLines
     control: Control
-    value: Float[Array, " points"]  # load [N] or depth [m]
+    value: Float[Array, " points"]  # load over b_T [N] or depth [m]
+    vertical: Float[Array, " points"]  # b_T, by which forces are larger than those of `law`
     velocity: Float[Array, " points"]  # as given [m/s]
     reduced: Float[Array, " points"]  # velocity times a_T [m/s]
     temperature: Any  # broadcast to `shape`, or None
@@ -84,6 +85,8 @@ def set_up(
     law, given = foundation.law(), {control: load if depth is None else depth}
     points = steady_points(foundation, lines, velocity=velocity, temperature=temperature, **given)
     kelvin, value, reduced = points.kelvin, points.full(points.value).reshape(-1), points.reduced.reshape(-1)
+    vertical = points.vertical.reshape(-1)
+    value = value / vertical if control == "load" else value
     if not points.traced:
         _check_size(lines, control, value)
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
@@ -109,6 +112,7 @@ def set_up(
         lines,
         control,
         value,
+        vertical,
         points.full(points.velocity).reshape(-1),
         reduced,
         points.full(kelvin),
@@ -146,7 +150,7 @@ def solve(scene: Scene) -> Steady:
                     f" Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol would accept them."
                 )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
-    force = result.line.normal_force
+    force = result.line.normal_force * scene.vertical
     # A Foundation given directly is a line by definition; a half-space under the bare line is not.
     bare = BARE_LINE if scene.plan.model == BARE and scene.foundation.per_area is False else 0.0
     contact = Contact(shaped(result.line.leading), shaped(result.line.trailing))

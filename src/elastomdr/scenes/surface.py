@@ -50,8 +50,9 @@ def surface_friction(
     foundation, scene = _set_up(material, surface, velocity, pressure, temperature, rtol, heat)
     shape, kelvin, traced = scene.shape, scene.kelvin, scene.traced
     pressures = scene.full(scene.value)  # [Pa]
+    carried = (pressures / scene.vertical).ravel()  # by the material at its reference temperature
     solved = _solver(model, foundation, surface, float(rtol), progress)
-    found = solved(scene.reduced.ravel(), pressures.ravel())
+    found = solved(scene.reduced.ravel(), carried)
     if not traced:
         _check_contact(found, pressures.ravel())
     reduced, warm, cold = scene.reduced, None, found.mu
@@ -63,7 +64,7 @@ def surface_friction(
         def again(reduced: np.ndarray, pressure: np.ndarray, coarse: bool) -> Mean:
             return _as_mean(solved(reduced, pressure))
 
-        warm = warmed(heat, foundation, foundation.shift, surface, v, t, p, _as_mean(found), again)
+        warm = warmed(heat, foundation, surface, v, t, p, _as_mean(found), again)
         reduced = warm.reduced.reshape(shape)
         found = found._replace(
             mu=warm.mean.mu, area=warm.mean.share, good=warm.mean.good,

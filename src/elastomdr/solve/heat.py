@@ -151,8 +151,8 @@ class Scales(NamedTuple):
     share: Float[np.ndarray, "n waves"]  # s_q, sums to one
 
 
-def scales(foundation: Any, surface: AbstractSpectrum, reduced: Float[np.ndarray, " n"], pressure: float) -> Scales:
-    """Apparent contact share P and share s of the friction, by wave number, at v a_T and the nominal pressure."""
+def scales(foundation: Any, surface: AbstractSpectrum, reduced: Float[np.ndarray, " n"], pressure: Any) -> Scales:
+    """Apparent contact share P and share s of the friction, by wave number, at v a_T and the nominal pressures."""
     from scipy.special import erf
 
     count = max(24, int(np.ceil(_PER_DECADE * np.log10(surface.q_high / surface.q_low))))
@@ -161,7 +161,7 @@ def scales(foundation: Any, surface: AbstractSpectrum, reduced: Float[np.ndarray
     log_omega = np.log(reduced[:, None] * q)
     of = tables(foundation.complex_modulus, np.exp(log_omega.min()), np.exp(log_omega.max()))
     slope = q**4 * surface.at(q)  # q^3 C dq, per dlog q
-    rate = slope * read(of, of.stiffness, log_omega) / (8 * pressure**2)
+    rate = slope * read(of, of.stiffness, log_omega) / (8 * np.reshape(pressure, (-1, 1)) ** 2)
     spread = np.concatenate([np.zeros((reduced.size, 1)), np.cumsum(0.5 * width * (rate[:, 1:] + rate[:, :-1]), 1)], 1)
     with np.errstate(divide="ignore"):
         area = erf(0.5 / np.sqrt(spread))
