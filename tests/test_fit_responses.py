@@ -8,8 +8,8 @@ from elastomdr.cli.main import main
 
 from .test_read_instruments import RUBBER, table
 
-CELSIUS = np.arange(-20.0, 41.0, 10.0)
-INSTANTS = np.geomspace(1.2, 1000, 16)
+CELSIUS = np.arange(-30.0, 41.0, 10.0)
+INSTANTS = np.geomspace(1.1, 1000, 16)
 T, TIME = (grid.ravel() for grid in np.meshgrid(CELSIUS, INSTANTS, indexing="ij"))
 
 
@@ -54,14 +54,14 @@ def test_creep_is_read(titles, columns, options, write):
     dma = em.read_dma(write(table(titles, T, TIME, *columns)), **options)
     assert (dma.response, dma.kind, dma.size) == ("creep", "tensile", T.size)
     np.testing.assert_allclose(dma.relaxation, 1 / CREEP, rtol=1e-8)
-    assert "creep compliance, 1.2 to 1e+03 s" in dma.summary()
+    assert "creep compliance, 1.1 to 1e+03 s" in dma.summary()
 
 
 def test_creep_becomes_a_material(write):
     dma = em.read_dma(write(table("T [degC],t [s],Creep compliance [1/MPa]", T, TIME, CREEP * 1e6)), kind="tensile")
     fit = em.fit.material(dma, 293.15)
     assert off(fit) < 0.05
-    inverse = np.asarray(RUBBER.at(263.15).creep_compliance(10.0)) * np.asarray(RUBBER.at(263.15).relaxation(10.0))
+    inverse = np.asarray(RUBBER.at(243.15).creep_compliance(2.0)) * np.asarray(RUBBER.at(243.15).relaxation(2.0))
     assert inverse < 0.9  # 1/J is no relaxation
     t = np.geomspace(1e-2, 1e4, 9)
     true = np.asarray(RUBBER.at(293.15).creep_compliance(t))
@@ -102,7 +102,7 @@ def test_what_was_held_decides_what_it_is(write):
     dma = em.read_dma(write(table("T [degC],t [s],Stress [Pa],Strain [%]", T, TIME, stress, 0 * T + 1)), kind="tensile")
     assert dma.response == "relaxation"
     np.testing.assert_allclose(dma.relaxation, of("relaxation"), rtol=1e-8)
-    path = write(table("T [degC],t [s],Stress [Pa],Strain [%]", T, TIME, stress, TIME))
+    path = write(table("T [degC],t [s],Stress [Pa],Strain [%]", T, TIME, stress, TIME / 100))
     with pytest.raises(em.InputError, match=r"both vary.*--column 'stress=0.1 MPa'"):
         em.read_dma(path, kind="tensile")
     held = em.read_dma(path, kind="tensile", columns={"strain": "1 %"})
