@@ -4,6 +4,7 @@ import argparse
 import re
 import sys
 import warnings
+from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
@@ -21,7 +22,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """The options of this command."""
     command._negative_number_matcher = re.compile(r"-\.?\d")  # "-20degC" is a temperature, not an option
     add = command.add_argument
-    add("data", metavar="DMA", nargs="+", help="measured isotherms; several files of one material are joined")
+    add("data", metavar="DMA", nargs="*", help="measured isotherms; several files of one material are joined")
+    add("--shore-a", metavar="H", type=float, help="no file, but the hardness: a library spectrum scaled to it, an "
+        "estimate within a factor of two")  # fmt: skip
+    add("--like", metavar="MATERIAL", default="sbr-gum-like", help="whose spectrum --shore-a scales (default: "
+        "sbr-gum-like)")  # fmt: skip
     add("--reference", metavar="T", help='reference temperature, such as "20degC" (default: the isotherm nearest it)')
     add("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
     add("--name", help="name of the material and of its files (default: that of the data)")
@@ -73,6 +78,10 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--name must be letters, digits, dots and dashes, got {options.name!r}.")
     if isinstance(reference, list):
         raise InputError(f"--reference must be a single temperature, got {options.reference!r}.")
+    if (options.shore_a is None) == (not options.data):
+        raise InputError("DMA must be given, one file or more, or --shore-a instead of them.")
+    if options.shore_a is not None:
+        return _from_hardness(options, folder)
     columns = dict(map(_column, options.column))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
@@ -93,6 +102,20 @@ def run(options: argparse.Namespace) -> int:
         return DONE
     print("elastomdr: warning: the fit did not converge; look at its figures before using it.", file=sys.stderr)
     return NOT_CONVERGED
+
+
+def _from_hardness(options: argparse.Namespace, folder: Path) -> int:
+    """Writes a material that is known by its hardness only."""
+    from ..fit.hardness import from_hardness, save_hardness
+
+    material = from_hardness(options.shore_a, like=options.like, name=options.name or "")
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{material.name}.toml"
+    save_hardness(material, options.shore_a, options.like, path)
+    print(f"{'material':<16}{material.name}: {material.citation}")
+    print(f"{'estimated':<16}moduli within a factor of two, loss tangent of {options.like}")
+    print(f'wrote {path.name}; in a scene file here: material = "{path.as_posix()}"')
+    return DONE
 
 
 def _kelvin(name: str, text: str | None) -> Any:
