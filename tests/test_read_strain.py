@@ -9,7 +9,7 @@ import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.fit import FitWarning
 
-from .dma_files import KNOWN, measure
+from .dma_files import KNOWN, isotherms, measure
 
 SMALL = measure(KNOWN, np.arange(-10.0, 41.0, 10.0), np.geomspace(0.1, 50, 7))
 LARGE = SMALL * [1, 1, 0.6, 0.8]
@@ -84,3 +84,32 @@ def test_joining_and_copies_keep_the_strain(write):
     np.testing.assert_allclose(both.strain, np.r_[np.full(len(SMALL), 1e-3), np.full(len(SMALL), 0.05), np.nan])
     with pytest.warns(FitWarning, match="no temperature"):
         assert np.isnan(em.read_dma(write("f [Hz],G' [Pa],G'' [Pa]\n1,2e6,1e5\n2,2e6,1e5")).strain).all()
+
+
+@pytest.mark.parametrize("strain", [True, False])
+def test_steps_of_a_file_are_told_apart(strain, write):
+    """An amplitude sweep as step 1, sweeps of frequency after it; without strains it is left out when read."""
+    steps = [(1, AMPLITUDES, PAYNE)] + [(2 + i, 0.1, part) for i, part in enumerate(isotherms(SMALL))]
+    rows = [
+        (n, *([x] * strain), *row)
+        for n, a, part in steps
+        for x, row in zip(np.broadcast_to(a, len(part)), part, strict=True)
+    ]
+    titles = "Step," + "Strain [%]," * strain + TITLES
+    path = write("\n".join([titles, *(",".join(f"{x:.12g}" for x in row) for row in rows)]))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        dma = em.read_dma(path)
+    assert [("12 points in steps at one frequency" in str(one.message)) for one in caught] == [True] * (not strain)
+    assert dma.strain_sweeps().size == AMPLITUDES.size * strain
+    fit = em.fit.master_curve(dma, 293.15)
+    assert fit.dma.size == len(SMALL)
+
+
+def test_a_step_column_stands_for_the_isotherms(write):
+    """One temperature for each step, where no column has them."""
+    parts = isotherms(SMALL)
+    rows = [(i, row[0], *row[2:]) for i, part in enumerate(parts) for row in part]
+    path = write("\n".join(["Set,f [Hz],G' [Pa],G'' [Pa]", *(",".join(f"{x:.12g}" for x in row) for row in rows)]))
+    celsius = np.array([part[0, 1] for part in parts])
+    np.testing.assert_allclose(em.read_dma(path, temperature=celsius + 273.15).temperature, SMALL[:, 1] + 273.15)

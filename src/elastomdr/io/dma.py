@@ -88,6 +88,10 @@ _PAIRS = (
 _TIMED = (("relaxation",), ("creep",), ("stress", "strain"))
 _CONSTANT = 1.05  # ratio of the largest to the smallest stress (or strain) that counts as held
 _ALONE = "if it was not measured, give storage_only=True (--storage-only)"
+_STEP = r"(step|schritt|segment|interval|intervall|block|set|sweep|(mess)?abschnitt)( (no\.?|nr\.?|number|index))?"
+_HOLD = 4  # points at one frequency and temperature that make a sweep of something else
+_HELD = 3.0  # range of temperatures within it [K]
+_SWEPT = 1.5  # ratio of the highest to the lowest frequency of a sweep
 _SAME = 0.5  # [K], within which two temperatures are one, rounded
 _LAST = 10**9  # behind all columns
 _SHARED = {"time", "frequency"}  # that may stand once, before the columns of several isotherms
@@ -186,7 +190,7 @@ def read_dma(
         raise InputError(f"columns must name titles or numbers of columns, got {unmet}, which no file has.")
     if temperature is None:
         parts = _from_names(parts)
-    dma = join(*_with_temperatures(parts, temperature))
+    dma = join(*_with_temperatures(_without_holds(parts), temperature))
     for text in dma.warnings:
         warnings.warn(text, FitWarning, stacklevel=2)
     return dma
@@ -453,11 +457,24 @@ def _kind(name: str, table: Table, chosen: Mapping[str, Column], kind: str | Non
 
 def _parts(name: str, table: Table, columns: Mapping[str, Any] | None) -> list[Table]:
     """The isotherms in a table; of those side by side only the ones with all the columns that the user names."""
-    parts = _isotherms(name, table)
+    parts = [part for one in _steps(table) for part in _isotherms(name, one)]
     users = named(name, columns, table, QUANTITIES)[0].keys()
     if len(parts) < 2 or not users:
         return parts
     return [part for part in parts if named(name, columns, part, QUANTITIES)[0].keys() == users] or [table]
+
+
+def _steps(table: Table) -> list[Table]:
+    """A table for each number in a column of steps; or the table."""
+    for head in table.heads:
+        if not re.fullmatch(_STEP, head.title.strip(), re.IGNORECASE):
+            continue
+        numbers = table.column(head.place)
+        steps = np.unique(numbers[np.isfinite(numbers)])
+        if 1 < steps.size <= len(table.rows) / 3 and (steps == np.round(steps)).all() and np.isfinite(numbers).all():
+            rows = {step: [row for row, n in zip(table.rows, numbers, strict=True) if n == step] for step in steps}
+            return [table._replace(rows=rows[step]) for step in steps]
+    return [table]
 
 
 def _isotherms(name: str, table: Table) -> list[Table]:
@@ -559,6 +576,31 @@ def _temperatures(cells: Sequence[str]) -> Iterator[tuple[int, float, str]]:
         si = to_si(match[2].replace(" ", ""), "temperature") if match else None
         if match and si and (kelvin := float(match[1].replace(",", ".")) * si[0] + si[1]) > 0:
             yield place, kelvin, text
+
+
+def _without_holds(parts: list[Dma]) -> list[Dma]:
+    """The measurements without steps at one frequency and temperature beside sweeps of frequency.
+
+    Nobody says what was changed in them: strain, time or preload. Where the strain is known, the fit sorts them out.
+    """
+    held = [_is_hold(part) for part in parts]
+    swept = [part.omega.size > 1 and part.omega.max() > _SWEPT * part.omega.min() for part in parts]
+    if not any(held) or not any(swept):
+        return parts
+    kept = [part for part, hold in zip(parts, held, strict=True) if not hold]
+    count = sum(part.size for part, hold in zip(parts, held, strict=True) if hold)
+    text = (
+        f"{parts[held.index(True)].source}: {count} points in steps at one frequency and temperature are left out: a "
+        "sweep of something that no column holds, such as strain or time."
+    )
+    return [replace(kept[0], warnings=(*kept[0].warnings, text)), *kept[1:]]
+
+
+def _is_hold(part: Dma) -> bool:
+    if part.omega.size < _HOLD or np.isfinite(part.strain).any() or part.time.size:
+        return False
+    one_rate = part.omega.max() < 1.01 * part.omega.min()
+    return bool(one_rate and np.ptp(part.temperature) < _HELD)  # NaN where no temperature is known: not held
 
 
 def _from_names(parts: list[Dma]) -> list[Dma]:
