@@ -57,7 +57,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "data decide)")  # fmt: skip
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
     add("--balance", type=float, metavar="FACTOR", help="how many times more exactly the storage modulus is met than "
-        "the loss modulus (default: their scatter)")  # fmt: skip
+        "the loss modulus (default: by their scatter, alike where they contradict each other)")  # fmt: skip
     add("--temperature-error", type=float, metavar="K", help="standard error of the temperature of an isotherm "
         "(default: by the scatter of the shift factors, about 0.3)")  # fmt: skip
     add("--law", default="auto", help="auto, WLF, Arrhenius, VFT, table or none (default: auto)")

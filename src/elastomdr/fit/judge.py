@@ -139,13 +139,14 @@ def judge_series(
     points: Points,
     residuals: np.ndarray,
     data: Data,
-    contradiction: bool,
+    contradiction: str,
     excess: float | None,
     converged: bool,
 ) -> Iterator[str]:
     """Warnings on what a series does not meet; single outliers are not held against it.
 
-    `contradiction` is that of storage and loss modulus, `excess` that of relaxation and both.
+    `contradiction` says what the closest passive material shows of storage and loss modulus, `excess` is that of
+    relaxation and both.
     """
     if not converged:
         yield "The refinement of the times did not converge: look at the figure before using the series."
@@ -163,7 +164,7 @@ def judge_series(
                 f"{max(excess, 1 / excess):.2g}."
             )
         elif contradiction:
-            yield f"{met}: storage and loss modulus contradict each other, no passive material comes closer to both."
+            yield f"{met}{contradiction}"
         elif size > 1.5 * data.noise[channel]:
             yield f"{met}; more terms may help (terms=...)."
         else:

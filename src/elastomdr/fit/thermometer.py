@@ -6,8 +6,9 @@ Shift factors x about a WLF law f(T; p) therefore scatter by
     V(s) = C + s^2 diag(f'(T)^2),      C what the moduli leave open, s the standard error of a temperature,
 
 and the restricted likelihood of V (Patterson & Thompson 1971: p is found from the same shift factors) says which s is
-likely. Before any data s is expected to be that of usual instruments, half normal with 0.3 K; its mean square over the
-posterior is what enters the uncertainty. Few isotherms leave the expectation as it is, many a clear answer. Shift
+likely. Before any data s is expected to be that of usual instruments, half normal with 0.3 K, or, with one chance in
+three, none that matters: a thermometer may be off by the same at all temperatures. Its mean square over the posterior
+is what enters the uncertainty. Few isotherms leave the expectation as it is, many a clear answer. Shift
 factors that follow no WLF law say nothing of thermometers.
 """
 
@@ -31,8 +32,10 @@ def thermometer(temperature: np.ndarray, log10_a: np.ndarray, covariance: np.nda
     if own > MISSES:
         return usual
     scale = usual * _GRID
-    chance = -0.5 * _GRID**2 + np.array([_restricted(covariance, slope * s, bends, off) for s in scale])
-    weight = np.exp(chance - chance.max())
+    chance = np.array([_restricted(covariance, slope * s, bends, off) for s in scale])
+    before = np.exp(-0.5 * _GRID**2)
+    before[0] = 0.5 * before[1:].sum()
+    weight = before * np.exp(chance - chance.max())
     return float(np.sqrt((weight * scale**2).sum() / weight.sum()))
 
 
