@@ -197,13 +197,12 @@ def read_dma(
 
 
 def _specimen(area: Any, length: Any, ramp: Any, storage_only: Any) -> Specimen:
-    numbers = []
-    for name, value in (("area", area), ("length", length), ("ramp", ramp)):
-        number = None if value is None else float(plain(name, value))
+    given = {"area": area, "length": length, "ramp": ramp}
+    numbers = {name: None if value is None else float(plain(name, value)) for name, value in given.items()}
+    for name, number in numbers.items():
         if number is not None:
             positive(name, number)
-        numbers.append(number)
-    return Specimen(*numbers, bool(storage_only))
+    return Specimen(numbers["area"], numbers["length"], numbers["ramp"], bool(storage_only))
 
 
 def checked_units(**given: Any) -> dict[str, str]:
