@@ -1,6 +1,6 @@
 """Does friction come back from data with vertical shifts, at every temperature?
 
-    python benchmarks/fit_vertical.py [--seeds 8]
+    python benchmarks/fit_vertical.py [--seeds 3]
 
 A rubber of ten relaxation times with a WLF law is measured from -40 to 60 degC (0.1 to 100 Hz, noise 0.5 %). Its moduli
 follow entropy elasticity exactly, none at all, or a table (a step of 15 % between 0 and 20 degC). `em.fit.material`
@@ -48,7 +48,7 @@ def friction(material: em.Prony) -> np.ndarray:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=8)
+    parser.add_argument("--seeds", type=int, default=3)
     seeds = parser.parse_args().seeds
     one_thread()
     record = heading("Friction from data with vertical shifts", f"{seeds} sets of noise each, -40 to 60 degC")

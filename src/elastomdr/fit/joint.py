@@ -16,8 +16,7 @@ from .thermometer import slopes, thermometer
 
 _GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
 _RANGE = float(np.log(2.0))  # of ln(rate) within an isotherm, from which its level says something
-_SURE = 3.0  # ln of the ratio of evidence above which data decide against entropy elasticity: one in twenty,
-_EVEN = 0.02  # if their vertical shifts are off it by more than this, relatively: small ones are of the samples
+_EVEN = 0.02  # by how much vertical shifts may differ from entropy elasticity and still be taken for it, relatively
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
 
 
@@ -129,7 +128,7 @@ def without_vertical(joint: Joint) -> Joint:
 
 
 def entropic(joint: Joint) -> Joint | None:
-    """The fit of the same isotherms with the vertical shifts of entropy elasticity; None where data are sure of others.
+    """The fit of the same isotherms with the vertical shifts of entropy elasticity; None where data ask for others.
 
     What other shifts would change is in the uncertainty, with the weight that their evidence leaves them.
     """
@@ -139,7 +138,7 @@ def entropic(joint: Joint) -> Joint | None:
     shifts = join(free.points, free.temperature, x, "entropic", joint.inflation, near=free, fixed=law)
     gain = (shifts.posterior.evidence - free.posterior.evidence) / max(1.0, joint.misfit) ** 2
     lift, lifted = shifts.vertical() @ shifts.posterior.mean, free.vertical() @ free.posterior.mean
-    if gain < -_SURE and np.ptp(lifted - lift) > _EVEN:
+    if gain < 0 and np.ptp(lifted - lift) > _EVEN:
         return None
     here = shifts.horizontal(shifts.posterior.mean)[0]
     difference = (x - x[shifts.anchor]) - (here - here[shifts.anchor])
