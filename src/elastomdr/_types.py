@@ -47,6 +47,7 @@ ModelLike: TypeAlias = "Model | ModelName"
 
 Convention: TypeAlias = Literal["2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"]
 Motion: TypeAlias = Literal["friction", "rolling"]
+Response: TypeAlias = Literal["relaxation", "creep", "storage"]
 LawName: TypeAlias = Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"]
 Style: TypeAlias = Literal["paper"]  # of a figure
 
