@@ -20,6 +20,7 @@ _HOMES = {
     "mapping.rough_line": ("RoughLine",),
     "mapping.spectrum": ("SelfAffine", "Spectrum"),
     "foundation.law": ("Foundation", "half_space", "springs"),
+    "foundation.layer": ("Layer", "layer"),
     "foundation.step": ("ContactStep",),
     "solve.heat": ("Heat",),
     "solve.plan": ("Plan",),
