@@ -169,9 +169,9 @@ def as_foundation(material: Any) -> Foundation:
         return half_space(material)
     if type(material).__name__ == "Layer":  # solved by its own means where a verb knows it
         raise InputError(
-            "material must be a half-space or independent springs here, got an em.layer, which this call does not take: "
-            "use em.springs(material, thickness) for a contact much wider than the layer is thick, em.half_space for one "
-            "much narrower."
+            "material must be a half-space or independent springs here, got an em.layer, which this call does not "
+            "take: use em.springs(material, thickness) for a contact much wider than the layer is thick, em.half_space "
+            "for one much narrower."
         )
     raise InputError(
         f"material must be a material (em.Prony, em.load_material(...)) or an em.Foundation, got {material!r}."

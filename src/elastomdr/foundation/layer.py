@@ -4,12 +4,13 @@ A frictionless load p on the surface of a layer of thickness h displaces it, wav
 
     u(k) = (2/k) C(k, omega) p(k),      C = W(kh)/E*(omega),
 
-with E* = E/(1 - nu^2) the modulus of the half-space. W tends to one for short waves, where the layer is a half-space, and for long
-ones to the stiffness of a thin layer: W = kh (1 - 2 nu)/(2 (1 - nu)^2) bonded, (2/3) (kh)^3 bonded and incompressible, kh/2 on a base on
-which it slips. `layer_kernel` is W, `layer_deficit` 1 - W; both hold for a plane wave, and so for Hankel's transform as well.
+with E* = E/(1 - nu^2) the modulus of the half-space. W tends to one for short waves, which see a half-space, and for
+long ones to that of a thin layer: kh (1 - 2 nu)/(2 (1 - nu)^2) where it is bonded, (2/3) (kh)^3 where it is
+incompressible as well, kh/2 on a base on which it slips. `layer_kernel` is W, `layer_deficit` 1 - W; both hold for plane
+waves and for those of Hankel's transform.
 
-The kernel takes `squeeze` = 1 - 2 nu in place of nu: zero where incompressible, and complex, 3G/(3K + G), at a frequency where the
-bulk modulus K is constant. Source: Johnson, Contact Mechanics (1985), section 5.8; derived again in `docs/theory.md`.
+The kernel takes `squeeze` = 1 - 2 nu in place of nu: zero where incompressible, and complex, 3G/(3K + G), where the bulk
+modulus K is constant. Source: Johnson, Contact Mechanics (1985), section 5.8; derived again in `docs/theory.md`.
 """
 
 from __future__ import annotations
@@ -38,11 +39,12 @@ _SERIES = 0.5  # below this kh the numerator of the bonded layer, which cancels 
 class Layer(Tree):
     """A layer of rubber on a rigid base, with a frictionless top; `em.layer` makes it.
 
-    How solvers use it: `layer.covers` are the layers that face each other across the contact (one, or two with `other`); their
-    compliances add. Of one of them `cover.kernel(z)` is W at z = kh where the Poisson's ratio is constant, `cover.kernel(z, omega)` at
-    any material; `cover.compliance(z, omega)` is W/E* [1/Pa], and `cover.deficit(z, omega)` the part (1 - W)/E* that a half-space
-    lacks. `cover.normal()` is E*(t) of the half-space as a relaxation function, `cover.constant` says whether W does not depend on
-    frequency. `name`, `shift` and `range` are those of the material.
+    How solvers use it: `layer.covers` are the layers on both sides of the contact, one, or two with `other`; their
+    compliances add. Of one of them `cover.kernel(z)` is W at z = kh where the Poisson's ratio is constant, and
+    `cover.kernel(z, omega)` that of any material; `cover.compliance(z, omega)` is W/E* [1/Pa], `cover.deficit(z, omega)`
+    the part (1 - W)/E* by which a half-space is more compliant. `cover.normal()` is E*(t) of the half-space as a
+    relaxation function, `cover.constant` says whether W is the same at all frequencies. `name`, `shift` and `range` are
+    those of the material.
     """
 
     material: Prony | TabulatedModulus
@@ -126,7 +128,8 @@ class Layer(Tree):
             return 1 - 2 * poisson
         if omega is None:
             raise InputError("omega must be given for a material with a constant bulk modulus.")
-        shear, bulk = self.material.shear().complex_modulus(omega), self.material.bulk  # type: ignore[union-attr]
+        material: Any = self.material
+        shear, bulk = material.shear().complex_modulus(omega), material.bulk
         return 3 * shear / (3 * bulk + shear)
 
     @numpy_unless_traced
@@ -135,12 +138,12 @@ class Layer(Tree):
         return layer_kernel(as_float64("z", z), self.squeeze(omega), self.bonded)
 
     @numpy_unless_traced
-    def compliance(self, z: ArrayLike, omega: ArrayLike) -> ComplexArray:
+    def compliance(self, z: ArrayLike, omega: ArrayLike) -> Any:
         """W(kh)/E*(omega) [1/Pa] at z = kh and omega [rad/s], which broadcast."""
         return self.kernel(z, omega) / self.modulus(omega)
 
     @numpy_unless_traced
-    def deficit(self, z: ArrayLike, omega: ArrayLike) -> ComplexArray:
+    def deficit(self, z: ArrayLike, omega: ArrayLike) -> Any:
         """(1 - W(kh))/E*(omega) [1/Pa]: by how much a half-space is more compliant than this layer."""
         return layer_deficit(as_float64("z", z), self.squeeze(omega), self.bonded) / self.modulus(omega)
 
@@ -151,17 +154,17 @@ def layer(
     """Rubber of finite thickness on a rigid base, to be indented, rolled or slid on.
 
     Args:
-        material: `Prony`, of any Poisson's ratio including 0.5 or with a constant bulk modulus; a `TabulatedModulus` for what needs
-            no history in time.
+        material: `Prony`, of any Poisson's ratio including 0.5 or with a constant bulk modulus; `TabulatedModulus` for
+            what needs no history in time.
         thickness: [m], any, thin or thick against the contact.
         bonded: whether it sticks to its base, or slips on it without friction.
-        other: a layer on the other body, for two covers in contact, as a belt on a lagged roller: their compliances add.
+        other: a layer on the other body, for two covers in contact, as a belt on a lagged roller.
 
     Returns:
         A `Layer`, for the argument `material` of the verbs.
 
     Raises:
-        InputError: for a thickness that is not positive, for anything but a material, for covers with different shift laws.
+        InputError: for a thickness that is not positive, for anything but a material, for different shift laws.
 
     Exact, for small strains and a frictionless surface. The base is rigid. Source: `elastomdr.foundation.layer`.
     """

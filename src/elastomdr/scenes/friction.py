@@ -13,6 +13,7 @@ from ..models import HalfSpace, Line
 from ..results.curve import FrictionCurve
 from ..solve.heat import Heat
 from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
+from .on_layer import is_on_layer, on_layer
 from .several import over_materials
 from .steady import no_pressure, set_up, solve
 
@@ -124,11 +125,17 @@ def friction(
                 points=model.cells or CELLS,
             )  # fmt: skip
             return curve
-    scene = set_up(
-        "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-        temperature=temperature, model=model, rtol=rtol, skip=skip,
-    )  # fmt: skip
-    found = solve(scene)
+    if is_on_layer(material, shape):
+        found, kelvin, name, plan = on_layer(
+            "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol,
+        )  # fmt: skip
+    else:
+        scene = set_up(
+            "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol, skip=skip,
+        )  # fmt: skip
+        found, kelvin, name, plan = solve(scene), scene.temperature, scene.plan.model, scene.plan
     return FrictionCurve(
         velocity=found.velocity,
         mu=found.mu,
@@ -140,8 +147,8 @@ def friction(
         model_error=found.model_error,
         converged=found.converged,
         extrapolated=found.extrapolated,
-        temperature=scene.temperature,
-        model=scene.plan.model,
-        plan=scene.plan,
+        temperature=kelvin,
+        model=name,
+        plan=plan,
         inputs=found.inputs,
     )

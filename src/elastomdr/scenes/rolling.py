@@ -8,6 +8,7 @@ from .._runtime import numpy_unless_traced
 from ..errors import InputError
 from ..mapping.shapes import AbstractShape
 from ..results.curve import RollingCurve
+from .on_layer import is_on_layer, on_layer
 from .several import over_materials
 from .steady import set_up, solve
 
@@ -41,11 +42,17 @@ def rolling(
     """
     if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
         raise InputError(f"shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a {shape.label}.")
-    scene = set_up(
-        "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-        temperature=temperature, model=model, rtol=rtol, skip=skip,
-    )  # fmt: skip
-    found = solve(scene)
+    if is_on_layer(material, shape):
+        found, kelvin, name, plan = on_layer(
+            "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol,
+        )  # fmt: skip
+    else:
+        scene = set_up(
+            "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol, skip=skip,
+        )  # fmt: skip
+        found, kelvin, name, plan = solve(scene), scene.temperature, scene.plan.model, scene.plan
     radius = shape.rolling_radius
     assert radius is not None  # refused above
     return RollingCurve(
@@ -61,8 +68,8 @@ def rolling(
         model_error=found.model_error,
         converged=found.converged,
         extrapolated=found.extrapolated,
-        temperature=scene.temperature,
-        model=scene.plan.model,
-        plan=scene.plan,
+        temperature=kelvin,
+        model=name,
+        plan=plan,
         inputs=found.inputs,
     )

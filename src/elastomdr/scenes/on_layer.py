@@ -1,0 +1,52 @@
+"""Steady friction and rolling on rubber of finite thickness: which solver a body goes to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..errors import InputError
+from ..foundation.layer import Layer
+from ..mapping.shapes import AbstractShape, Cylinder
+from .steady import no_pressure
+
+if TYPE_CHECKING:
+    from .steady import Steady
+
+
+class OnLayer(NamedTuple):
+    """What a curve is made of."""
+
+    found: Steady
+    temperature: Any  # broadcast to the points, or None
+    model: str
+    plan: Any
+
+
+def is_on_layer(material: Any, shape: Any) -> bool:
+    """Whether the contact is one of a layer, or of a cylinder on a half-space, the limit of a thick layer."""
+    if not isinstance(shape, AbstractShape):
+        return isinstance(material, Layer)
+    return isinstance(material, Layer) or (
+        isinstance(shape, Cylinder) and getattr(material, "per_area", False) is False
+    )
+
+
+def on_layer(
+    quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
+    model: Any, rtol: float,
+) -> OnLayer:  # fmt: skip
+    """The steady scene of a smooth body on a layer, solved. Raises `InputError` for whatever has no meaning."""
+    if not isinstance(shape, AbstractShape):
+        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Cylinder or the like on a layer, got {shape!r}.")
+    no_pressure(shape, pressure)
+    if (load is None) == (depth is None):
+        given = "neither" if load is None else f"load={load} and depth={depth}"
+        raise InputError(f"load or depth must be given, and only one of them, got {given}.")
+    if isinstance(shape, Cylinder):
+        from .cylinder import cylinder_on_layer
+
+        return cylinder_on_layer(
+            quantity, material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
+            rtol=rtol,
+        )  # fmt: skip
+    raise InputError(f"shape must be an em.Cylinder on an em.layer, got {shape!r}.")
