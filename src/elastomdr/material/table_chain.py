@@ -23,9 +23,7 @@ def to_chain(table: AbstractTable) -> tuple[KelvinChain, float]:
     transformation of JAX with respect to the table.
     """
     if is_traced(table):
-        raise InputError(
-            "material must be an em.Prony to be differentiated here, got a table of moduli that is traced."
-        )
+        raise InputError("material must be an em.Prony to be differentiated here, got a traced table.")
     from scipy.optimize import nnls
 
     ends = float(table.omega[0]), float(table.omega[-1])

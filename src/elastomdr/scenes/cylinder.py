@@ -36,6 +36,7 @@ ON_HALF_SPACE = "cylinder on a half-space, plane strain (exact but for the ends 
 _ORDERS = ((32, 48), (48, 64), (64, 96), (96, 128), (128, 192))  # terms of the pressure, to be compared
 _TRACED = (48, 64)
 _TRACED_RATIO = 24.0  # half-length over thickness served under a JAX transformation
+_SHARE = 0.3  # of what the lower order changes, at most, that is left of it in the higher one
 _ROUNDING = 3e-9  # of mu: tables and sums
 _NEGATIVE = 1e-3  # of the largest pressure, or of the gap: beyond it the contact is not the one assumed
 _ENDS = 4.0  # length over half-width below which a cylinder is no longer plane
@@ -226,6 +227,7 @@ def _once(
     solution, other = (solve_at(flat, half, n, waves, dashpot) for n in (high, low))
     deep = depth(flat, solution, high) if flat.on_layers else half * np.nan
     off = xp.abs(solution.mu - other.mu) + 0.5 * xp.abs(solution.mu * (solution.load / other.load - 1))
+    off = _SHARE * off
     pull = xp.maximum(-least_pressure(solution, high, dashpot), 0.0)
     if flat.on_layers:
         pull = xp.maximum(pull, -least_gap(flat, solution, high, deep))
@@ -305,8 +307,8 @@ def _say(points: Points, found: _Found, sunk: Any, body: Any, shape: Cylinder, r
     widest, length = float(half[found.good].max()), float(shape.length)
     if length < _ENDS * widest:
         warnings.warn(
-            f"The cylinder, {1e3 * length:.4g} mm long, is only {significant(length / widest, 2)} times as long as half "
-            f"the contact is wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over about that distance "
+            f"The cylinder, {1e3 * length:.4g} mm long, is only {significant(length / widest, 2)} times as long as "
+            f"half the contact is wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over about that distance "
             "from each end the rubber moves aside, so that the same load needs more depth, and the pressure of the "
             "middle is not that of the ends.",
             ModelWarning,

@@ -32,7 +32,10 @@ def on_layer(
     quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
     model: Any, rtol: float, solved: bool = True,
 ) -> OnLayer:  # fmt: skip
-    """The steady scene of a smooth body on a layer, or, with `solved=False`, its plan only. Raises `InputError` for whatever has no meaning."""
+    """The steady scene of a smooth body on a layer, or, with `solved=False`, its plan only.
+
+    Raises `InputError` for whatever has no meaning.
+    """
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Cylinder or the like on a layer, got {shape!r}.")
     no_pressure(shape, pressure)

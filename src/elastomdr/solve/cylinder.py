@@ -4,18 +4,20 @@ The contact is x = xc + L t, |t| < 1, counted from the apex, in which the pressu
 
     p = sqrt(1 - t^2) sum_n c_n U_n(t),      n < N.
 
-The slope u' = -x/R of the surface is met at the roots of T_{N+1}: linear in (c_n, xc/R) once L is given, so that both edges come out.
-An elastic half-plane has the slope -2 T_{n+1}(t)/E* under the n-th term, and ahead -2 (t - sqrt(t^2 - 1))^{n+1}/E*. A Kelvin element
-of the creep function remembers what came ahead, exp(-s/l) ds/l with l = v lambda/L: what becomes of the slopes depends on l alone, and
-is tabulated once (`memory_table`). A layer takes from that
+The slope u' = -x/R of the surface is met at the roots of T_{N+1}: linear in (c_n, xc/R) once L is given, so that both
+edges come out. An elastic half-plane has the slope -2 T_{n+1}(t)/E* under the n-th term, and ahead of it
+-2 (t - sqrt(t^2 - 1))^{n+1}/E*. A Kelvin element of the creep function remembers what came from ahead,
+exp(-s/l) ds/l with l = v lambda/L. What becomes of the slopes depends on l alone, and is tabulated once
+(`memory_table`). From that a layer takes
 
     (2/pi) Im int_0^inf D(k) p(k) exp(ikx) dk,      D = sum over the covers of (1 - W)/E*(-kv),
 
-whose integrand falls as exp(-2kh), so that few waves serve (`_waves`). A material that begins with a dashpot (no instantaneous
-compliance) has an infinite pressure at its leading edge: one more term, sqrt((1 + t)/(1 - t)), and t = 1 as one more point.
+whose integrand falls as exp(-2kh), so that few waves serve (`layer_waves`). A material without instantaneous
+compliance, one that begins with a dashpot, has an infinite pressure at its leading edge: one more term,
+sqrt((1 + t)/(1 - t)), and t = 1 as one more point.
 
-Load and friction force per length are P = (pi/2) L c_0 and F = (L/R) ((pi/2) xc c_0 + (pi/4) L c_1). Source: Hunter 1961 for the
-standard solid, of which this is the general case; checked against cells (`elastomdr.reference.layer_sliding`).
+Load and friction force per length are P = (pi/2) L c_0 and F = (L/R) ((pi/2) xc c_0 + (pi/4) L c_1). Source: Hunter
+1961 for the standard solid on a half-plane, of which this is the general case.
 """
 
 from __future__ import annotations
@@ -36,8 +38,8 @@ from .root import search
 
 _FIRST = 16  # terms in the search for the half-length
 _SMALL_STEP = 1e-6  # of the logarithm of the half-length, after which one is close enough
-_STEP = math.log(10) / 10  # between the nodes of the memory table
-_REACH = 20  # nodes over which it is interpolated, each way
+_STEP = math.log(10) / 12  # between the nodes of the memory table
+_REACH = 24  # nodes over which it is interpolated, each way
 _SHORT, _LONG = 1e-10, 1e16  # memories l in the table; shorter ones are none, longer ones follow their limit
 _DEEP = 18.0  # kh at which 1 - W has fallen to rounding
 _LAST = 81.0  # kL up to which waves count in the depth
@@ -134,7 +136,7 @@ def depth(problem: Cylinders, solution: Solution, order: int) -> Array:
 
 
 def least_gap(problem: Cylinders, solution: Solution, order: int, deep: Array) -> Array:
-    """The smallest gap beside the contact over that of the undeformed surface, where one looks; negative: it touches."""
+    """The smallest gap beside the contact over the undeformed one, where it is looked at; negative: it touches."""
     y, weight, _ = (xp.asarray(x) for x in _depth_waves())
     real, imaginary = _displacement(problem, solution, order)
     t = xp.asarray(_BESIDE)
@@ -269,10 +271,11 @@ def _grid() -> np.ndarray:
 def memory_table(order: int) -> tuple[np.ndarray, np.ndarray]:
     """Slopes of a half-plane under each term that are remembered with l, times 1 + l, and those at once.
 
-    Shapes (nodes of l, points * terms) and (points, terms). The last point is t = 1; the last term the infinite pressure.
-    With S_n = T_n inside, exp(-n theta) at t = cosh(theta) ahead, S_n = (S'_{n+1}/(n + 1) - S'_{n-1}/(n - 1))/2 everywhere,
-    and what is remembered, Y - l Y' = S, commutes with the derivative. So d_n = (Y_n - S_n)/n obeys d_{n+1} = d_{n-1} + 2 l (n d_n + S_n):
-    forwards where l is short, else as a tridiagonal system with both ends known.
+    Shapes (nodes of l, points * terms) and (points, terms). The last point is t = 1, the last term the infinite
+    pressure. With S_n = T_n inside and exp(-n theta) at t = cosh(theta) ahead, everywhere
+    S_n = (S'_{n+1}/(n + 1) - S'_{n-1}/(n - 1))/2; and what is remembered, Y - l Y' = S, commutes with the derivative. So
+    d_n = (Y_n - S_n)/n obeys d_{n+1} = d_{n-1} + 2 l (n d_n + S_n): forwards where l is short, else as a tridiagonal
+    system with both ends known.
     """
     memory = np.exp(_grid())[:, None]
     t = _points(order)
