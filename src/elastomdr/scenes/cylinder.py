@@ -224,6 +224,8 @@ def _once(
     half = half_of(flat, wanted, by_depth, guess, high, waves, dashpot)
     if waves is not None:
         half = xp.where(half < 1.02 * ratio * waves.thickness, half, xp.nan)
+    there = xp.isfinite(half)
+    half = xp.where(there, half, guess)
     solution, other = (solve_at(flat, half, n, waves, dashpot) for n in (high, low))
     deep = depth(flat, solution, high) if flat.on_layers else half * np.nan
     off = xp.abs(solution.mu - other.mu) + 0.5 * xp.abs(solution.mu * (solution.load / other.load - 1))
@@ -231,7 +233,7 @@ def _once(
     pull = xp.maximum(-least_pressure(solution, high, dashpot), 0.0)
     if flat.on_layers:
         pull = xp.maximum(pull, -least_gap(flat, solution, high, deep))
-    good = xp.isfinite(solution.mu) & (pull < _NEGATIVE)
+    good = there & xp.isfinite(solution.mu) & (pull < _NEGATIVE)
     # a pressure that pulls by a small share over a small part of the contact: that share of mu
     error = off + (pull + _ROUNDING) * xp.abs(solution.mu)
     return _Found(
@@ -251,12 +253,12 @@ def _refined(
         part = replaced(flat, velocity=flat.velocity[left])
         ratio = 0.0 if thick is None else _ladder(float(np.nanmax(guess[left])) / thick)
         found = _once(part, wanted[left], by_depth, guess[left], orders, ratio, dashpot)
-        if thick is not None and not np.isfinite(found.mu).all():  # wider than guessed
+        if thick is not None and not found.good.all():  # wider than guessed, perhaps
             found = _once(part, wanted[left], by_depth, guess[left], orders, 2 * ratio, dashpot)
         half = 0.5 * (found.leading - found.trailing)
         for field, values in zip(result, found, strict=True):
             field[left] = values
-        guess[left] = np.where(np.isfinite(half), half, guess[left])
+        guess[left] = np.where(found.good, half, guess[left])
         ok = found.good & (found.error <= rtol * np.abs(found.mu))
         left = left[~ok]
         if left.size == 0:
@@ -308,8 +310,8 @@ def _say(points: Points, found: _Found, sunk: Any, body: Any, shape: Cylinder, r
     if length < _ENDS * widest:
         warnings.warn(
             f"The cylinder, {1e3 * length:.4g} mm long, is only {significant(length / widest, 2)} times as long as "
-            f"half the contact is wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over about that distance "
-            "from each end the rubber moves aside, so that the same load needs more depth, and the pressure of the "
+            f"half the contact is wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over about that "
+            "distance from each end the rubber moves aside, so that the same load needs more depth, and the pressure of the "
             "middle is not that of the ends.",
             ModelWarning,
             stacklevel=5,

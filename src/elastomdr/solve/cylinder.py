@@ -273,8 +273,8 @@ def memory_table(order: int) -> tuple[np.ndarray, np.ndarray]:
 
     Shapes (nodes of l, points * terms) and (points, terms). The last point is t = 1, the last term the infinite
     pressure. With S_n = T_n inside and exp(-n theta) at t = cosh(theta) ahead, everywhere
-    S_n = (S'_{n+1}/(n + 1) - S'_{n-1}/(n - 1))/2; and what is remembered, Y - l Y' = S, commutes with the derivative. So
-    d_n = (Y_n - S_n)/n obeys d_{n+1} = d_{n-1} + 2 l (n d_n + S_n): forwards where l is short, else as a tridiagonal
+    S_n = (S'_{n+1}/(n + 1) - S'_{n-1}/(n - 1))/2; and what is remembered, Y - l Y' = S, commutes with the derivative.
+    So d_n = (Y_n - S_n)/n obeys d_{n+1} = d_{n-1} + 2 l (n d_n + S_n): forwards where l is short, else as a tridiagonal
     system with both ends known.
     """
     memory = np.exp(_grid())[:, None]
@@ -324,7 +324,7 @@ def memory_table(order: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _ahead(top: int, memory: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """At t = 1: S_n, n = 0 ... top, and the slope of the infinite pressure, as remembered from ahead of the contact."""
-    nodes, weights = _panels(np.concatenate([[0.0], 2.0 ** np.arange(-16, 1)]), 12)
+    nodes, weights = _panels(np.concatenate([[0.0], 2.0 ** np.arange(-16, -5), np.arange(1, 33) / 32]), 12)
     far = np.arccosh(1 + 42 * memory)[:, None]
     theta = far * nodes
     bulge = 2 * np.sinh(theta / 2) ** 2 / memory[:, None]
