@@ -147,9 +147,10 @@ def springs(material: Solid, thickness: Number, *, bonded: bool = True, tangenti
     """Independent springs in place of a layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
 
     The textbook's; `em.layer` is the layer itself. Springs hold where the contact is much wider than the layer is
-    thick: `model_error` of `em.friction` and `em.rolling` says how far they are from it under a cylinder. `tangential` gives that of simple shear, G(t) over
-    the thickness, as of the tread in the brush model of a tyre. Raises `InputError` for a bonded incompressible
-    layer, which does not act as a row of springs, and for one that is sheared without being bonded.
+    thick: the `model_error` of `em.friction` and `em.rolling` says how far they are from it under a cylinder.
+    `tangential` gives the stiffness of simple shear, G(t) over the thickness, as of the tread in the brush model of a
+    tyre. Raises `InputError` for a bonded incompressible layer, which does not act as a row of springs, and for one
+    that is sheared without being bonded.
     Source: Johnson 1985, section 5.8.
     """
     thickness = scalar("thickness", thickness)

@@ -311,8 +311,8 @@ def _say(points: Points, found: _Found, sunk: Any, body: Any, shape: Cylinder, r
         warnings.warn(
             f"The cylinder, {1e3 * length:.4g} mm long, is only {significant(length / widest, 2)} times as long as "
             f"half the contact is wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over about that "
-            "distance from each end the rubber moves aside, so that the same load needs more depth, and the pressure of the "
-            "middle is not that of the ends.",
+            "distance from each end the rubber moves aside, so that the same load needs more depth, and the pressure "
+            "there is not that of the middle.",
             ModelWarning,
             stacklevel=5,
         )
