@@ -72,21 +72,21 @@ def test_against_cells(contrast, kind, bonded):
     window = -trailing - 0.1 * (leading + trailing), leading + 0.1 * (leading + trailing)
     mu, *edges = cylinder_on_cells(layer, 0.05, 1.0, 4e3, window, 240)
     np.testing.assert_allclose(mu, curve.coefficient, rtol=3e-5)
-    np.testing.assert_allclose(edges, [leading, trailing], rtol=3e-3)
+    np.testing.assert_allclose(edges, [leading, trailing], rtol=5e-3)
 
 
 def test_kernel_tends_to_its_limits():
-    """Half-space for short waves, exponentially; Winkler and Reynolds for long ones, with the square of kh."""
+    """Half-space for short waves, exponentially; Winkler and Reynolds for long ones, with a power of kh."""
     z = np.array([0.02, 0.04])
-    for kind, bonded, limit in [
-        ({"poisson": 0.4}, True, z * 0.2 / (2 * 0.6**2)),
-        ({"poisson": 0.5}, True, 2 / 3 * z**3),
-        ({"poisson": 0.5}, False, z / 2),
+    for kind, bonded, limit, power in [
+        ({"poisson": 0.4}, True, z * 0.2 / (2 * 0.6**2), 2),
+        ({"poisson": 0.5}, True, 2 / 3 * z**3, 2),
+        ({"poisson": 0.5}, False, z / 2, 4),
     ]:
         layer = em.layer(em.Prony(1e6, [], [], **kind), 1.0, bonded=bonded)
         off = layer.kernel(z) / limit - 1
         assert abs(off[0]) < 2e-3
-        np.testing.assert_allclose(off[1] / off[0], 4, rtol=0.01)
+        np.testing.assert_allclose(off[1] / off[0], 2**power, rtol=0.02)
         deep = np.array([12.0, 13.0])
         lacks = np.real(layer.deficit(deep, np.ones(2)))
         np.testing.assert_allclose(lacks[1] / lacks[0], np.exp(-2.0), rtol=0.2)
@@ -103,8 +103,8 @@ def test_elastic_layer_against_its_thickness():
 
 
 def test_thin_layers_that_are_compressible_or_slip_tend_to_springs():
-    """The distance falls with the thickness over the width of the contact, to the first power."""
-    for kind, bonded in [({"poisson": 0.3}, True), ({}, False)]:
+    """The distance falls as the thickness over the width where it is bonded, and faster where it slips."""
+    for kind, bonded, least, most in [({"poisson": 0.3}, True, 1.6, 2.6), ({}, False, 4, 9)]:
         off = []
         for thickness in (4e-3, 2e-3, 1e-3):
             cover = em.springs(rubber(**kind), thickness, bonded=bonded)
@@ -113,8 +113,8 @@ def test_thin_layers_that_are_compressible_or_slip_tend_to_springs():
             curve = em.rolling(cover, em.Cylinder(5.0, 1.0), velocity=1.0, load=load, rtol=1e-4)
             off.append(float(curve.model_error / curve.coefficient))
         assert off[2] < 0.06
-        assert 1.6 < off[0] / off[1] < 2.6
-        assert 1.6 < off[1] / off[2] < 2.6
+        assert least < off[0] / off[1] < most
+        assert least < off[1] / off[2] < most
 
 
 def test_springs_say_how_far_they_are():
@@ -194,7 +194,7 @@ def test_materials_temperatures_and_shapes():
         (lambda: em.layer(rubber(), 0.0), "thickness must be positive"),
         (lambda: em.layer("rubber", 0.01), "material must be"),
         (lambda: em.layer(rubber(), 0.01, other=0.01), "other must be an em.layer"),
-        (lambda: em.rolling(em.layer(rubber(), 6e-3), em.Cylinder(1, 1), velocity=1, depth=6e-3), "must be below 0.006"),
+        (lambda: em.rolling(em.layer(rubber(), 6e-3), em.Cylinder(1, 1), velocity=1, depth=6e-3), "below 0.006"),
         (lambda: em.rolling(rubber(), em.Cylinder(0.05, 1), velocity=1, depth=1e-3), "depth must be left out"),
         (lambda: em.rolling(em.Maxwell(1e6, 1), em.Cylinder(0.05, 1), velocity=1, load=1), "equilibrium modulus"),
         (lambda: em.springs(rubber(), 6e-3), "em.layer"),
@@ -214,6 +214,7 @@ def test_what_is_said():
         em.rolling(em.layer(rubber(), 6e-3), em.Cylinder(0.05, 0.01), velocity=1.0, load=50.0)
 
 
+@pytest.mark.slow
 def test_gradient_against_differences():
     jax = pytest.importorskip("jax")
     where = np.array([0.006, 4e5, 8e5, 0.05, 2000.0, 1.0])
