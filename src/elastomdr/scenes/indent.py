@@ -5,10 +5,10 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING, Any
 
-import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, nan_unless, positive, require, scalar
+from .._arrays import on_jax, xp
+from .._runtime import as_float64, is_traced, nan_unless, numpy_unless_traced, positive, require, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..foundation.modes import recovery_modes
@@ -33,7 +33,7 @@ LAYER = "thin layer of independent elements (exact for the layer)"
 
 
 @over_materials
-@in_float64
+@numpy_unless_traced
 def indent(
     material: Materials,
     shape: Indenter,
@@ -91,9 +91,9 @@ def indent(
         found = indent_under(law, recovery_modes(law), disc, course, rtol)
     else:
         gamma = _work_of_adhesion(law, shape, adhesion)
-        found = indent_with_adhesion(law, recovery_modes(law), disc, course, gamma)
+        found = on_jax(indent_with_adhesion, law, recovery_modes(law), disc, course, gamma)
     traced = is_traced(found.depth, found.force)
-    numpy = jnp if traced else np
+    numpy = xp if traced else np
     if not traced and not found.converged.all():
         failed = int((~found.converged).sum())
         text = f"{failed} of {found.converged.size} instants did not converge to rtol={rtol:g}; they are NaN."
@@ -236,7 +236,7 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
     if 0 in full:
         raise InputError(f"time, depth and load must not be empty, got shape {full}.")
     traced = is_traced(time, *parts.values())
-    numpy = jnp if traced else np
+    numpy = xp if traced else np
     time, *values = (numpy.broadcast_to(a, full) for a in (time, *parts.values()))
     parts = dict(zip(parts, values, strict=True))
     by_depth = None
