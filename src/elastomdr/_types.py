@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from .foundation.law import Foundation, TabulatedFoundation
+    from .foundation.layer import Layer
     from .mapping.rough_line import RoughLine
     from .mapping.shapes import AbstractShape
     from .mapping.spectrum import AbstractSpectrum
@@ -36,7 +37,7 @@ ArrayLike: TypeAlias = "Number | HasArray | Sequence[Number] | Sequence[Sequence
 
 Kind: TypeAlias = Literal["shear", "tensile"]
 Solid: TypeAlias = "Prony | TabulatedModulus"  # of which a file or the library may hold either
-Material: TypeAlias = "Prony | TabulatedModulus | Foundation | TabulatedFoundation"
+Material: TypeAlias = "Prony | TabulatedModulus | Foundation | TabulatedFoundation | Layer"
 Materials: TypeAlias = "Material | Sequence[Material]"  # one, or several along the first axis of the result
 RangeLike: TypeAlias = "Range | dict[str, tuple[float, float]] | dict[str, list[float]]"
 
