@@ -18,6 +18,7 @@ they are Chebyshev series on panels of doubling a/h. Derived here; W(a) against 
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from typing import Any, NamedTuple
 
@@ -155,10 +156,6 @@ class LayerDisc(Disc):
             jnp.asarray(area), self.areas, 1 + self._tip_power, lambda a: (self.area(a), self.width(a) * self.slope(a))
         )
 
-    def measure(self, depth: Array) -> Array:
-        """W at a depth: dA/dd while the contact grows."""
-        return self.width(self.radius_of_depth(depth))
-
     def _inverse(self, value: Array, levels: Array, power: float, level: Any) -> Array:
         there = value > 0
         value = jnp.where(there, value, levels[0])
@@ -217,7 +214,7 @@ def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool)
     xp: Any = jnp if traced else np
     power = tip_power(shape)
     top = np.inf if traced else float(np.asarray(shape.largest_contact) / np.asarray(thickness))
-    columns, knots = [], []
+    columns: list = []
     for panel in range(_ENDS.size - 1):
         if is_traced(squeeze):
             at = _resolvents(squeeze, bonded, float(_ENDS[panel]), float(_ENDS[panel + 1]))
@@ -235,13 +232,12 @@ def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool)
                 held = xp.sum(at.ds * at.unit * g, axis=1) * thickness
             pull, held = pull / a**power, held / a ** (power + 1)
         columns.append([_series(xp, values) for values in (total / at.alpha, at.edge, pull, held)])
-        knots.append(at.alpha)
         if at.alpha[-1] > top:
             columns += [columns[-1]] * (_ENDS.size - 2 - panel)
             break
     tables = (xp.stack(list(column)) for column in zip(*columns, strict=True))
-    places = np.concatenate(knots)
-    places = places[places < top] * thickness
+    places = np.minimum(np.concatenate([0.5 * (l + h) + 0.5 * (h - l) * _places() for l, h in itertools.pairwise(_ENDS)]), 0.999 * top)
+    places = xp.minimum(places * thickness, 0.999 * shape.largest_contact)
     disc = LayerDisc(
         shape, "half-space", xp.asarray(thickness), *tables, places, places, places, squeeze, bonded
     )
