@@ -6,11 +6,11 @@ A frictionless load p on the surface of a layer of thickness h displaces it, wav
 
 with E* = E/(1 - nu^2) the modulus of the half-space. W tends to one for short waves, which see a half-space, and for
 long ones to that of a thin layer: kh (1 - 2 nu)/(2 (1 - nu)^2) where it is bonded, (2/3) (kh)^3 where it is
-incompressible as well, kh/2 on a base on which it slips. `layer_kernel` is W, `layer_deficit` 1 - W; both hold for plane
-waves and for those of Hankel's transform.
+incompressible as well, kh/2 on a base on which it slips. `layer_kernel` is W, `layer_deficit` 1 - W; both hold for
+plane waves and for those of Hankel's transform.
 
-The kernel takes `squeeze` = 1 - 2 nu in place of nu: zero where incompressible, and complex, 3G/(3K + G), where the bulk
-modulus K is constant. Source: Johnson, Contact Mechanics (1985), section 5.8; derived again in `docs/theory.md`.
+The kernel takes `squeeze` = 1 - 2 nu in place of nu: zero where incompressible, and complex, 3G/(3K + G), where the
+bulk modulus K is constant. Source: Johnson, Contact Mechanics (1985), section 5.8; derived again in `docs/theory.md`.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ class Layer(Tree):
 
     How solvers use it: `layer.covers` are the layers on both sides of the contact, one, or two with `other`; their
     compliances add. Of one of them `cover.kernel(z)` is W at z = kh where the Poisson's ratio is constant, and
-    `cover.kernel(z, omega)` that of any material; `cover.compliance(z, omega)` is W/E* [1/Pa], `cover.deficit(z, omega)`
-    the part (1 - W)/E* by which a half-space is more compliant. `cover.normal()` is E*(t) of the half-space as a
-    relaxation function, `cover.constant` says whether W is the same at all frequencies. `name`, `shift` and `range` are
-    those of the material.
+    `cover.kernel(z, omega)` that of any material; `cover.compliance(z, omega)` is W/E* [1/Pa], and
+    `cover.deficit(z, omega)` the part (1 - W)/E* by which a half-space is more compliant. `cover.normal()` is E*(t) of
+    the half-space as a relaxation function, `cover.constant` says whether W is the same at all frequencies. `name`,
+    `shift` and `range` are those of the material.
     """
 
     material: Prony | TabulatedModulus

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ..errors import InputError
 from ..foundation.layer import Layer
 from ..mapping.shapes import AbstractShape, Cylinder
 from .steady import no_pressure
 
-if TYPE_CHECKING:
-    from .steady import Steady
-
 
 class OnLayer(NamedTuple):
     """What a curve is made of."""
 
-    found: Steady
+    found: Any  # `Steady`, or None where only the plan was asked for
     temperature: Any  # broadcast to the points, or None
     model: str
     plan: Any
@@ -33,9 +30,12 @@ def is_on_layer(material: Any, shape: Any) -> bool:
 
 def on_layer(
     quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
-    model: Any, rtol: float,
+    model: Any, rtol: float, solved: bool = True,
 ) -> OnLayer:  # fmt: skip
-    """The steady scene of a smooth body on a layer, solved. Raises `InputError` for whatever has no meaning."""
+    """The steady scene of a smooth body on a layer, or, with `solved=False`, its plan only.
+
+    Raises `InputError` for whatever has no meaning.
+    """
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Cylinder or the like on a layer, got {shape!r}.")
     no_pressure(shape, pressure)
@@ -47,6 +47,6 @@ def on_layer(
 
         return cylinder_on_layer(
             quantity, material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
-            rtol=rtol,
+            rtol=rtol, solved=solved,
         )  # fmt: skip
     raise InputError(f"shape must be an em.Cylinder on an em.layer, got {shape!r}.")

@@ -2,9 +2,7 @@
 
 from typing import Any
 
-import jax
-import jax.numpy as jnp
-
+from .._arrays import fixed, while_loop, xp
 from .._runtime import Array
 
 _CLOSE = 3e-4  # change of x from which one more Newton step is at rounding
@@ -18,6 +16,9 @@ def root(residual: Any, guess: Array) -> tuple[Array, Array]:
 
     The search runs on values cut off from differentiation; one Newton step afterwards carries the derivatives.
     """
+    import jax
+    import jax.numpy as jnp
+
     x, done = search(residual, guess)
     value, slope = jax.jvp(residual, (x,), (jnp.ones_like(x),))
     step = value / jax.lax.stop_gradient(slope)
@@ -30,28 +31,28 @@ def search(residual: Any, guess: Array) -> tuple[Array, Array]:
 
     def advance(state: tuple) -> tuple:
         x, slope, low, high, done, count, value = state
-        low, high = jnp.where(value < 0, x, low), jnp.where(value < 0, high, x)
-        secant = x - jnp.clip(value / slope, -_CLIP, _CLIP)
-        middle = 0.5 * (jnp.maximum(low, x - 2 * _CLIP) + jnp.minimum(high, x + 2 * _CLIP))
-        following = jnp.where((secant >= low) & (secant <= high), secant, middle)
+        low, high = xp.where(value < 0, x, low), xp.where(value < 0, high, x)
+        secant = x - xp.clip(value / slope, -_CLIP, _CLIP)
+        middle = 0.5 * (xp.maximum(low, x - 2 * _CLIP) + xp.minimum(high, x + 2 * _CLIP))
+        following = xp.where((secant >= low) & (secant <= high), secant, middle)
         change = following - x
-        done = done | (jnp.abs(change) < _CLOSE) | jnp.isnan(value)
-        following = jnp.where(jnp.isfinite(following), following, x)
+        done = done | (xp.abs(change) < _CLOSE) | xp.isnan(value)
+        following = xp.where(xp.isfinite(following), following, x)
         new = residual(following)
-        slope = jnp.where(jnp.abs(change) > 1e-9, (new - value) / jnp.where(change == 0, 1.0, change), slope)
-        return following, jnp.where(slope > 0.05, slope, _USUAL), low, high, done, count + 1, new
+        slope = xp.where(xp.abs(change) > 1e-9, (new - value) / xp.where(change == 0, 1.0, change), slope)
+        return following, xp.where(slope > 0.05, slope, _USUAL), low, high, done, count + 1, new
 
-    guess = jnp.where(jnp.isfinite(guess), guess, -7.0)
-    everywhere = jnp.full_like(guess, jnp.inf)
+    guess = xp.where(xp.isfinite(guess), guess, -7.0)
+    everywhere = xp.full_like(guess, xp.inf)
     state = (
         guess,
-        jnp.full_like(guess, _USUAL),
+        xp.full_like(guess, _USUAL),
         -everywhere,
         everywhere,
-        jnp.zeros(guess.shape, bool),
+        xp.zeros(guess.shape, bool),
         0,
         residual(guess),
     )
-    state = jax.lax.stop_gradient(state)
-    state = jax.lax.while_loop(lambda s: ~jnp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
-    return jax.lax.stop_gradient((state[0], state[4]))
+    state = fixed(state)
+    state = while_loop(lambda s: ~xp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
+    return fixed((state[0], state[4]))
