@@ -154,6 +154,16 @@ def asymmetry(average: Array, line: Array, leading: Array, trailing: Array, expo
     return Asymmetry(excess, known * (1.5 * excess + 0.1 * s), known * (0.5 * excess + 0.1 * s), 4 * factor)
 
 
+@numpy_unless_traced
+def layer_asymmetry(
+    average: Array, line: Array, leading: Array, trailing: Array, exponent: Array, width: Array
+) -> Asymmetry:
+    """`asymmetry` for the line with the kernel of a layer; `width` is that of the contact over the thickness."""
+    found = asymmetry(average, line, leading, trailing, exponent)
+    known = xp.where(width <= 7.0, 1.0, xp.nan)
+    return found._replace(bound=known * found.bound, corrected=known * found.corrected)
+
+
 def spacing(rtol: float) -> float:
     """Of the grid in log v, for a relative error of interpolation of about `rtol`; it is judged afterwards."""
     return 0.4 * (rtol / 1e-2) ** (1 / STENCIL)

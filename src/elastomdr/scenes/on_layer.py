@@ -49,4 +49,9 @@ def on_layer(
             quantity, material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
             rtol=rtol, solved=solved,
         )  # fmt: skip
-    raise InputError(f"shape must be an em.Cylinder on an em.layer, got {shape!r}.")
+    from .ball_on_layer import ball_on_layer
+
+    return ball_on_layer(
+        quantity, material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
+        rtol=rtol, solved=solved,
+    )  # fmt: skip

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import fixed, while_loop, xp
+from .._arrays import fixed, on_numpy, while_loop, xp
 from .._runtime import Array
 from ..mapping.direction import lagrange
 from ..mapping.shapes import AbstractShape
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
 _LOW, _HIGH, _STEP, _STENCIL = math.log(1e-7), math.log(1e10), 0.25, 12  # of the table, in log l
-_TAIL, _LEAST = 17.0, -23.0  # ends of the rule in y
+_TAIL, _LEAST = 14.0, -18.0  # ends of the rule in y
 _SLOPES = 1e-5  # of the logarithm of an edge, over which slopes are taken
 _MOST, _CLOSE = 40, 1e-10  # steps of the search, and the residual at which it ends
 _LONGEST = 0.7  # step of the logarithm of an edge
@@ -63,9 +63,9 @@ class Slid(NamedTuple):
 
 
 def slide_on_layer(
-    on: Sliding, velocity: Array, control: str, value: Array, guess: tuple[Array, Array]
+    on: Sliding, velocity: Array, control: str, value: Array, guess: tuple[Array, Array], close: float = _CLOSE
 ) -> Slid:
-    """Points (velocity [m/s], load [N] or depth [m]), from guesses at the edges a and b [m]."""
+    """Points (velocity [m/s], load [N] or depth [m]), from guesses at the edges a and b [m], to a residual `close`."""
 
     def residual(parts: tuple, logs: Array) -> tuple[Array, _Line]:
         on, velocity, value = parts
@@ -79,13 +79,17 @@ def slide_on_layer(
     frozen = (on._replace(shape=still[0], chain=still[1], thickness=still[2], deficit=_fixed(on.deficit)), *still[3:])
     start = fixed(xp.log(xp.stack(list(guess))))
 
-    def slopes(logs: Array) -> Array:
+    def slopes(logs: Array, here: Array | None = None) -> Array:
+        """(equation, edge, point); to one side of values that are known, for a search."""
         columns = []
         for i in range(2):
             move = _SLOPES * np.eye(2)[i][:, None]
-            up, down = residual(frozen, logs + move)[0], residual(frozen, logs - move)[0]
-            columns.append((up - down) / (2 * _SLOPES))
-        return xp.stack(columns, axis=1)  # (equation, edge, point)
+            up = residual(frozen, logs + move)[0]
+            if here is None:
+                columns.append((up - residual(frozen, logs - move)[0]) / (2 * _SLOPES))
+            else:
+                columns.append((up - here) / _SLOPES)
+        return xp.stack(columns, axis=1)
 
     def advance(state: tuple) -> tuple:
         logs, jacobian, miss, count = state
@@ -100,12 +104,14 @@ def slide_on_layer(
         return new, jacobian, found, count + 1
 
     def going(state: tuple) -> Any:
-        return (xp.max(xp.abs(xp.where(xp.isfinite(state[2]), state[2], 1.0))) > _CLOSE) & (state[3] < _MOST)
+        return (xp.max(xp.abs(xp.where(xp.isfinite(state[2]), state[2], 1.0))) > close) & (state[3] < _MOST)
 
-    state = (start, slopes(start), residual(frozen, start)[0], 0)
-    logs, _, miss, _ = while_loop(going, advance, state)
-    good = xp.max(xp.abs(miss), axis=0) < 1e-7
-    jacobian = slopes(logs)
+    begin = residual(frozen, start)[0]
+    state = (start, slopes(start, begin), begin, 0)
+    logs, jacobian, miss, _ = while_loop(going, advance, state)
+    good = xp.max(xp.abs(miss), axis=0) < 1e-6
+    if not on_numpy():  # derivatives take exact slopes
+        jacobian = slopes(logs)
     logs = fixed(logs)
     logs = logs - _solve2(fixed(jacobian), residual(parts, logs)[0])
     _, line = residual(parts, logs)
@@ -144,8 +150,6 @@ def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
     (first, weight, plain), (second, _, _) = rows
     leaving = weight @ table[:, 0, :] + plain[..., None] * eye[0]  # J_k times what branch k brings to the apex
     fading = xp.exp(behind[:, :, None] / length[:, None, :])
-    # Unknowns: q at the nodes behind the apex, q at those ahead but the last, d. The apex is the last node behind.
-    local = xp.zeros((count, 2 * n + 2, 2 * n + 2))
     nothing = xp.zeros((count, n + 1, n + 1))
     local = xp.concatenate(
         [
@@ -228,10 +232,7 @@ def _rule(n: int) -> _Rule:
     total = np.zeros((l.shape[0], n + 1, n + 1))
     for low, high in zip(ends[:-1], ends[1:], strict=True):
         half = 0.5 * (high - low)
-        some = np.flatnonzero((half > 0).any(axis=1))
-        if low is ends[-2]:  # nothing is left beyond 36 decay lengths
-            some = np.flatnonzero((half * (low < 30 * l) > 0).any(axis=1))
-            some = some[(l[some, 0] * 36 < 2)] if False else some
+        some = np.flatnonzero(((half > 0) & (low < 35 * l)).any(axis=1))  # nothing is left beyond
         s = low[some, :, None] + half[some, :, None] * (1 + gauss)
         fall = np.exp(-s / l[some, :, None]) * half[some, :, None] * share * ((1 + l) / l)[some, :, None]
         angle = np.arccos(np.clip(node[None, :, None] + s, -1, 1))
@@ -274,3 +275,11 @@ def _solve2(matrix: Array, right: Array) -> Array:
 
 def _fixed(deficit: Callable[[Array, Array], Array]) -> Callable[[Array, Array], Array]:
     return lambda z, omega: fixed(deficit(z, omega))
+
+
+def elastic_curve(on: Sliding, modulus: Array, places: Array) -> tuple[Array, Array]:
+    """Load [N] and depth [m] of the relaxed layer at contact radii [m]; `modulus` is E* at rest [Pa]."""
+    none = np.zeros(0)
+    rest = KelvinChain(1 / modulus, none, none, np.zeros(()))
+    line = _line(on._replace(chain=rest), xp.zeros_like(places), places, places)
+    return line.load, line.depth
