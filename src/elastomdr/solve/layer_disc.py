@@ -278,6 +278,35 @@ def _over_pieces(shape: Profile, h: Any, at: Resolvents, squeeze: Any, bonded: b
     return xp.stack(pulls), xp.stack(helds)
 
 
+class ElasticLine(NamedTuple):
+    """The kernel M of a layer in numbers, lengths in m."""
+
+    z: np.ndarray
+    weight: np.ndarray  # -(2/pi)(1 - W) dz
+    thickness: float
+    count: int
+
+    def kernel(self, x: np.ndarray, s: np.ndarray) -> np.ndarray:
+        """(2/pi) M(x, s) [1/m]."""
+        wave = np.cos(x[:, None] / self.thickness * self.z) * self.weight
+        return wave @ np.cos(s[:, None] / self.thickness * self.z).T / self.thickness
+
+    def of_unit(self, x: np.ndarray, a: float) -> np.ndarray:
+        """q_1(x; a) at places x <= a: the force density under a flat punch of radius a."""
+        node, share = np.polynomial.legendre.leggauss(self.count)
+        s, ds = 0.5 * a * (1 + node), 0.5 * a * share
+        unit = np.linalg.solve(np.eye(self.count) + self.kernel(s, s) * ds, np.ones(self.count))
+        return (1 - self.kernel(x.ravel(), s) @ (ds * unit)).reshape(x.shape)
+
+
+def line_of(disc: LayerDisc) -> ElasticLine:
+    """The elastic line under a contact of numbers."""
+    reach = float(disc.largest / disc.thickness)
+    alpha = min(reach, WIDEST)
+    z, weight = kernel_line(float(disc.squeeze), disc.bonded, alpha + 14.0)
+    return ElasticLine(z, weight, float(disc.thickness), 18 + math.ceil(2.5 * min(alpha, 4.0)))
+
+
 @functools.cache
 def _places() -> np.ndarray:
     """Chebyshev's nodes on [-1, 1], ascending."""

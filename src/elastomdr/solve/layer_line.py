@@ -36,6 +36,7 @@ _LOW, _HIGH, _STEP, _STENCIL = math.log(1e-7), math.log(1e10), 0.25, 12  # of th
 _TAIL, _LEAST = 14.0, -18.0  # ends of the rule in y
 _SLOPES = 1e-5  # of the logarithm of an edge, over which slopes are taken
 _MOST, _CLOSE = 40, 1e-10  # steps of the search, and the residual at which it ends
+_FURTHEST = 6.0  # that the logarithm of an edge may go from its guess
 _LONGEST = 0.7  # step of the logarithm of an edge
 
 
@@ -95,7 +96,8 @@ def slide_on_layer(
         logs, jacobian, miss, count = state
         step = xp.clip(_solve2(jacobian, miss), -_LONGEST, _LONGEST)
         step = xp.where(xp.isfinite(step), step, 0.1)
-        new = logs - step
+        new = xp.clip(logs - step, start - _FURTHEST, start + _FURTHEST / 2)
+        step = logs - new
         found = residual(frozen, new)[0]
         change, size = found - miss, xp.sum(step**2, axis=0)
         # Broyden's update
