@@ -14,7 +14,7 @@ from .._runtime import Array, is_traced, nan_unless, require
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import surface_foundation
 from ..foundation.layer import Layer
-from ..mapping.direction import directions, layer_asymmetry, shared_grid
+from ..mapping.direction import directions, lagrange, layer_asymmetry, shared_grid
 from ..mapping.shapes import AbstractShape, FlatPunch, PowerLaw
 from ..material.relaxation import KelvinChain, to_kelvin
 from ..material.table_chain import to_chain
@@ -38,10 +38,12 @@ BARE_LINE = 0.5  # of mu: how far below the bare line three dimensions lay at mo
 _ORDERS = (14, 20, 28, 40, 56)  # of the polynomials, tried in turn
 _TRACED = 28
 _SHARE = 0.5  # of what the lower order changes, that is left of it in the higher one
-_FLOOR = 2e-4  # relative error beyond which a point has failed whatever `rtol` asks
+_FLOOR = 1e-3  # relative error beyond which a point has failed whatever `rtol` asks
 _AT_ONCE = 256
 _WIDEST = 40.0  # a/h of the elastic curve
 _TRACED_REACH = 16.0  # contact width over thickness that is served under a transformation of JAX
+_NEAREST = 8  # nodes around a velocity
+_AGAIN = 4  # times that lines whose edges are not found are tried
 _SEARCH = 12  # steps from a depth to its load
 
 
@@ -218,8 +220,8 @@ def _lines(material: Layer, shape: AbstractShape, points: Points, control: str, 
     return _Lines(on, fixed(rest), modulus, (places, *curve), float(rtol))
 
 
-def _solve(lines: _Lines, velocity: Array, load: Array) -> tuple[Slid, Array]:
-    """Lines at velocities and loads, and the estimated relative error of mu."""
+def _solve(lines: _Lines, velocity: Array, load: Array, weights: Array | None = None) -> tuple[Slid, Array]:
+    """Lines at velocities and loads, and the estimated relative error of mu; `weights` sum them up to averages."""
     places, loads, _ = lines.curve
     radius = xp.interp(load, loads, places)
     for _ in range(8):
@@ -236,19 +238,42 @@ def _solve(lines: _Lines, velocity: Array, load: Array) -> tuple[Slid, Array]:
         here = np.arange(start, min(start + _AT_ONCE, velocity.size))
         edges, before, left = (radius[here], radius[here]), None, here
         for n in _ORDERS:
-            found = slide_on_layer(lines.on._replace(order=n), velocity[left], "load", load[left], edges, close)
+            found = _with_neighbours(lines.on._replace(order=n), velocity[left], load[left], edges, close)
             if result is None:
                 result = Slid(*(np.full(velocity.shape, np.nan).astype(field.dtype) for field in found))
             if before is not None:
                 error[left] = _SHARE * np.abs(found.mu / before - 1) + 1e-10
             for field, values in zip(result, found, strict=True):
                 field[left] = values
-            again = np.flatnonzero(error[left] > 0.3 * lines.rtol)
+            counts = 1.0
+            if weights is not None and before is not None and velocity.size <= _AT_ONCE:
+                sums = np.abs(weights) * np.abs(result.mu)  # how much of an average is due to each line
+                counts = np.nanmax(sums / np.nansum(sums, axis=1, keepdims=True), axis=0)[left]
+            again = np.flatnonzero(error[left] * counts > 0.2 * lines.rtol)
             left, before = left[again], found.mu[again]
             edges = tuple(np.where(found.converged[again], e[again], radius[left]) for e in (found.leading, found.trailing))
             if not left.size:
                 break
     return result, error
+
+
+def _with_neighbours(on: Sliding, velocity: Array, load: Array, edges: Any, close: float) -> Slid:
+    """Lines of numbers; those whose edges are not found begin again where a neighbour in velocity has its own."""
+    found = slide_on_layer(on, velocity, "load", load, edges, close)
+    for _ in range(_AGAIN):
+        bad = np.flatnonzero(~found.converged)
+        good = np.flatnonzero(found.converged)
+        if not bad.size or not good.size:
+            break
+        far = np.abs(np.log(velocity[bad, None] / velocity[good])) + 3 * np.abs(np.log(load[bad, None] / load[good]))
+        near = good[far.argmin(axis=1)]
+        scale = (load[bad] / load[near]) ** 0.33
+        again = slide_on_layer(
+            on, velocity[bad], "load", load[bad], (found.leading[near] * scale, found.trailing[near] * scale), close
+        )
+        for field, values in zip(found, again, strict=True):
+            field[bad] = values
+    return found
 
 
 def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: bool) -> _Mean:
@@ -274,15 +299,14 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: b
         at = np.flatnonzero(load == each)
         grid = shared_grid(velocity[at], lines.rtol)
         if grid.velocity.size < at.size * rule.cosines.size:
-            solved, off = _solve(lines, np.append(grid.velocity, velocity[at]), np.full(grid.velocity.size + at.size, each))
-            nodes = grid.velocity.size
-            mu = grid.weights @ solved.mu[:nodes]
-            gap = np.abs(grid.half @ solved.mu[:nodes] - mu), np.abs(grid.lower @ solved.mu[:nodes] - mu)
+            solved, off = _solve(lines, grid.velocity, np.full(grid.velocity.size, each), grid.weights)
+            mu = grid.weights @ solved.mu
+            gap = np.abs(grid.half @ solved.mu - mu), np.abs(grid.lower @ solved.mu - mu)
             rest = np.minimum(gap[0] ** 2 / np.maximum(mu, 1e-300), gap[0]) + 3 * gap[1]
-            missed = rest + grid.weights @ (off[:nodes] * solved.mu[:nodes]) + rule.tail * mu
-            depth = shared_grid_of_depth(grid, velocity[at], rule, flat, solved.depth[:nodes])
-            fine = (grid.weights != 0) @ ~solved.converged[:nodes] == 0
-            own = Slid(*(field[nodes:] for field in solved))
+            missed = rest + np.abs(grid.weights) @ (off * np.abs(solved.mu)) + rule.tail * mu
+            depth = _between(grid.velocity, solved.depth, velocity[at, None] * rule.cosines) @ flat
+            fine = (grid.weights != 0) @ ~solved.converged == 0
+            own = Slid(*(_between(grid.velocity, field, velocity[at]) for field in solved[:5]), fine, fine)
         else:
             slowed = (velocity[at, None] * rule.cosines).reshape(-1)
             solved, off = _solve(lines, slowed, np.full(slowed.size, each))
@@ -302,10 +326,12 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: b
     return _Mean(mu, depth, lines_own, missed, good)
 
 
-def shared_grid_of_depth(grid: Any, velocity: Array, rule: Any, flat: Array, depth: Array) -> Array:
-    """Depth averaged over directions, from the depths at the nodes of a grid of velocities."""
-    place = np.log(velocity)[:, None] + np.log(rule.cosines)
-    return np.interp(place, np.log(grid.velocity), depth) @ flat
+def _between(nodes: Array, values: Array, velocity: Array) -> Array:
+    """Positive values at velocities between nodes that are even in log v: Lagrange's polynomials on logarithms."""
+    step = math.log(nodes[1] / nodes[0])
+    index, local = lagrange(np.clip(np.log(velocity / nodes[0]) / step, 0, nodes.size - 1), _NEAREST)
+    index = np.clip(index, 0, nodes.size - 1)
+    return np.exp(np.sum(local * np.log(values[index]), axis=-1))
 
 
 def _load_of_depth(lines: _Lines, velocity: Array, depth: Array, averaged: bool, thick: Any) -> Array:
