@@ -94,7 +94,9 @@ def compare(found: dict) -> np.ndarray:
             curve = em.friction(cover, BODIES[body], velocity=velocity, load=entries[0]["load"], rtol=1e-3)
         truth = np.array([e["mu"] for e in entries])
         error = np.array([e["error"] for e in entries]) / truth
-        part = np.stack([curve.mu / truth - 1, curve.model_error / curve.mu, np.full(len(truth), body == "ball"), error])
+        part = np.stack(
+            [curve.mu / truth - 1, curve.model_error / curve.mu, np.full(len(truth), body == "ball"), error]
+        )
         rows.append(part[:, np.isfinite(part).all(axis=0)].T)
     return np.concatenate(rows)
 

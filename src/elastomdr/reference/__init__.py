@@ -8,4 +8,12 @@ from .layer import layer_sliding
 from .persson import persson
 from .small_damping import small_damping
 
-__all__ = ["full_contact_sliding", "half_plane_sliding", "half_space_sliding", "layer_sliding", "persson", "rough_map", "small_damping"]
+__all__ = [
+    "full_contact_sliding",
+    "half_plane_sliding",
+    "half_space_sliding",
+    "layer_sliding",
+    "persson",
+    "rough_map",
+    "small_damping",
+]

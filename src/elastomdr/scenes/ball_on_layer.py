@@ -30,9 +30,7 @@ from .points import Points, check_rtol, steady_points
 from .steady import Steady
 
 AVERAGED = "MDR line with the kernel of the layer, averaged over directions (estimate for the layer)"
-CORRECTED = (
-    "MDR line with the kernel of the layer, averaged over directions, corrected for an asymmetric contact (estimate for the layer)"
-)
+CORRECTED = "MDR line with the kernel of the layer, averaged over directions, corrected for an asymmetric contact (estimate for the layer)"
 BARE = "MDR line with the kernel of the layer (overstates the losses by up to a factor of 2)"
 BARE_LINE = 0.5  # of mu: how far below the bare line three dimensions lay at most on the map
 _ORDERS = (14, 20, 28, 40, 56)  # of the polynomials, tried in turn
@@ -40,7 +38,7 @@ _TRACED = 28
 _SHARE = 0.5  # of what the lower order changes, that is left of it in the higher one
 _FLOOR = 1e-3  # relative error beyond which a point has failed whatever `rtol` asks
 _AT_ONCE = 256
-_WIDEST = 40.0  # a/h of the elastic curve
+_WIDEST = 16.0  # a/h of the elastic curve
 _TRACED_REACH = 16.0  # contact width over thickness that is served under a transformation of JAX
 _NEAREST = 8  # nodes around a velocity
 _AGAIN = 4  # times that lines whose edges are not found are tried
@@ -207,8 +205,13 @@ def _lines(material: Layer, shape: AbstractShape, points: Points, control: str, 
     rest = 1 / (chain.instantaneous + xp.sum(chain.compliances))
     top = xp.minimum(xp.asarray(shape.largest_contact) * (1 - 1e-9), _WIDEST * h)
     places = fixed(top * np.geomspace(1e-5, 1.0, 48))
-    on = Sliding(shape, chain, deficit, h, 2 * _WIDEST, 16)
-    curve = fixed(elastic_curve(on, rest, places))
+    on = Sliding(shape, chain, deficit, h, 2 * _WIDEST, 40)
+    loads, depths = fixed(elastic_curve(on, rest, places))
+    rising = xp.concatenate([xp.ones(1, bool), (xp.diff(loads) > 0) & (xp.diff(depths) > 0)])
+    resolved = xp.cumprod(rising) > 0  # beyond, extrapolated by a steep power: a guess only
+    top = xp.sum(resolved) - 1
+    beyond = xp.where(resolved, 1.0, (places / places[top]) ** 6)
+    curve = tuple(xp.where(resolved, field, field[top] * beyond) for field in (loads, depths))
     if points.traced:
         reach = _TRACED_REACH
     else:
@@ -251,7 +254,9 @@ def _solve(lines: _Lines, velocity: Array, load: Array, weights: Array | None = 
                 counts = np.nanmax(sums / np.nansum(sums, axis=1, keepdims=True), axis=0)[left]
             again = np.flatnonzero(error[left] * counts > 0.2 * lines.rtol)
             left, before = left[again], found.mu[again]
-            edges = tuple(np.where(found.converged[again], e[again], radius[left]) for e in (found.leading, found.trailing))
+            edges = tuple(
+                np.where(found.converged[again], e[again], radius[left]) for e in (found.leading, found.trailing)
+            )
             if not left.size:
                 break
     return result, error
@@ -343,7 +348,10 @@ def _load_of_depth(lines: _Lines, velocity: Array, depth: Array, averaged: bool,
     def miss(log: Array) -> Array:
         return np.log(_mean(rough, velocity, np.exp(log), averaged, False).depth / depth)
 
-    old, log = low, low + np.log(np.maximum(lines.modulus(velocity / np.interp(depth, depths, places)) / lines.rest, 1.01))
+    old, log = (
+        low,
+        low + np.log(np.maximum(lines.modulus(velocity / np.interp(depth, depths, places)) / lines.rest, 1.01)),
+    )
     off_old, off = miss(old), miss(log)
     for _ in range(_SEARCH):
         slope = (off - off_old) / np.where(log == old, 1.0, log - old)

@@ -146,7 +146,9 @@ class LayerDisc(Disc):
         """a at which an elastic contact has this depth; zero for d <= 0, NaN beyond the table."""
         if self.flat:
             return jnp.where(depth > 0, self.shape.largest_contact, 0.0)
-        return self._inverse(jnp.asarray(depth), self.depths, self._tip_power, lambda a: (self.profile(a), self.slope(a)))
+        return self._inverse(
+            jnp.asarray(depth), self.depths, self._tip_power, lambda a: (self.profile(a), self.slope(a))
+        )
 
     def radius_of_area(self, area: Array) -> Array:
         """a with A(a) = `area`; as `radius_of_depth`."""
@@ -236,11 +238,11 @@ def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool)
             columns += [columns[-1]] * (_ENDS.size - 2 - panel)
             break
     tables = (xp.stack(list(column)) for column in zip(*columns, strict=True))
-    places = np.minimum(np.concatenate([0.5 * (l + h) + 0.5 * (h - l) * _places() for l, h in itertools.pairwise(_ENDS)]), 0.999 * top)
-    places = xp.minimum(places * thickness, 0.999 * shape.largest_contact)
-    disc = LayerDisc(
-        shape, "half-space", xp.asarray(thickness), *tables, places, places, places, squeeze, bonded
+    places = np.minimum(
+        np.concatenate([0.5 * (l + h) + 0.5 * (h - l) * _places() for l, h in itertools.pairwise(_ENDS)]), 0.999 * top
     )
+    places = xp.minimum(places * thickness, 0.999 * shape.largest_contact)
+    disc = LayerDisc(shape, "half-space", xp.asarray(thickness), *tables, places, places, places, squeeze, bonded)
     if disc.flat:
         return disc
     found = jax.lax.stop_gradient((disc.profile(jnp.asarray(places)), disc.area(jnp.asarray(places))))
