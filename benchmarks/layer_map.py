@@ -3,8 +3,8 @@
     python benchmarks/layer_map.py            compares what is recorded with the averaged line of today
     python benchmarks/layer_map.py --solve    solves what is missing in three dimensions first (hours)
 
-Every point is a load that gives the relaxed contact a width 2a/h, a contrast of glassy to relaxed modulus, and a velocity
-v tau/a. Results: benchmarks/results/layer_map.json.
+Every point is a load that gives the relaxed contact a width 2a/h, a contrast of glassy to relaxed modulus, and a
+velocity v tau/a. Results: benchmarks/results/layer_map.json.
 """
 
 import argparse
@@ -114,6 +114,7 @@ if __name__ == "__main__":
         if which.any():
             held = np.mean(np.abs(off[which]) <= bound[which] + rows[which, 3])
             print(
-                f"{name}: {which.sum()} points, corrected average off by {100 * np.percentile(np.abs(off[which]), 95):.1f} % "
-                f"in 95 % of them, {100 * np.abs(off[which]).max():.1f} % at most; the bound holds in {100 * held:.0f} %"
+                f"{name}: {which.sum()} points, the corrected average is within "
+                f"{100 * np.percentile(np.abs(off[which]), 95):.1f} % in 95 % of them, "
+                f"{100 * np.abs(off[which]).max():.1f} % off at most; the bound holds in {100 * held:.0f} %"
             )

@@ -18,7 +18,7 @@ import exact
 import numpy as np
 import scene
 from common import cached, heading, one_core, plt, save, table, timed, verdict
-from competitors import Lines, at_load, contact_step, kvaerno5, solve_ivp
+from competitors import Lines, at_load, contact_step, exponential, kvaerno5, solve_ivp
 
 import elastomdr as em
 
@@ -28,6 +28,7 @@ SLOPES = {"paraboloid": exact.paraboloid(scene.RADIUS), "sphere": exact.sphere(s
 ON_LINE = {"paraboloid": np.arange(64), "sphere": np.arange(0, 64, 4)}  # velocities with a reference: line, fixed depth
 AVERAGED = {"paraboloid": np.array([0, 8, 16, 24, 32, 40, 48, 56, 63]), "sphere": np.array([0, 16, 32, 48, 63])}
 SUBSET = np.arange(3, 64, 8)  # velocities of the loop over solve_ivp; its time is scaled to all
+STEPS = (256, 1024, 2048, 4096, 8192, 16384)  # of the exponential loop
 ANGLES = 24  # Gauss-Legendre nodes over directions for the stock solvers: 3e-7 in the median, 5e-6 at worst
 SAME_ERROR = 1e-6
 COLUMNS = ("method", "setting", "first call [s]", "wall [ms]", "processor [ms]", "largest error", "median error")
@@ -86,6 +87,8 @@ def line_passages(truth: dict) -> list[tuple]:
 
     for samples in (64, 256, 1024, 4096, 16384, 65536):
         add("contact step in diffrax", f"{samples} steps", contact_step(samples), 3)
+    for samples in STEPS:
+        add("exponential steps in a compiled loop", f"{samples} steps", exponential(samples), 3)
     for tolerance in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10):
         add("Kvaerno5 and event", f"rtol = atol = {tolerance:g}", kvaerno5(tolerance), 2)
     for method in ("LSODA", "Radau"):
@@ -94,8 +97,9 @@ def line_passages(truth: dict) -> list[tuple]:
     return rows
 
 
-def main_job(truth: dict) -> tuple[list[tuple], int]:
-    """The whole job: by elastomdr at every tolerance, by Kvaerno5 at one; and the passes that the load took there."""
+def main_job(truth: dict, steps: int) -> tuple[list[tuple], int]:
+    """The whole job: by elastomdr at every tolerance, by Kvaerno5 and a loop of `steps` at one; and the passes that the
+    load took there."""
     rows, passes = [], 0
     for name, shape in SHAPES.items():
         for rtol in RTOLS:
@@ -117,14 +121,21 @@ def main_job(truth: dict) -> tuple[list[tuple], int]:
     cosine = np.cos(np.pi / 4 * (node + 1))
     slowed = np.outer(scene.VELOCITY, cosine)
 
-    def stock() -> np.ndarray:
-        nonlocal passes
-        mu, passes = at_load(kvaerno5(SAME_ERROR), slowed.ravel(), scene.LOAD)
-        return mu.reshape(slowed.shape) @ (0.5 * weight * cosine)
+    def averaged(lines: Lines) -> Callable[[], np.ndarray]:
+        def call() -> np.ndarray:
+            nonlocal passes
+            mu, passes = at_load(lines, slowed.ravel(), scene.LOAD)
+            return mu.reshape(slowed.shape) @ (0.5 * weight * cosine)
+
+        return call
 
     at = AVERAGED["paraboloid"]
-    setting = f"tolerance {SAME_ERROR:g}, {ANGLES} directions"
-    rows.append(measure("Kvaerno5 and event", setting, stock, truth["paraboloid"], at, 1))
+    for method, setting, lines in (
+        ("exponential steps in a compiled loop", f"{steps} steps", exponential(steps)),
+        ("Kvaerno5 and event", f"tolerance {SAME_ERROR:g}", kvaerno5(SAME_ERROR)),
+    ):
+        setting = f"{setting}, {ANGLES} directions"
+        rows.append(measure(method, setting, averaged(lines), truth["paraboloid"], at, 1))
     return rows, passes
 
 
@@ -166,7 +177,8 @@ def main() -> None:
     steps = np.array([[int(r[1].split()[0]), r[6]] for r in lines if r[0].startswith("contact step")])[1:-1]
     order = -np.polyfit(*np.log(steps.T), 1)[0]
 
-    job, passes = main_job(truth["averaged"])
+    loop_line = cheapest(lines, "exponential steps in a compiled loop")
+    job, passes = main_job(truth["averaged"], int(loop_line[1].split()[0]))
     share = ANGLES * passes
     loops = [row for row in lines if row[0].startswith("solve_ivp")]
     scaled = [(f"{r[0]}, scaled", r[1], np.nan, share * r[3], share * r[4], *r[5:]) for r in loops]
@@ -185,7 +197,21 @@ def main() -> None:
         *(verdict(f"main job, {row[0]}, processor", row[4], 20, " ms") for row in strict),
         verdict("main job, Kvaerno5 over elastomdr", job[-1][4] / ours[4], 50, least=True),
         *(verdict(f"main job, {r[0]} over elastomdr", r[4] / ours[4], 1000, least=True) for r in loops),
+        verdict("main job, exponential steps over elastomdr", job[-2][4] / ours[4], 50, least=True),
         verdict("line passages, Kvaerno5 over elastomdr", stock_line[4] / ours_line[4], 50, least=True),
+        *(
+            verdict(f"line passages, {row[0]} over elastomdr", row[4] / ours_line[4], 2, least=True)
+            for row in (loop_line, cheapest(lines, "contact step in diffrax"))
+        ),
+        *(
+            verdict(
+                f"what sharing one curve saves, against {row[0]}",
+                row[4] / ours[4] / (line[4] / ours_line[4]),
+                5,
+                least=True,
+            )
+            for row, line in ((job[-2], loop_line), (job[-1], stock_line))
+        ),
         *(verdict(f"line passages, {r[0]} over elastomdr", r[4] / ours_line[4], 1000, least=True) for r in loops_line),
         verdict("line passages, largest error at rtol 1e-10", lines[2][5], 1e-10),
         verdict("order of the contact step", order, 1.9, least=True),

@@ -20,6 +20,7 @@ ROOT = Path(__file__).parents[1]
 KEYS = "<!-- keys of scene files -->"
 GROUPS = {
     "Friction and rolling": ("friction", "rolling", "plan", "Heat"),
+    "Many scenes": ("sweep",),
     "Models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
     "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount"),
     "Materials": (

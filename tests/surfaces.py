@@ -5,7 +5,8 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from elastomdr.foundation.step import ContactStep, RigidSurface, rest
+from elastomdr.foundation.solver import ContactStep, RigidSurface
+from elastomdr.foundation.step import rest
 
 
 class Indenter(eqx.Module):

@@ -15,6 +15,7 @@ RECORD = {
     "verdicts": [
         {"name": "times faster", "measured": 12000.0, "target": ">= 10000", "met": True},
         {"name": "largest error", "measured": 1e-7, "target": "<= 1e-06", "met": True},
+        {"name": "first number", "measured": 0.2, "target": "<= 0.8 s", "met": True},
     ],
 }
 
@@ -54,9 +55,10 @@ def altered(index: int, factor: float, met: bool) -> dict:
 @pytest.mark.parametrize(
     ("record", "status", "said"),
     [
-        (RECORD, 0, "2 recorded figures, 0 fallen"),
+        (RECORD, 0, "3 recorded figures, 0 fallen"),
         (altered(0, 0.6, met=False), 1, "times faster"),
         (altered(0, 0.8, met=False), 0, "0 fallen"),
+        (altered(2, 2.0, met=True), 1, "first number"),  # a time that grows within its target
         (altered(1, 5.0, met=True), 0, "0 fallen"),  # grown, and still within its target
         (altered(1, 20.0, met=False), 1, "largest error"),
         (altered(0, float("nan"), met=False), 1, "times faster"),
@@ -67,6 +69,7 @@ def altered(index: int, factor: float, met: bool) -> dict:
         "same",
         "ratio -40 %",
         "ratio -20 %",
+        "time within target",
         "error within target",
         "error beyond target",
         "no ratio",
@@ -93,4 +96,4 @@ def test_check_reports_a_record_that_is_gone(check, tmp_path: Path, capsys, reco
 def test_a_record_that_was_never_committed_is_no_fall(check, tmp_path: Path, capsys) -> None:
     (tmp_path / "new.json").write_text(json.dumps(RECORD))
     assert check() == 0
-    assert "2 recorded figures, 0 fallen" in capsys.readouterr().out
+    assert "3 recorded figures, 0 fallen" in capsys.readouterr().out

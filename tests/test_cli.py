@@ -10,8 +10,9 @@ import pandas as pd
 import pytest
 
 import elastomdr as em
-from elastomdr.cli.kinds import read_scene
+from elastomdr.cli.kinds import read_content, read_scene
 from elastomdr.cli.main import main
+from elastomdr.cli.sweep import assembled
 from elastomdr.errors import ConvergenceWarning
 
 from .cli_cases import BAD_MATERIALS, BAD_SCENES, MATERIAL, SCENE, arguments
@@ -276,6 +277,10 @@ def test_files_are_looked_for_beside_the_scene(place, monkeypatch):
 )
 def test_shipped_scenes_can_be_read(scene):
     verb = scene.read_text().split("elastomdr ")[1].split()[0]
+    if verb == "sweep":
+        call, axes = assembled(read_content(scene), scene.parent)
+        assert len(call.arguments) * np.prod([len(axis) for name, axis in axes.items() if name not in call.names]) > 100
+        return
     read = read_scene(verb, scene)
     assert read.title
     found = read.arguments(scene.parent)

@@ -8,7 +8,8 @@ import pytest
 
 from elastomdr.errors import InputError
 from elastomdr.foundation.law import Foundation
-from elastomdr.foundation.step import ContactStep, RigidSurface, rest
+from elastomdr.foundation.solver import ContactStep, RigidSurface
+from elastomdr.foundation.step import rest
 from elastomdr.material.relaxation import Relaxation
 
 from .surfaces import Indenter, Waves, solve

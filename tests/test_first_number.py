@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr import _trees
+from elastomdr import _arrays, _trees
 from elastomdr._arrays import on_numpy, xp
 
 RUBBER = em.Prony(1e6, np.geomspace(1e8, 1e6, 8), np.logspace(-6, 1, 8), poisson=0.4, shift=em.WLF(8.86, 101.6, 293.15))
@@ -47,6 +47,41 @@ def test_rolling_layers_and_plans_load_nothing_heavy():
     roller = f"{layer}, em.Cylinder(0.05, 0.5), velocity=[0.1, 1.0], load=100.0)"
     assert loaded(f"em.rolling({roller}\nem.plan({roller}\nem.dissipation({roller}") == set()
     assert loaded(f"em.friction({layer}, em.Sphere(0.01), velocity=1.0, load=1.0)") == set()
+
+
+HISTORIES = {
+    "indent by depth": lambda **at: em.indent(RUBBER, em.Sphere(0.01), time=[0, 1, 2], depth=[0, 1e-4, 5e-5], **at),
+    "indent by a growing load": lambda **at: em.indent(RUBBER, em.Cone(0.1), time=[0, 1, 2], load=[1, 1, 2], **at),
+    "impact": lambda **at: em.impact(RUBBER, em.Sphere(0.01), mass=1e-2, velocity=1.0, **at),
+    "traction": lambda **at: em.traction(
+        RUBBER, em.Sphere(0.01), velocity=1.0, creepage=[1e-3, 0.05], friction=0.8, load=5.0, **at
+    ),
+}
+
+
+def test_small_histories_load_nothing_heavy():
+    ball = f"{MATERIAL}, em.Sphere(0.01)"
+    calls = (
+        f"em.indent({ball}, time=[0, 1, 2], depth=[0, 1e-4, 0])\n"
+        f"em.indent({ball}, time=[0, 1, 2], load=[0, 1, 2])\n"
+        f"em.impact({ball}, mass=1e-2, velocity=1.0, rtol=1e-3)\n"
+        f"em.traction({ball}, velocity=1.0, creepage=0.01, friction=0.8, load=5.0)"
+    )
+    assert loaded(calls) == set()
+
+
+@pytest.mark.parametrize("name", HISTORIES)
+def test_histories_on_numpy_and_compiled_agree(name, monkeypatch):
+    """The same source on NumPy, and by JAX once that has taken as long as compiling would."""
+    rtol = 1e-6
+    first = HISTORIES[name](rtol=rtol)
+    monkeypatch.setattr(_arrays, "_ENOUGH", -1.0)
+    later = HISTORIES[name](rtol=rtol)
+    for field in ("force", "depth", "dissipated", "restitution", "max_depth", "duration", "stick"):
+        if hasattr(first, field):
+            one, other = getattr(first, field), getattr(later, field)
+            np.testing.assert_allclose(one, other, atol=rtol * np.abs(one).max())
+            assert isinstance(other, np.ndarray)
 
 
 @pytest.mark.parametrize("model", ["em.Multiscale()", "em.Persson()"])

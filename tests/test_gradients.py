@@ -79,10 +79,11 @@ def test_jit_and_vmap():
 
 
 @pytest.mark.filterwarnings("ignore:Explicitly requested dtype")  # what JAX says of the way back
-def test_reverse_mode_with_single_precision_outside():
+@pytest.mark.parametrize("shape", [em.Paraboloid(5e-3), em.Sphere(5e-3)])
+def test_reverse_mode_with_single_precision_outside(shape):
     def mu(modulus):
         law = em.Foundation(1e6, [modulus], [1e-3])
-        return em.friction(law, em.Paraboloid(5e-3), velocity=0.1, load=1.0, model=em.Line()).mu
+        return em.friction(law, shape, velocity=0.1, load=1.0, model=em.Line()).mu
 
     with jax.enable_x64(False):
         forward = jax.jvp(mu, (4e6,), (1.0,))[1]

@@ -42,7 +42,8 @@ def test_pressed_and_withdrawn():
     found = em.indent(em.layer(RUBBER, 1.0), BALL, time=time, depth=0.5 * (1 - np.abs(1 - time)))
     np.testing.assert_allclose(found.force[1:4], [1.5537335604875113, 5.467137912905926, 0.8999993277958265], rtol=1e-8)
     np.testing.assert_allclose(found.contact_radius[3], 0.6376202282125522, rtol=1e-8)
-    assert found.contact_radius[4] > 0 and found.contact_radius[5] == 0  # it lets go at 1.59667 s
+    assert found.contact_radius[4] > 0
+    assert found.contact_radius[5] == 0
     balance = found.work - found.stored - found.dissipated
     np.testing.assert_allclose(balance, 0.0, atol=1e-6 * found.work.max())
 
@@ -63,14 +64,16 @@ def test_limits():
         em.indent(em.layer(RUBBER, h), ball, time=[0.0, 1.0], depth=[0.0, 0.01]).force[-1] / half - 1
         for h in (10.0, 100.0)
     ]
-    assert 0.01 < off[0] < 0.02 and 8 < off[0] / off[1] < 12
+    assert 0.01 < off[0] < 0.02
+    assert 8 < off[0] / off[1] < 12
     soft = em.Prony(0.35, [], [], poisson=0.3)
     off = []
     for h in (0.1, 0.05):
         forces = [make(soft, h) for make in (em.layer, em.springs)]
         found = [em.indent(f, em.FlatPunch(1.0), time=[0.0, 1.0], depth=[0.0, 0.01]).force[-1] for f in forces]
         off.append(found[0] / found[1] - 1)
-    assert 0 < off[1] < off[0] < 0.2 and 1.7 < off[0] / off[1] < 2.3
+    assert 0 < off[1] < off[0] < 0.2
+    assert 1.7 < off[0] / off[1] < 2.3
 
 
 def test_surface():

@@ -71,6 +71,7 @@ DEFENDED = {
     "MaterialFit.info()",  # texts, numbers and tables, as in a material file
     "save_material(info)",
     "calibrate(scene)",  # any other argument of the verb
+    "sweep(fixed)",
 }
 
 

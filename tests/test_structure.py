@@ -7,7 +7,10 @@ from pathlib import Path
 import elastomdr as em
 
 SOURCE = Path(em.__file__).parent
-FLOORS = ("material", "mapping", "foundation", "solve", "results", "reference", "scenes", "recipes", "io", "fit", "cli")
+FLOORS = (
+    "material", "mapping", "foundation", "solve", "results", "reference", "scenes", "recipes", "sweeps",
+    "io", "fit", "cli",
+)  # fmt: skip
 
 
 def imports(path: Path) -> Iterator[tuple[str, ...]]:

@@ -199,12 +199,12 @@ MUTATIONS = [
     ),
     Mutation(
         "tangential dashpot's stiffness in the march", "solve/brush.py",
-        "stiffness = stiffness + tangential.viscosity * r.velocity / h", "stiffness = stiffness", "test_traction.py",
+        "xp.sum(gain, axis=1) + tangential.viscosity * r.velocity / h", "xp.sum(gain, axis=1)", "test_traction.py",
     ),
     Mutation(
         "sign of the tangential dashpot in the march", "solve/brush.py",
-        "stiffness = stiffness + tangential.viscosity * r.velocity / h",
-        "stiffness = stiffness - tangential.viscosity * r.velocity / h", "test_traction.py",
+        "xp.sum(gain, axis=1) + tangential.viscosity * r.velocity / h",
+        "xp.sum(gain, axis=1) - tangential.viscosity * r.velocity / h", "test_traction.py",
     ),
     Mutation(
         "tangential dashpot dropped from the integral", "solve/brush.py",
@@ -212,7 +212,7 @@ MUTATIONS = [
     ),
     Mutation(
         "factor of two in Carter's contact", "solve/brush.py",
-        "half = jnp.sqrt(4 * line_load", "half = jnp.sqrt(2 * line_load", "test_traction.py",
+        "half = xp.sqrt(4 * line_load", "half = xp.sqrt(2 * line_load", "test_traction.py",
     ),
     Mutation(
         "factor of two in the momentum of a rebound", "solve/impact.py",
@@ -221,7 +221,7 @@ MUTATIONS = [
     ),
     Mutation(
         "dashpot dropped from an approach", "solve/impact.py",
-        "force = jnp.sum(forces, axis=0) + body.viscosity * rate", "force = jnp.sum(forces, axis=0)", "test_impact.py",
+        "force = xp.sum(forces, axis=0) + body.viscosity * rate", "force = xp.sum(forces, axis=0)", "test_impact.py",
     ),
     Mutation(
         "factor of two in conduction", "solve/heat.py",

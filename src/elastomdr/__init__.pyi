@@ -11,7 +11,7 @@ from .foundation.law import half_space as half_space
 from .foundation.law import springs as springs
 from .foundation.layer import Layer as Layer
 from .foundation.layer import layer as layer
-from .foundation.step import ContactStep as ContactStep
+from .foundation.solver import ContactStep as ContactStep
 from .io.dma import read_dma as read_dma
 from .io.friction import MeasuredFriction as MeasuredFriction
 from .io.friction import read_friction as read_friction
@@ -82,5 +82,6 @@ from .scenes.traction import traction as traction
 from .solve.heat import Heat as Heat
 from .solve.mount import Mount as Mount
 from .solve.plan import Plan as Plan
+from .sweeps.run import sweep as sweep
 
 __version__: str

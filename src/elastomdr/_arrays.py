@@ -7,9 +7,11 @@ what only JAX computes, for `jax.numpy`. A formula is written once, over `xp`. A
 from __future__ import annotations
 
 import functools
+import itertools
 import sys
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -151,6 +153,32 @@ def compiled(*static: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
     return mark
 
 
+_ENOUGH = 2.0  # processor time on NumPy after which a program is compiled [s]; compiling takes about as long
+
+
+def numpy_at_first(function: Callable[P, R]) -> Callable[P, R]:
+    """On NumPy until that has taken about as long as compiling would, from then on by JAX, which compiles it.
+
+    For what takes a second on NumPy and milliseconds when compiled: the first number comes at once, many come fast.
+    """
+    spent = 0.0
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        nonlocal spent
+        if not _mode.numpy:
+            return function(*args, **kwargs)
+        if spent > _ENOUGH:
+            return on_jax(function, *args, **kwargs)
+        start = time.thread_time()
+        try:
+            return function(*args, **kwargs)
+        finally:
+            spent += time.thread_time() - start
+
+    return wrapper
+
+
 def while_loop(condition: Callable[[Any], Any], body: Callable[[Any], Any], state: Any) -> Any:
     """`jax.lax.while_loop`."""
     if not _mode.numpy:
@@ -173,7 +201,7 @@ def fori_loop(start: int, stop: int, body: Callable[[Any, Any], Any], state: Any
     return state
 
 
-def fixed(tree: Any) -> Any:
+def fixed(tree: R) -> R:
     """`jax.lax.stop_gradient`."""
     if _mode.numpy:
         return tree
@@ -216,3 +244,49 @@ def scan(step: Callable[[Any, Any], Any], state: Any, over: Any) -> Any:
         state = step(state, type(over)(*(None if x is None else x[min(i, x.shape[0] - 1)] for x in over)))
         states.append(state)
     return type(state)(*(None if x[0] is None else np.stack(x) for x in zip(*states, strict=True)))
+
+
+def in_steps(step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, over: Any) -> tuple[Any, Any]:
+    """`jax.lax.scan` over a tuple of arrays, or tuples of them: the last carry, and what each step leaves, stacked."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.scan(step, carry, over)
+    left = []
+    for entry in _entries(over):
+        carry, kept = step(carry, entry)
+        left.append(kept)
+    return carry, mapped(lambda *x: np.stack(x), *left)
+
+
+def cond(condition: Any, true: Callable[..., Any], false: Callable[..., Any], *given: Any) -> Any:
+    """`jax.lax.cond`."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.cond(condition, true, false, *given)
+    return true(*given) if condition else false(*given)
+
+
+def mapped(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
+    """`jax.tree.map`; on NumPy for tuples of arrays, tuples and None."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.tree.map(function, tree, *trees)
+    if tree is None:
+        return None
+    if not isinstance(tree, tuple):
+        return function(tree, *trees)
+    parts = [mapped(function, *parts) for parts in zip(tree, *trees, strict=True)]
+    return type(tree)(*parts) if hasattr(tree, "_fields") else tuple(parts)
+
+
+def _entries(tree: Any) -> Iterator[Any]:
+    """The entries of a tuple of arrays, or of tuples of them, along their first axis; at least one is an array."""
+    if tree is None:
+        return itertools.repeat(None)
+    if not isinstance(tree, tuple):
+        return iter(tree)
+    rows = zip(*map(_entries, tree))  # noqa: B905  None has no length
+    return itertools.starmap(type(tree), rows) if hasattr(tree, "_fields") else rows

@@ -11,7 +11,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from ._arrays import Array, as_numpy, in_float64, is_traced, numpy_unless_traced
+from ._arrays import Array, as_numpy, in_float64, is_traced, numpy_unless_traced, xp
 from .errors import InputError
 
 __all__ = ["Array", "in_float64", "is_traced", "numpy_unless_traced"]
@@ -60,11 +60,9 @@ def argmax(x: Array) -> Array:
 
     JAX's own is compiled with 32-bit indices where the caller's `jax.jit` has no 64-bit types, and fails there.
     """
-    import jax.numpy as jnp
-
-    x = jnp.asarray(x)
-    place = jnp.arange(x.shape[0]).reshape(-1, *[1] * (x.ndim - 1))
-    return jnp.min(jnp.where(x == jnp.max(x, axis=0), place, x.shape[0] - 1), axis=0)
+    x = xp.asarray(x)
+    place = xp.arange(x.shape[0]).reshape(-1, *[1] * (x.ndim - 1))
+    return xp.min(xp.where(x == xp.max(x, axis=0), place, x.shape[0] - 1), axis=0)
 
 
 def nan_unless(good: Any, values: Any) -> Any:

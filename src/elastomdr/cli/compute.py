@@ -129,7 +129,12 @@ def _contact(arguments: dict[str, Any], curve: Any) -> Any:
     import numpy as np
 
     model = arguments.get("model", em.Line() if "pressure" not in arguments else None)
-    if getattr(curve, "lines", None) is None or not isinstance(model, em.Line) or not curve.converged.any():
+    if (
+        curve.materials
+        or getattr(curve, "lines", None) is None
+        or not isinstance(model, em.Line)
+        or not curve.converged.any()
+    ):
         return None
     top = np.unravel_index(np.nanargmax(curve.mu), curve.mu.shape)
     at: dict[str, Any] = {"model": dataclasses.replace(model, average=False), "velocity": curve.velocity[top]}

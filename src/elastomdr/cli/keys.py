@@ -9,6 +9,7 @@ import msgspec
 
 from .kinds import KINDS
 from .schema import accepted, is_list, keys_of, tables_of
+from .sweep import Sweep
 
 
 class Key(NamedTuple):
@@ -69,7 +70,11 @@ def as_markdown() -> str:
                 lines += ["| key | accepted | default | meaning |", "|---|---|---|---|"] if section.keys else []
                 lines += [f"| `{key.name}` | {' | '.join(_cell(text) for text in key[1:])} |" for key in section.keys]
                 lines.append("")
-    return "\n".join(lines)
+    lines += ["## elastomdr sweep", "", "Beside the keys of friction, rolling or impact:", ""]
+    section = _section("[sweep]", Sweep)
+    lines += [f"`{section.title}` {section.about}", "", "| key | accepted | default | meaning |", "|---|---|---|---|"]
+    lines += [f"| `{key.name}` | {' | '.join(_cell(text) for text in key[1:])} |" for key in section.keys]
+    return "\n".join([*lines, ""])
 
 
 def _section(written: str, table: Any) -> Section:

@@ -2,6 +2,7 @@
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from ..errors import InputError
 from ..files import read_bytes
@@ -27,12 +28,21 @@ KINDS: dict[str, tuple[type[Scene], ...]] = {
 
 def read_scene(verb: str, path: Path) -> Scene:
     """A scene of the command `verb` from its file. Raises `InputError` for whatever is wrong."""
+    return decoded(verb, read_content(path))
+
+
+def read_content(path: Path) -> dict[str, Any]:
+    """What a TOML file holds. Raises `InputError` where it cannot be read."""
     try:
-        content = tomllib.loads(read_bytes(path, _MOST_BYTES).decode())
+        return tomllib.loads(read_bytes(path, _MOST_BYTES).decode())
     except OSError as error:
         raise InputError(f"the scene cannot be read: {error.strerror or error}.") from error
     except (ValueError, RecursionError) as error:  # not UTF-8, not TOML, no valid path
         raise InputError(f"the scene is not valid TOML: {error}.") from error
+
+
+def decoded(verb: str, content: dict[str, Any]) -> Scene:
+    """A scene of the command `verb` from what its file holds. Raises `InputError` for whatever is wrong."""
     kind = next((kind for kind in KINDS[verb] if kind.fits(content)), KINDS[verb][-1])
     for key in content:
         if key not in keys_of(kind):

@@ -90,6 +90,12 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--out", metavar="DIR", help="folder to write NAME-plan.txt into as well")
     what = {"choices": ("friction", "rolling"), "default": "friction", "help": "what to plan for (default: friction)"}
     command.add_argument("--quantity", **what)
+    words = "a scene at every combination of the values of its lists, in a store that can be gone on with"
+    command = _added(commands, "sweep", "sweep", words)
+    command.add_argument("scene", metavar="SCENE.toml", help="a scene of friction, rolling or impact, with [sweep]")
+    command.add_argument("--out", metavar="STORE.zarr", required=True, help="store, new or of the same scene before")
+    command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster; by default this machine's cores")
+    command.add_argument("--table", metavar="FILE", help="a .csv or .xlsx file with all points, written as well")
     words = "a material file, with cards, tables and figures, from measured isotherms (DMA)"
     importlib.import_module(".fit", __package__).add_arguments(_added(commands, "fit", "fit", words))
     words = "the library of materials, or the numbers and sources of one of them"

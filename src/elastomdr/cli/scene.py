@@ -9,7 +9,7 @@ import elastomdr as em
 
 from ..errors import InputError
 from .indenter import AnyShape, Cylinder
-from .schema import Count, Positive, Several, Sweep, Table, Text, given, keys_of, named, only_one
+from .schema import Count, One, Positive, Several, Sweep, Table, Text, given, keys_of, named, only_one
 from .surface import equivalent_length
 from .units import Length, Temperature, Velocity
 
@@ -87,7 +87,7 @@ class Scene(Table):
     call: ClassVar[str]
 
     title: Annotated[Text | None, "title of the figure"] = None
-    material: Annotated[Text, "the rubber: a name in the library, or a material file beside the scene"]
+    material: Annotated[One[Text], "the rubber: a name in the library, or a material file beside the scene"]
     temperature: Annotated[Several[Temperature] | None, "temperature of the rubber"] = None
     numerics: Annotated[Numerics, "how exactly it is computed"] = Numerics()
 
@@ -108,6 +108,9 @@ class Scene(Table):
 class OfBodies(Scene):
     """A scene in which a body or a surface meets one rubber or two, or a layer."""
 
+    material: Annotated[
+        Several[Text], "the rubber: a name in the library, or a material file beside the scene; a list compares several"
+    ]
     other: Annotated[Text | None, "the second body, where it is no rigid one: two half-spaces in contact"] = None
     layer: Annotated[Layer | None, "the rubber is a thin layer"] = None
 
@@ -120,13 +123,16 @@ class OfBodies(Scene):
     def common(self, folder: Path) -> dict[str, Any]:
         """`material`, `rtol` and, unless it has been applied to the material already, `temperature`."""
         found = self.numerics.chosen() | given(self, "temperature")
-        material = load(folder, "material", self.material)
+        rubbers = [load(folder, "material", name) for name in self.material]
+        several = len(rubbers) > 1
         if self.layer is not None:
             with named("[layer]"):
-                return found | {"material": em.springs(material, self.layer.thickness, bonded=self.layer.bonded)}
-        if self.other is None:
-            return found | {"material": material}
-        return _pair(material, load(folder, "other", self.other), found)
+                rubbers = [em.springs(each, self.layer.thickness, bonded=self.layer.bonded) for each in rubbers]
+        if self.other is None or self.layer is not None:
+            return found | {"material": rubbers if several else rubbers[0]}
+        if several:
+            raise InputError("material must be a single one beside other: two bodies in contact.")
+        return _pair(rubbers[0], load(folder, "other", self.other), found)
 
 
 def load(folder: Path, key: str, name: str) -> Any:

@@ -114,6 +114,8 @@ def accepted(kind: Any) -> str:
         return " or ".join(accepted(part) for part in inner if part is not type(None))
     if origin is One:
         return accepted(inner[0])
+    if origin is dict:
+        return "a table of lists"
     if origin in (list, Several, Sweep):
         one = accepted(inner[0])
         if origin is list and _is_table(inner[0]):

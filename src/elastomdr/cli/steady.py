@@ -154,7 +154,7 @@ class ConveyorScene(Scene):
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         belt, roll, layer = self.conveyor, self.indenter, self.layer
-        material = load(folder, "material", self.material)
+        material = load(folder, "material", self.material[0])
         carried, back = (
             em.springs(material, thickness, bonded=layer.bonded)
             for thickness in (layer.thickness, belt.return_thickness or layer.thickness)

@@ -46,7 +46,7 @@ class Traction(_Traction):
     indenter: Annotated[OfRevolution, "the ball"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
-        return self.rolling(folder) | {"material": load(folder, "material", self.material)}
+        return self.rolling(folder) | {"material": load(folder, "material", self.material[0])}
 
 
 class Structure(Table):
@@ -76,7 +76,7 @@ class WheelTraction(_Traction):
         return isinstance(shape, dict) and shape.get("shape") == "cylinder"
 
     def arguments(self, folder: Path) -> dict[str, Any]:
-        rubber = load(folder, "material", self.material)
+        rubber = load(folder, "material", self.material[0])
         carries = em.Foundation(
             self.structure.stiffness, [], [], name=f"{rubber.name or 'tread'} on an elastic structure"
         )

@@ -13,16 +13,18 @@ viscoelastic element (derived here; a parallel dashpot changes nothing in it):
 So each element is free for a time, in contact for a time, free for the rest; any of the three may be empty.
 """
 
-from typing import Any, NamedTuple
+from __future__ import annotations
 
-import jax
-import jax.numpy as jnp
-from jaxtyping import Bool, Float
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from .._arrays import fixed, while_loop, xp
 from .._runtime import Array
 from ..material.relaxation import Relaxation
 from .decay import phi1, phi2
 from .modes import Modes, to_branches, to_modes
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 _MOST = 100  # iterations in search of an instant
 _NEWTON = 8  # of them per one that halves the bracket whatever Newton's method says
@@ -43,69 +45,69 @@ class Touching(NamedTuple):
 
 def pressed(law: Relaxation, modes: Modes, w: Float[Array, " n"]) -> Touching:
     """Elements at rest until a surface at w is pressed on them at once: glassy where w > 0, untouched elsewhere."""
-    u = jnp.maximum(w, 0.0)
-    glassy = law.equilibrium + jnp.sum(law.moduli)
-    m = jnp.zeros((modes.rate.size, w.size))
-    return Touching(w > 0, u, law.moduli[:, None] * u, m, 0.5 * glassy * u**2, jnp.zeros_like(u))
+    u = xp.maximum(w, 0.0)
+    glassy = law.equilibrium + xp.sum(law.moduli)
+    m = xp.zeros((modes.rate.size, w.size))
+    return Touching(w > 0, u, law.moduli[:, None] * u, m, 0.5 * glassy * u**2, xp.zeros_like(u))
 
 
 def force(law: Relaxation, state: Touching, v: Any) -> Float[Array, " n"]:
     """q of each element while the surface moves at rate v."""
-    q = law.equilibrium * state.u + law.viscosity * v + jnp.sum(state.f, axis=0)
-    return jnp.where(state.contact, q, 0.0)
+    q = law.equilibrium * state.u + law.viscosity * v + xp.sum(state.f, axis=0)
+    return xp.where(state.contact, q, 0.0)
 
 
 def energies(law: Relaxation, modes: Modes, state: Touching) -> tuple[Array, Array]:
     """Elastic energy of the elements in contact, and of those that are free, each zero for the others."""
-    strength = jnp.where(law.moduli > 0, 0.5 / jnp.where(law.moduli > 0, law.moduli, 1.0), 0.0)
+    strength = xp.where(law.moduli > 0, 0.5 / xp.where(law.moduli > 0, law.moduli, 1.0), 0.0)
     held = 0.5 * law.equilibrium * state.u**2 + strength @ state.f**2
     left = (0.5 * modes.norm * modes.rate) @ state.m**2
-    return jnp.where(state.contact, held, 0.0), jnp.where(state.contact, 0.0, left)
+    return xp.where(state.contact, held, 0.0), xp.where(state.contact, 0.0, left)
 
 
 def follow(law: Relaxation, modes: Modes, state: Touching, w: Float[Array, " n"], v: Any, h: Any) -> Touching:
     """The state after a time h in which the surface moves from w to w + v h. Exact; differentiable in both modes."""
     # Free, until it meets the surface.
-    fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h = jax.lax.stop_gradient((modes, state, w, v, h))
+    fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h = fixed((modes, state, w, v, h))
     met, wait = _meeting(fixed_modes, fixed_state, fixed_w, fixed_v, fixed_h)
     gap, closing = _gap(modes, state, w, v, wait)
-    closing = jax.lax.stop_gradient(jnp.where(closing < 0, closing, -jnp.inf))
-    wait = jnp.where(met & ~state.contact, wait - gap / closing, jnp.where(state.contact, 0.0, h))
+    closing = fixed(xp.where(closing < 0, closing, -xp.inf))
+    wait = xp.where(met & ~state.contact, wait - gap / closing, xp.where(state.contact, 0.0, h))
     touched = state.contact | met
-    decayed = jnp.exp(-modes.rate[:, None] * wait) * state.m
-    u = jnp.where(touched, w + v * wait, jnp.sum(decayed, axis=0))
-    f = jnp.where(state.contact, state.f, to_branches(law, modes, decayed))
+    decayed = xp.exp(-modes.rate[:, None] * wait) * state.m
+    u = xp.where(touched, w + v * wait, xp.sum(decayed, axis=0))
+    f = xp.where(state.contact, state.f, to_branches(law, modes, decayed))
 
     # In contact, until it would be pulled.
-    rest = jnp.where(touched, h - wait, 0.0)
-    fixed_law, fixed_u, fixed_f, fixed_rest = jax.lax.stop_gradient((law, u, f, rest))
+    rest = xp.where(touched, h - wait, 0.0)
+    fixed_law, fixed_u, fixed_f, fixed_rest = fixed((law, u, f, rest))
     lost, stay = _parting(fixed_law, fixed_u, fixed_f, fixed_v, fixed_rest, touched)
     pull, falling = _pull(law, u, f, v, stay)
-    falling = jax.lax.stop_gradient(jnp.where(falling < 0, falling, -jnp.inf))
-    stay = jnp.where(lost & (stay > 0), jnp.clip(stay - pull / falling, 0.0, rest), jnp.where(lost, 0.0, rest))
+    falling = fixed(xp.where(falling < 0, falling, -xp.inf))
+    stay = xp.where(lost & (stay > 0), xp.clip(stay - pull / falling, 0.0, rest), xp.where(lost, 0.0, rest))
     y = stay / law.times[:, None]
     first, second = phi1(y), phi2(y)
     decay = 1 - y * first
     f_end = decay * f + law.moduli[:, None] * v * stay * first
-    u_end = jnp.where(touched, u + v * stay, u)
+    u_end = xp.where(touched, u + v * stay, u)
     spent = 0.5 * law.equilibrium * (u_end**2 - u**2) + law.viscosity * v**2 * stay
-    spent = spent + v * stay * jnp.sum(first * f + law.moduli[:, None] * v * stay * second, axis=0)
-    warmed = law.viscosity * v**2 * stay + jnp.sum(_branch_loss(law, f, v * stay, y, first, second), axis=0)
+    spent = spent + v * stay * xp.sum(first * f + law.moduli[:, None] * v * stay * second, axis=0)
+    warmed = law.viscosity * v**2 * stay + xp.sum(_branch_loss(law, f, v * stay, y, first, second), axis=0)
 
     # Free again.
     let_go = to_modes(law, modes, u_end, f_end)
-    m = jnp.where(touched, let_go, decayed)
-    m = jnp.where(lost, jnp.exp(-modes.rate[:, None] * (rest - stay)) * m, m)
-    recovered = jnp.where(state.contact, 0.0, _recovery_loss(modes, state.m, wait))
-    recovered = recovered + jnp.where(lost, _recovery_loss(modes, let_go, rest - stay), 0.0)
+    m = xp.where(touched, let_go, decayed)
+    m = xp.where(lost, xp.exp(-modes.rate[:, None] * (rest - stay)) * m, m)
+    recovered = xp.where(state.contact, 0.0, _recovery_loss(modes, state.m, wait))
+    recovered = recovered + xp.where(lost, _recovery_loss(modes, let_go, rest - stay), 0.0)
     contact = touched & ~lost
     return Touching(
         contact=contact,
-        u=jnp.where(contact, u_end, jnp.sum(m, axis=0)),
+        u=xp.where(contact, u_end, xp.sum(m, axis=0)),
         f=f_end,
         m=m,
-        work=state.work + jnp.where(touched, spent, 0.0),
-        heat=state.heat + jnp.where(touched, warmed, 0.0) + recovered,
+        work=state.work + xp.where(touched, spent, 0.0),
+        heat=state.heat + xp.where(touched, warmed, 0.0) + recovered,
     )
 
 
@@ -113,7 +115,7 @@ def _branch_loss(law: Relaxation, f: Array, moved: Array, y: Array, first: Array
     """int f_k^2/(E_k tau_k) dt of each branch while the element moves by `moved` at a constant rate; y = h/tau_k, phi_1
     and phi_2 of it."""
     moduli = law.moduli[:, None]
-    compliance = jnp.where(moduli > 0, 1 / jnp.where(moduli > 0, moduli, 1.0), 0.0)
+    compliance = xp.where(moduli > 0, 1 / xp.where(moduli > 0, moduli, 1.0), 0.0)
     faded = y * first  # 1 - exp(-y)
     loss = f**2 * compliance * faded * (1 - 0.5 * faded) + f * moved * faded * first
     return loss + moduli * moved**2 * (second - 0.5 * first**2)
@@ -122,13 +124,13 @@ def _branch_loss(law: Relaxation, f: Array, moved: Array, y: Array, first: Array
 def _recovery_loss(modes: Modes, m: Array, t: Array) -> Array:
     """What free modes turn into heat in a time t: norm_j int m_j'^2 dt, the modes being orthogonal in dissipation."""
     rate = modes.rate[:, None]
-    return (0.5 * modes.norm * modes.rate) @ (m**2 * -jnp.expm1(-2 * rate * t))
+    return (0.5 * modes.norm * modes.rate) @ (m**2 * -xp.expm1(-2 * rate * t))
 
 
 def _gap(modes: Modes, state: Touching, w: Array, v: Any, t: Array) -> tuple[Array, Array]:
     """Gap between a free element and the surface at time t, and its rate."""
-    now = jnp.exp(-modes.rate[:, None] * t) * state.m
-    return jnp.sum(now, axis=0) - (w + v * t), -jnp.sum(modes.rate[:, None] * now, axis=0) - v
+    now = xp.exp(-modes.rate[:, None] * t) * state.m
+    return xp.sum(now, axis=0) - (w + v * t), -xp.sum(modes.rate[:, None] * now, axis=0) - v
 
 
 def _pull(law: Relaxation, u: Array, f: Array, v: Any, t: Array) -> tuple[Array, Array]:
@@ -136,26 +138,26 @@ def _pull(law: Relaxation, u: Array, f: Array, v: Any, t: Array) -> tuple[Array,
     y = t / law.times[:, None]
     first = phi1(y)
     f = (1 - y * first) * f + law.moduli[:, None] * v * t * first
-    q = law.equilibrium * (u + v * t) + law.viscosity * v + jnp.sum(f, axis=0)
-    return q, law.equilibrium * v + jnp.sum(law.moduli[:, None] * v - f / law.times[:, None], axis=0)
+    q = law.equilibrium * (u + v * t) + law.viscosity * v + xp.sum(f, axis=0)
+    return q, law.equilibrium * v + xp.sum(law.moduli[:, None] * v - f / law.times[:, None], axis=0)
 
 
 def _meeting(modes: Modes, state: Touching, w: Array, v: Any, h: Any) -> tuple[Array, Array]:
     """Whether and when a free element meets the surface: Newton's method from the left on a convex gap."""
-    size = _ROUNDING * (jnp.abs(w) + jnp.abs(v) * h + jnp.sum(jnp.abs(state.m), axis=0))
+    size = _ROUNDING * (xp.abs(w) + xp.abs(v) * h + xp.sum(xp.abs(state.m), axis=0))
 
     def advance(carry: tuple) -> tuple:
         t, met, done, count = carry
         gap, rate = _gap(modes, state, w, v, t)
-        following = t - gap / jnp.where(rate < 0, rate, -1.0)
+        following = t - gap / xp.where(rate < 0, rate, -1.0)
         there = (gap <= size) | ((rate < 0) & (following <= t))
         never = ~there & ((rate >= 0) | (following > h * (1 + _ROUNDING)))
-        met = jnp.where(done, met, there)
+        met = xp.where(done, met, there)
         ends = done | there | never
-        return jnp.where(ends, t, jnp.minimum(following, h)), met, ends, count + 1
+        return xp.where(ends, t, xp.minimum(following, h)), met, ends, count + 1
 
-    start = (jnp.zeros_like(w), jnp.zeros(w.shape, bool), state.contact, 0)
-    t, met, _, _ = jax.lax.while_loop(lambda c: ~jnp.all(c[2]) & (c[3] < _MOST), advance, start)
+    start = (xp.zeros_like(w), xp.zeros(w.shape, bool), state.contact, 0)
+    t, met, _, _ = while_loop(lambda c: ~xp.all(c[2]) & (c[3] < _MOST), advance, start)
     return met, t
 
 
@@ -165,22 +167,22 @@ def _parting(law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: 
     end, _ = _pull(law, u, f, v, rest)
     lost = touched & (end < 0)
     # At once where a dashpot is pulled: then q does not pass zero, and there is no root to search for.
-    begin, change = _pull(law, u, f, v, jnp.zeros_like(rest))
-    size = law.equilibrium * jnp.abs(u) + law.viscosity * jnp.abs(v) + jnp.sum(jnp.abs(f), axis=0)
+    begin, change = _pull(law, u, f, v, xp.zeros_like(rest))
+    size = law.equilibrium * xp.abs(u) + law.viscosity * xp.abs(v) + xp.sum(xp.abs(f), axis=0)
     at_once = lost & (begin <= 0) & ((change <= 0) | (begin < -_BLUR * size))
 
     def advance(carry: tuple) -> tuple:
         t, low, high, ended, count = carry
         q, rate = _pull(law, u, f, v, t)
-        low, high = jnp.where(q > 0, t, low), jnp.where(q > 0, high, t)
-        following = t - q / jnp.where(rate < 0, rate, -1.0)
+        low, high = xp.where(q > 0, t, low), xp.where(q > 0, high, t)
+        following = t - q / xp.where(rate < 0, rate, -1.0)
         inside = (following > low) & (following < high) & (rate < 0) & (count % _NEWTON < _NEWTON - 1)
-        following = jnp.where(inside, following, 0.5 * (low + high))
-        close = (jnp.abs(following - t) <= 4 * _ROUNDING * rest) | (high <= low * (1 + 4 * _ROUNDING))
-        done = ended | close | (jnp.abs(q) <= 2 * _ROUNDING * size)
-        return jnp.where(done, t, following), low, high, done, count + 1
+        following = xp.where(inside, following, 0.5 * (low + high))
+        close = (xp.abs(following - t) <= 4 * _ROUNDING * rest) | (high <= low * (1 + 4 * _ROUNDING))
+        done = ended | close | (xp.abs(q) <= 2 * _ROUNDING * size)
+        return xp.where(done, t, following), low, high, done, count + 1
 
-    straight = rest * jnp.clip(begin / jnp.where(lost, begin - end, 1.0), 0.0, 1.0)
-    start = (straight, jnp.zeros_like(rest), rest, ~lost | at_once, 0)
-    t, *_ = jax.lax.while_loop(lambda c: ~jnp.all(c[3]) & (c[4] < _MOST), advance, start)
-    return lost, jnp.where(at_once | (t <= 4 * _ROUNDING * rest), 0.0, t)
+    straight = rest * xp.clip(begin / xp.where(lost, begin - end, 1.0), 0.0, 1.0)
+    start = (straight, xp.zeros_like(rest), rest, ~lost | at_once, 0)
+    t, *_ = while_loop(lambda c: ~xp.all(c[3]) & (c[4] < _MOST), advance, start)
+    return lost, xp.where(at_once | (t <= 4 * _ROUNDING * rest), 0.0, t)

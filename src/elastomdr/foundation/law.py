@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, overload
 import numpy as np
 
 from .._runtime import Array, as_float64, is_traced, numpy_unless_traced, positive, scalar
-from .._trees import fill, same, static
+from .._trees import Tree, fill, replaced, same, static
 from ..errors import InputError
 from ..mapping.radok import layer_operator, normal_operator, tangential_operator
 from ..material.prony import Prony
@@ -20,6 +20,14 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import ArrayLike, Number, RangeLike, Solid
+
+
+class Slab(Tree):
+    """The layer that springs stand for, to be compared with it."""
+
+    material: Prony
+    thickness: Array  # [m]
+    bonded: bool = static()
 
 
 class Foundation(AbstractRelaxation):
@@ -38,6 +46,7 @@ class Foundation(AbstractRelaxation):
     per_area: bool | None = static()
     name: str = static()
     range: Range | None = static()  # where the numbers hold; None: not known
+    slab: Slab | None = None  # of `em.springs`
 
     def __init__(
         self,
@@ -53,6 +62,7 @@ class Foundation(AbstractRelaxation):
     ):
         law = checked(equilibrium, moduli, times, viscosity)
         fill(self, **vars(law), shift=shift, per_area=per_area, name=name, range=as_range(range))
+        fill(self, slab=None)
 
     @classmethod
     def kelvin(cls, stiffness: Number, viscosity: Number) -> "Foundation":
@@ -134,11 +144,13 @@ def half_space(
 
 @numpy_unless_traced
 def springs(material: Solid, thickness: Number, *, bonded: bool = True, tangential: bool = False) -> Foundation:
-    """The foundation of a thin layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
+    """Independent springs in place of a layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
 
-    Holds where the contact is much wider than the layer is thick. `tangential` gives that of simple shear, G(t) over
-    the thickness, as of the tread in the brush model of a tyre. Raises `InputError` for a bonded incompressible
-    layer, which does not act as a row of springs, and for one that is sheared without being bonded.
+    The textbook's; `em.layer` is the layer itself. Springs hold where the contact is much wider than the layer is
+    thick: the `model_error` of `em.friction` and `em.rolling` says how far they are from it under a cylinder.
+    `tangential` gives the stiffness of simple shear, G(t) over the thickness, as of the tread in the brush model of a
+    tyre. Raises `InputError` for a bonded incompressible layer, which does not act as a row of springs, and for one
+    that is sheared without being bonded.
     Source: Johnson 1985, section 5.8.
     """
     thickness = scalar("thickness", thickness)
@@ -147,7 +159,8 @@ def springs(material: Solid, thickness: Number, *, bonded: bool = True, tangenti
         raise InputError("bonded must be True with tangential: a layer that slips on its base is not sheared.")
     own = _material("material", material)
     law = scaled(own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness)
-    return _foundation(law, material.shift, True, material.name, material.range)
+    slab = None if tangential else Slab(own, thickness, bool(bonded))
+    return replaced(_foundation(law, material.shift, True, material.name, material.range), slab=slab)
 
 
 def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
@@ -184,7 +197,7 @@ def _foundation(
     if not is_traced(law):
         law = Relaxation(*(np.asarray(x) for x in (law.equilibrium, law.moduli, law.times, law.viscosity)))
     foundation = object.__new__(Foundation)  # its numbers were checked when the material was made
-    fill(foundation, **vars(law), shift=shift, per_area=per_area, name=name, range=known)
+    fill(foundation, **vars(law), shift=shift, per_area=per_area, name=name, range=known, slab=None)
     return foundation
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._arrays import fori_loop, on_numpy, xp
+from .._arrays import fori_loop, in_steps, on_numpy, xp
 from .._runtime import Array
 from .decay import phi1
 
@@ -128,31 +128,40 @@ def _sum(coefficients: Array, z: Array) -> Array:
     def lower(i, ratio):
         return small / ((2 * (top - i) + 1) + small * ratio)
 
-    def lower_and_add(i, state):
-        ratio, total = state
-        j = count - 1 - i
+    def lower_and_add(state, now):
+        (ratio, total), (j, row) = state, now
         ratio = small / ((2 * j + 1) + small * ratio)
-        return ratio, ratio * (rows[j] + total)
+        return (ratio, ratio * (row + total)), None
 
     ratio = loop(0, top - count + 1, lower, ratio)
-    _, total = loop(0, count - 1, lower_and_add, (ratio, xp.zeros(xp.broadcast_shapes(z.shape, rows[0].shape))))
+    start = (ratio, xp.zeros(xp.broadcast_shapes(z.shape, rows[0].shape)))
+    _, total = _over(np.arange(count - 1.0, 0.0, -1), rows[:0:-1], lower_and_add, start)
     low = phi1(2 * small) * (rows[0] + total)
-    return xp.where(half <= switch, low, _ascending(rows, large, loop))
+    return xp.where(half <= switch, low, _ascending(rows, large))
 
 
-def _ascending(rows: Array, large: Array, loop: Callable) -> Array:
+def _ascending(rows: Array, large: Array) -> Array:
     """`contract` for large z/2."""
     inverse, decay = 1 / large, xp.exp(-2 * large)
     before = 0.5 * (1 - decay) * inverse
     mu = 0.5 * (1 + decay) * inverse - before * inverse
 
-    def raise_and_add(i, state):
-        before, mu, total = state
-        j = i + 1
+    def raise_and_add(state, now):
+        (before, mu, total), (j, row) = state, now
         before, mu = mu, before - (2 * j + 1) * inverse * mu
-        return before, mu, total + rows[j + 1] * mu
+        return (before, mu, total + row * mu), None
 
-    return loop(0, rows.shape[0] - 2, raise_and_add, (before, mu, rows[0] * before + rows[1] * mu))[2]
+    start = (before, mu, rows[0] * before + rows[1] * mu)
+    return _over(np.arange(1.0, rows.shape[0] - 1.0), rows[2:], raise_and_add, start)[2]
+
+
+def _over(j: np.ndarray, rows: Array, body: Callable[[Any, Any], Any], state: Any) -> Any:
+    """A loop over rows and their numbers; by scan: what indexes rows has no derivative without 64-bit types."""
+    if len(j) >= _UNROLLED:
+        return in_steps(body, state, (xp.asarray(j), rows))[0]
+    for now in zip(j, rows, strict=True):
+        state, _ = body(state, now)
+    return state
 
 
 def _unrolled(start: int, stop: int, body: Callable[[int, Any], Any], state: Any) -> Any:

@@ -161,8 +161,8 @@ def layer_asymmetry(
     """`asymmetry` for the line with the kernel of a layer; `width` w is that of the contact over the thickness.
 
     The excess is that of the half-space times 1 + (0.8 + 0.6 n) w^2/(w^2 + 0.64), n the power of the profile: an
-    empirical rule, fitted to balls and cones at contrasts up to 100 and 2a/h up to 6 (`benchmarks/layer_map.py`), as are
-    the bounds, which are NaN for wider contacts and steeper profiles.
+    empirical rule, fitted to balls and cones at contrasts up to 100 and 2a/h up to 6 (`benchmarks/layer_map.py`), as
+    are the bounds, which are NaN for wider contacts and steeper profiles.
     """
     found = asymmetry(average, line, leading, trailing, exponent)
     n = xp.clip(exponent, 1.0, 2.0)

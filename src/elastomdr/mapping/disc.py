@@ -7,18 +7,21 @@ at x has the rigid surface w = d - g(x) over it, and for a contact that has only
     A(a) = int_0^a weight (g(a) - g(x)) dx,    dA/dd = W(a) = int_0^a weight dx,    V(a) = int A dd.
 """
 
+from __future__ import annotations
+
 import math
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from .._runtime import Array, is_traced
+from .._arrays import fixed, while_loop, xp
+from .._runtime import Array
+from .._trees import Tree, static
 from .profile import Profile
 from .shapes import AbstractShape, Cone, Cylinder, FlatPunch, Paraboloid, PowerLaw, Sphere
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 # Panels that narrow towards both ends: a sphere's profile is singular at its equator, a power law's at its axis.
@@ -26,11 +29,11 @@ _GRADED = np.concatenate([[0.0], 0.5 * 0.15 ** np.arange(5.0, 0.0, -1), 1 - 0.5 
 _ITERATIONS = 60
 
 
-class Disc(eqx.Module):
+class Disc(Tree):
     """A contact that is a disc (or a strip) of radius a, under a body that moves normally."""
 
     shape: AbstractShape
-    kind: Literal["half-space", "layer", "cylinder"] = eqx.field(static=True)
+    kind: Literal["half-space", "layer", "cylinder"] = static()
 
     def profile(self, x: Array) -> Array:
         """g(x) [m] for x >= 0: the MDR profile, or on a layer the shape itself."""
@@ -46,7 +49,7 @@ class Disc(eqx.Module):
         """What an element's force density counts in the total: 2, 2 pi x or 2 L."""
         if self.kind == "layer":
             return 2 * math.pi * x
-        return jnp.full_like(x, 2.0) * (self.shape.length if isinstance(self.shape, Cylinder) else 1.0)
+        return xp.full_like(x, 2.0) * (self.shape.length if isinstance(self.shape, Cylinder) else 1.0)
 
     def width(self, a: Array) -> Array:
         """W(a) = dA/dd: 2a, pi a^2 or 2 L a."""
@@ -62,7 +65,7 @@ class Disc(eqx.Module):
             layer = self.kind == "layer"
             return self.shape.radius ** (3 if layer else 2) * _sphere_area(a / self.shape.radius, layer)
         x, dx = self._quadrature(a)
-        return jnp.sum(dx * self.weight(x) * (self.profile(a)[..., None] - self.profile(x)), axis=-1)
+        return xp.sum(dx * self.weight(x) * (self.profile(a)[..., None] - self.profile(x)), axis=-1)
 
     def energy(self, a: Array) -> Array:
         """V(a), so that an elastic contact stores E V."""
@@ -72,12 +75,12 @@ class Disc(eqx.Module):
             share = 1 / (p + 1) - 2 / (n + p + 1) + 1 / (2 * n + p + 1)
             return 0.5 * self.weight(a) * a * (c * _power(a, n)) ** 2 * share
         x, dx = self._quadrature(a)
-        return 0.5 * jnp.sum(dx * self.weight(x) * (self.profile(a)[..., None] - self.profile(x)) ** 2, axis=-1)
+        return 0.5 * xp.sum(dx * self.weight(x) * (self.profile(a)[..., None] - self.profile(x)) ** 2, axis=-1)
 
     @property
     def largest(self) -> Any:
         """Radius [m] that the contact cannot exceed; what is beyond a tenth of rounding of it is not looked at."""
-        return (jnp if is_traced(self.shape) else np).asarray(self.shape.largest_contact, dtype=float) * (1 - 1e-12)
+        return xp.asarray(self.shape.largest_contact, dtype=float) * (1 - 1e-12)
 
     @property
     def flat(self) -> bool:
@@ -90,16 +93,16 @@ class Disc(eqx.Module):
         if n is not None:
             return _root(depth / c, n)
         if self.flat:
-            return jnp.where(depth > 0, self.shape.largest_contact, 0.0)
+            return xp.where(depth > 0, self.shape.largest_contact, 0.0)
         return _invert(self, "depth", depth, _root(depth * self._tip, 2.0))
 
     def radius_of_area(self, area: Array) -> Array:
         """a with A(a) = `area`, zero for area <= 0, NaN beyond the largest contact; any shape, differentiable."""
         n, _ = self._power()
         if self.flat:
-            return jnp.where(area > 0, self.shape.largest_contact, 0.0)
+            return xp.where(area > 0, self.shape.largest_contact, 0.0)
         if n is not None:
-            one = jnp.ones(())
+            one = xp.ones(())
             return _root(area / self.area(one), n + (2 if self.kind == "layer" else 1))
         if self.kind == "layer":
             return _invert(self, "area", area, _root(area * self._tip * 2 / math.pi, 4.0))
@@ -111,9 +114,9 @@ class Disc(eqx.Module):
     def depth_of_area(self, area: Array) -> Array:
         """d at which A is `area`; NaN beyond the largest contact, zero for area <= 0 unless the body is flat."""
         if self.flat:
-            return area / self.width(jnp.asarray(self.shape.largest_contact))
+            return area / self.width(xp.asarray(self.shape.largest_contact))
         radius = self.radius_of_area(area)
-        return jnp.where(jnp.isnan(radius), jnp.nan, self.profile(jnp.nan_to_num(radius)))
+        return xp.where(xp.isnan(radius), xp.nan, self.profile(xp.nan_to_num(radius)))
 
     def measure(self, depth: Array) -> Array:
         """W at a depth: dA/dd while the contact grows."""
@@ -124,7 +127,7 @@ class Disc(eqx.Module):
         """A length of the order of the tip's radius [m], to begin a search with."""
         if isinstance(self.shape, Sphere):
             return self.shape.radius
-        x = 0.25 * jnp.minimum(self.largest, 1.0)
+        x = 0.25 * xp.minimum(self.largest, 1.0)
         return x**2 / self.profile(x)
 
     def _power(self) -> tuple[float | None, Any]:
@@ -143,18 +146,18 @@ class Disc(eqx.Module):
 
     def _quadrature(self, a: Array) -> tuple[Array, Array]:
         """Nodes and weights on [0, a], shape (..., nodes)."""
-        a = jnp.asarray(a)[..., None]
-        edges = jnp.minimum(self.shape.r, a) if isinstance(self.shape, Profile) else jnp.asarray(_GRADED) * a
+        a = xp.asarray(a)[..., None]
+        edges = xp.minimum(self.shape.r, a) if isinstance(self.shape, Profile) else xp.asarray(_GRADED) * a
         return gauss(edges, _NODES, _WEIGHTS)
 
 
 def gauss(edges: Float[Array, "*batch panels+1"], nodes: np.ndarray, weights: np.ndarray) -> tuple[Array, Array]:
     """Nodes and weights of Gauss' rule on adjoining panels, shape (..., panels * n)."""
     half = 0.5 * (edges[..., 1:] - edges[..., :-1])[..., None]
-    x = edges[..., :-1, None] + half * (1 + jnp.asarray(nodes))
-    dx = half * jnp.asarray(weights)
+    x = edges[..., :-1, None] + half * (1 + xp.asarray(nodes))
+    dx = half * xp.asarray(weights)
     flat = (*edges.shape[:-1], -1)
-    return x.reshape(flat), jnp.broadcast_to(dx, x.shape).reshape(flat)
+    return x.reshape(flat), xp.broadcast_to(dx, x.shape).reshape(flat)
 
 
 def _invert(disc: Disc, name: Literal["depth", "area"], value: Array, guess: Array) -> Array:
@@ -162,11 +165,11 @@ def _invert(disc: Disc, name: Literal["depth", "area"], value: Array, guess: Arr
 
     Newton's method on logarithms, nearly a straight line, in a bracket; one more step carries the derivatives.
     """
-    value = jnp.asarray(value)
-    fixed, goal = jax.lax.stop_gradient((disc, value))
+    value = xp.asarray(value)
+    held, goal = fixed((disc, value))
     there = goal > 0
-    goal = jnp.log(jnp.where(there, goal, 1.0))
-    top = jnp.broadcast_to(jnp.log(jnp.minimum(fixed.largest, 1e60)), goal.shape)
+    goal = xp.log(xp.where(there, goal, 1.0))
+    top = xp.broadcast_to(xp.log(xp.minimum(held.largest, 1e60)), goal.shape)
 
     def level(disc: Disc, x: Array) -> tuple[Array, Array]:
         if name == "depth":
@@ -175,26 +178,26 @@ def _invert(disc: Disc, name: Literal["depth", "area"], value: Array, guess: Arr
 
     def advance(state: tuple) -> tuple:
         log_x, low, high, done, count = state
-        x = jnp.exp(log_x)
-        height, rate = level(fixed, x)
-        off = jnp.log(height) - goal
+        x = xp.exp(log_x)
+        height, rate = level(held, x)
+        off = xp.log(height) - goal
         step = off * height / (x * rate)
-        done = done | (jnp.abs(step) < 1e-8)  # the last step, below, squares this
-        low, high = jnp.where(off < 0, log_x, low), jnp.where(off < 0, high, log_x)
+        done = done | (xp.abs(step) < 1e-8)  # the last step, below, squares this
+        low, high = xp.where(off < 0, log_x, low), xp.where(off < 0, high, log_x)
         following = log_x - step
-        middle = 0.5 * (jnp.maximum(low, log_x - 8) + jnp.minimum(high, log_x + 8))
-        following = jnp.where((following > low) & (following < high), following, middle)
-        return jnp.where(done, log_x, following), low, high, done, count + 1
+        middle = 0.5 * (xp.maximum(low, log_x - 8) + xp.minimum(high, log_x + 8))
+        following = xp.where((following > low) & (following < high), following, middle)
+        return xp.where(done, log_x, following), low, high, done, count + 1
 
-    start = jnp.minimum(jnp.log(jnp.where(there, jax.lax.stop_gradient(guess), 1.0)), top - 0.1)
-    state = (start, jnp.full_like(goal, -300.0), top, ~there, 0)
-    log_x = jax.lax.while_loop(lambda s: ~jnp.all(s[3]) & (s[4] < _ITERATIONS), advance, state)[0]
-    x = jnp.where(there, jnp.exp(log_x), jnp.exp(start))
+    start = xp.minimum(xp.log(xp.where(there, fixed(guess), 1.0)), top - 0.1)
+    state = (start, xp.full_like(goal, -300.0), top, ~there, 0)
+    log_x = while_loop(lambda s: ~xp.all(s[3]) & (s[4] < _ITERATIONS), advance, state)[0]
+    x = xp.where(there, xp.exp(log_x), xp.exp(start))
     height, rate = level(disc, x)
-    step = (value - height) / jax.lax.stop_gradient(rate)
+    step = (value - height) / fixed(rate)
     # Where the step is not that of a root, the value is more than the largest contact can have.
-    found = jnp.where(jnp.abs(step) <= 1e-7 * x, x + step, jnp.nan)
-    return jnp.where(there, found, 0.0)
+    found = xp.where(xp.abs(step) <= 1e-7 * x, x + step, xp.nan)
+    return xp.where(there, found, 0.0)
 
 
 def _sphere_area(c: Array, layer: bool) -> Array:
@@ -202,21 +205,21 @@ def _sphere_area(c: Array, layer: bool) -> Array:
     the cap, s = sqrt(1 - c^2).
     """
     if layer:
-        s = jnp.sqrt(1 - c**2)
+        s = xp.sqrt(1 - c**2)
         return math.pi / 3 * (c**2 / (1 + s)) ** 2 * (2 + s)
-    small, large = jnp.where(c < 0.4, c, 0.4), jnp.where(c < 0.4, 0.4, c)
-    series = jnp.zeros_like(c)
+    small, large = xp.where(c < 0.4, c, 0.4), xp.where(c < 0.4, 0.4, c)
+    series = xp.zeros_like(c)
     for n in range(18, 0, -1):
         series = (series + 1 / (2 * n - 1) + 1 / (2 * n + 1)) * (small**2 if n > 1 else small**3)
-    return jnp.where(c < 0.4, series, (1 + large**2) * jnp.arctanh(large) - large)
+    return xp.where(c < 0.4, series, (1 + large**2) * xp.arctanh(large) - large)
 
 
 def _root(value: Array, n: float) -> Array:
     """value^(1/n), zero where the value is not positive, with finite derivatives."""
-    value = jnp.asarray(value)
-    return jnp.where(value > 0, jnp.where(value > 0, value, 1.0) ** (1 / n), 0.0)
+    value = xp.asarray(value)
+    return xp.where(value > 0, xp.where(value > 0, value, 1.0) ** (1 / n), 0.0)
 
 
 def _power(x: Array, n: float) -> Array:
     """x^n with finite derivatives at x = 0 for the whole exponents of the common shapes."""
-    return x ** int(n) if n == int(n) else jnp.where(x > 0, jnp.where(x > 0, x, 1.0) ** n, 0.0)
+    return x ** int(n) if n == int(n) else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)

@@ -10,17 +10,19 @@ so that the displaced measure A(d) = int (d - w) grows by A'(d) dd with
 The force of an elastic foundation is E A(d). Lengths in m.
 """
 
+from __future__ import annotations
+
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jax
-import jax.numpy as jnp
-from jaxtyping import Float
-
+from .._arrays import fixed, fori_loop, xp
 from .._runtime import Array
 from .disc import Disc
 from .profile import Profile
 from .shapes import AbstractShape, Cone, Cylinder, FlatPunch, Paraboloid, PowerLaw, Sphere
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _STEPS = 6  # Newton's on a sphere: from 13 % to rounding
 _ROUNDS = 12  # of Newton inside a bracket between two points of a profile
@@ -45,11 +47,11 @@ def contact_size(shape: AbstractShape, depth: Float[Array, "..."], by_height: bo
     NaN where the contact would be wider than the body. A flat punch has its own radius at any depth.
     """
     if isinstance(shape, FlatPunch):
-        return jnp.broadcast_to(jnp.asarray(shape.radius), jnp.shape(depth))
+        return xp.broadcast_to(xp.asarray(shape.radius), xp.shape(depth))
     if isinstance(shape, Paraboloid):
-        return jnp.sqrt((2 if by_height else 1) * shape.radius * depth)
+        return xp.sqrt((2 if by_height else 1) * shape.radius * depth)
     if isinstance(shape, Cylinder):
-        return jnp.sqrt(2 * shape.radius * depth)
+        return xp.sqrt(2 * shape.radius * depth)
     if isinstance(shape, Cone):
         return depth / (shape.slope * (1 if by_height else 0.5 * math.pi))
     if isinstance(shape, PowerLaw):
@@ -66,33 +68,33 @@ def _on_sphere(radius: Any, depth: Array, by_height: bool) -> Array:
     """a = sqrt(2 R d - d^2), or R tanh(u) with u tanh(u) = d/R."""
     part = depth / radius
     if by_height:
-        return radius * jnp.sqrt(jnp.where(part < 1, part * (2 - part), jnp.nan))
-    u = jnp.sqrt(part * (1 + part))
+        return radius * xp.sqrt(xp.where(part < 1, part * (2 - part), xp.nan))
+    u = xp.sqrt(part * (1 + part))
     for _ in range(_STEPS):
-        t = jnp.tanh(u)
+        t = xp.tanh(u)
         u = u - (u * t - part) / (t + u * (1 - t**2))
-    return radius * jnp.tanh(u)
+    return radius * xp.tanh(u)
 
 
 def _on_profile(shape: Profile, depth: Array, by_height: bool) -> Array:
     """Newton's method between the two points around it."""
     value = shape._height if by_height else shape._profile
-    points = jnp.asarray(shape.r)
+    points = xp.asarray(shape.r)
     heights = value(points)
-    i = jnp.clip(jnp.searchsorted(heights, depth), 1, points.shape[0] - 1)
+    i = xp.clip(xp.searchsorted(heights, depth), 1, points.shape[0] - 1)
 
     def newton(x: Array, depth: Array) -> tuple[Array, Array]:
-        there, slope = jax.jvp(value, (x,), (jnp.ones_like(x),))
-        return there, x - (there - depth) / jax.lax.stop_gradient(slope)
+        there, slope = value(x), shape._steepness(x) if by_height else shape._slope(x)
+        return there, x - (there - depth) / fixed(slope)
 
     def close_in(_: int, state: tuple) -> tuple:
         x, low, high = state
         there, following = newton(x, wanted)
-        low, high = jnp.where(there < wanted, x, low), jnp.where(there < wanted, high, x)
-        return jnp.where((following >= low) & (following <= high), following, 0.5 * (low + high)), low, high
+        low, high = xp.where(there < wanted, x, low), xp.where(there < wanted, high, x)
+        return xp.where((following >= low) & (following <= high), following, 0.5 * (low + high)), low, high
 
-    wanted = jax.lax.stop_gradient(depth)
-    low, high = jax.lax.stop_gradient((points[i - 1], points[i]))
-    x = jax.lax.fori_loop(0, _ROUNDS, close_in, (0.5 * (low + high), low, high))[0]
-    x = newton(jax.lax.stop_gradient(x), depth)[1]  # with the derivatives
-    return jnp.where(depth <= heights[-1], x, jnp.nan)
+    wanted = fixed(depth)
+    low, high = fixed((points[i - 1], points[i]))
+    x = fori_loop(0, _ROUNDS, close_in, (0.5 * (low + high), low, high))[0]
+    x = newton(fixed(x), depth)[1]  # with the derivatives
+    return xp.where(depth <= heights[-1], x, xp.nan)

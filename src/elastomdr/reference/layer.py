@@ -4,8 +4,8 @@ A layer is stiffer than a half-space by a smooth part of the influence function 
 
     u(r) = P/(pi E*) [1/r - (1/h) n(r/h)],    n(y) = int_0^inf (1 - W(z)) J_0(z y) dz,
 
-which is kept as Chebyshev series on short panels. W is odd in z, so that the whole of u falls exponentially beyond a few
-thicknesses, and is taken as zero from y = 14 on.
+which is kept as Chebyshev series on short panels. W is odd in z, so that the whole of u falls exponentially beyond
+a few thicknesses, and is taken as zero from y = 14 on.
 """
 
 from __future__ import annotations

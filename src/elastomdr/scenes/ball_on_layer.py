@@ -22,7 +22,7 @@ from ..material.tabulated import TabulatedModulus
 from ..models import Averaged
 from ..results.curve import Contact
 from ..results.words import brief, describe
-from ..solve.layer_line import Sliding, Slid, elastic_curve, slide_on_layer
+from ..solve.layer_line import Slid, Sliding, elastic_curve, slide_on_layer
 from .beyond import steady_beyond
 from .choice import of_smooth
 from .on_layer import OnLayer
@@ -30,7 +30,10 @@ from .points import Points, check_rtol, steady_points
 from .steady import Steady
 
 AVERAGED = "MDR line with the kernel of the layer, averaged over directions (estimate for the layer)"
-CORRECTED = "MDR line with the kernel of the layer, averaged over directions, corrected for an asymmetric contact (estimate for the layer)"
+CORRECTED = (
+    "MDR line with the kernel of the layer, averaged over directions, corrected for an asymmetric contact (estimate "
+    "for the layer)"
+)
 BARE = "MDR line with the kernel of the layer (overstates the losses by up to a factor of 2)"
 BARE_LINE = 0.5  # of mu: how far below the bare line three dimensions lay at most on the map
 _ORDERS = (14, 20, 28, 40, 56)  # of the polynomials, tried in turn
@@ -163,7 +166,8 @@ def ball_on_layer(
 def _check_shape(shape: AbstractShape) -> None:
     if isinstance(shape, FlatPunch):
         raise InputError(
-            "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite rate."
+            "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite "
+            "rate."
         )
     if isinstance(shape, PowerLaw) and shape.exponent < 1:
         raise InputError(f"exponent must be 1 or more in sliding, got {shape.exponent:g}.")

@@ -34,9 +34,10 @@ from .steady import Steady
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
 ON_HALF_SPACE = "cylinder on a half-space, plane strain (exact but for the ends of the cylinder)"
 _ORDERS = ((32, 48), (48, 64), (64, 96), (96, 128), (128, 192))  # terms of the pressure, to be compared
-_TRACED = (48, 64)
-_TRACED_RATIO = 24.0  # half-length over thickness served under a JAX transformation
+_TRACED = (32, 48)
+_TRACED_RATIO = 12.0  # half-length over thickness served under a JAX transformation
 _SHARE = 0.3  # of what the lower order changes, at most, that is left of it in the higher one
+_NOTHING = 1e-12  # of the width of the contact over the radius
 _ROUNDING = 3e-9  # of mu: tables and sums
 _NEGATIVE = 1e-3  # of the largest pressure, or of the gap: beyond it the contact is not the one assumed
 _ENDS = 4.0  # length over half-width below which a cylinder is no longer plane
@@ -224,6 +225,8 @@ def _once(
     half = half_of(flat, wanted, by_depth, guess, high, waves, dashpot)
     if waves is not None:
         half = xp.where(half < 1.02 * ratio * waves.thickness, half, xp.nan)
+    there = xp.isfinite(half)
+    half = xp.where(there, half, guess)
     solution, other = (solve_at(flat, half, n, waves, dashpot) for n in (high, low))
     deep = depth(flat, solution, high) if flat.on_layers else half * np.nan
     off = xp.abs(solution.mu - other.mu) + 0.5 * xp.abs(solution.mu * (solution.load / other.load - 1))
@@ -231,7 +234,7 @@ def _once(
     pull = xp.maximum(-least_pressure(solution, high, dashpot), 0.0)
     if flat.on_layers:
         pull = xp.maximum(pull, -least_gap(flat, solution, high, deep))
-    good = xp.isfinite(solution.mu) & (pull < _NEGATIVE)
+    good = there & xp.isfinite(solution.mu) & (pull < _NEGATIVE)
     # a pressure that pulls by a small share over a small part of the contact: that share of mu
     error = off + (pull + _ROUNDING) * xp.abs(solution.mu)
     return _Found(
@@ -251,19 +254,23 @@ def _refined(
         part = replaced(flat, velocity=flat.velocity[left])
         ratio = 0.0 if thick is None else _ladder(float(np.nanmax(guess[left])) / thick)
         found = _once(part, wanted[left], by_depth, guess[left], orders, ratio, dashpot)
-        if thick is not None and not np.isfinite(found.mu).all():  # wider than guessed
+        if thick is not None and not found.good.all():  # wider than guessed, perhaps
             found = _once(part, wanted[left], by_depth, guess[left], orders, 2 * ratio, dashpot)
         half = 0.5 * (found.leading - found.trailing)
         for field, values in zip(result, found, strict=True):
             field[left] = values
-        guess[left] = np.where(np.isfinite(half), half, guess[left])
-        ok = found.good & (found.error <= rtol * np.abs(found.mu))
+        guess[left] = np.where(found.good, half, guess[left])
+        ok = found.good & _met(found, rtol, flat.radius)
         left = left[~ok]
         if left.size == 0:
             break
     done = _Found(*result)
-    good = (done.good == 1) & (done.error <= rtol * np.abs(done.mu))
-    return done, good
+    return done, (done.good == 1) & _met(done, rtol, flat.radius)
+
+
+def _met(found: _Found, rtol: float, radius: Any) -> Any:
+    """Whether the error is below what was asked for, or mu is nothing but rounding, as of elastic bodies."""
+    return found.error <= rtol * np.abs(found.mu) + _NOTHING * (found.leading - found.trailing) / radius
 
 
 def _ladder(ratio: float) -> float:
@@ -308,9 +315,9 @@ def _say(points: Points, found: _Found, sunk: Any, body: Any, shape: Cylinder, r
     if length < _ENDS * widest:
         warnings.warn(
             f"The cylinder, {1e3 * length:.4g} mm long, is only {significant(length / widest, 2)} times as long as "
-            f"half the contact is wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over about that distance "
-            "from each end the rubber moves aside, so that the same load needs more depth, and the pressure of the "
-            "middle is not that of the ends.",
+            f"half the contact is wide ({1e3 * widest:.4g} mm). Plane strain leaves its ends out: over about that "
+            "distance from each end the rubber moves aside, so that the same load needs more depth, and the pressure "
+            "there is not that of the middle.",
             ModelWarning,
             stacklevel=5,
         )

@@ -201,15 +201,15 @@ def _within(
         surface = _surface(body, track, low, jnp.asarray(spacing / finer), count * room, finer, room // finer)
         scene = Scene(law, surface, *mounts)
         used = jnp.asarray(samples * finer)
-        seen, line, done = run(scene, time, place, load, shortest, samples * room, used, early)
+        seen, line = run(scene, time, place, load, shortest, samples * room, used, early)
         size[:] = count * finer, samples * finer * (history.time.size - 1 + early)
         inside = jnp.bool_(True) if isinstance(body, RoughLine) else (line.u[0] == 0) & (line.u[count * finer - 1] == 0)
         if is_traced(seen):
-            return seen, inside & done
+            return seen, inside
         outside[0] = not inside
         if not np.any(history.value > 0):  # what is left is rounding
             seen = seen._replace(normal=0 * seen.normal, drag=0 * seen.drag)
-        return jax.tree.map(np.asarray, (seen, inside & done))
+        return jax.tree.map(np.asarray, (seen, inside))
 
     return refine(solve, history.rtol, most, slope, _missing), size, outside[0]
 

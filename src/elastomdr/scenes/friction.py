@@ -14,7 +14,7 @@ from ..models import HalfSpace, Line
 from ..results.curve import FrictionCurve
 from ..solve.heat import Heat
 from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
-from .on_layer import is_on_layer, on_layer
+from .on_layer import beside_layer, is_on_layer, on_layer
 from .several import over_materials
 from .steady import no_pressure, set_up, solve
 
@@ -25,12 +25,13 @@ P = ParamSpec("P")
 
 
 def _surfaces_in_64_bits(function: Callable[P, FrictionCurve]) -> Callable[P, FrictionCurve]:
-    """Refuses closed integrals over a surface under jit, grad or vmap without 64-bit types: JAX would mix both."""
+    """Refuses surfaces and layers under jit, grad or vmap without 64-bit types: JAX would mix both."""
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> FrictionCurve:
         shape = args[1] if len(args) > 1 else kwargs.get("shape")
-        if isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None:
+        surface = isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None
+        if surface or is_on_layer(args[0] if args else kwargs.get("material"), shape):
             return needs_64_bit_types(function)(*args, **kwargs)
         return function(*args, **kwargs)
 
@@ -138,6 +139,7 @@ def friction(
             temperature=temperature, model=model, rtol=rtol, skip=skip,
         )  # fmt: skip
         found, kelvin, name, plan = solve(scene), scene.temperature, scene.plan.model, scene.plan
+        found = beside_layer(found, material, shape, load=load, depth=depth, temperature=temperature)
     return FrictionCurve(
         velocity=found.velocity,
         mu=found.mu,

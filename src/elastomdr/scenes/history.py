@@ -2,9 +2,9 @@
 
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
+from .._arrays import xp
 from .._runtime import as_float64, is_traced, not_negative, positive, require
 from ..errors import InputError
 from ..foundation.law import Foundation
@@ -127,7 +127,7 @@ def given_history(
         inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
     traced = is_traced(law, position, value)
-    value = (jnp if traced else np).broadcast_to(value, time.shape)
+    value = (xp if traced else np).broadcast_to(value, time.shape)
     if control == "depth" and not traced and float(law.viscosity) > 0:
         jumps = np.diff(np.concatenate([np.zeros(1), value]))[np.concatenate([np.ones(1, bool), still])]
         if (np.maximum(value[np.concatenate([np.ones(1, bool), still])], 0) * (jumps > 0) > 0).any():

@@ -6,10 +6,10 @@ import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, nan_unless, positive
+from .._arrays import on_jax, xp
+from .._runtime import as_float64, is_traced, nan_unless, numpy_unless_traced, positive
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..foundation.layer import Layer
@@ -35,7 +35,7 @@ LAYER = "thin layer of independent elements, exact for the layer; quasi-static r
 FINITE = "rubber of finite thickness on a rigid base, exact: approach and rebound; quasi-static rubber, no adhesion"
 
 
-@in_float64
+@numpy_unless_traced
 def impact(
     material: Materials,
     shape: Indenter,
@@ -93,7 +93,7 @@ def impact(
     if isinstance(scene.body.shape, LayerDisc):
         disc = scene.body.shape
         good = good & (found.motion.max_depth < disc.thickness)
-        numpy = jnp if is_traced(disc, found.motion.max_depth) else np
+        numpy = xp if is_traced(disc, found.motion.max_depth) else np
         radius = numpy.asarray(disc.radius_of_depth(found.motion.max_depth))
         incompressible_enough(material, disc, radius, found.motion.max_force)  # type: ignore[arg-type]
 
@@ -121,7 +121,7 @@ def impact(
         max_force=shaped(motion.max_force),
         lost=shaped(0.5 * scene.mass.reshape(-1) * scene.velocity.reshape(-1) ** 2 * (1 - motion.restitution**2)),
         history=history,
-        oblique=None if slips is None else solve_oblique(slips, scene, shape, history, found),
+        oblique=None if slips is None else on_jax(solve_oblique, slips, scene, shape, history, found),
         error=nan_unless(good, found.error).reshape(scene.shape),
         stuck=found.stuck.reshape(scene.shape),
         converged=good.reshape(scene.shape),
@@ -190,11 +190,10 @@ def _scene(
     if 0 in points:
         raise InputError(f"mass, velocity and temperature must not be empty, got shape {points}.")
     result = (len(foundations), *points) if many else points
-    xp = jnp if is_traced(foundations, shape, *arrays) else np
-    laws = [_at(foundation, kelvin, points, xp) for foundation in foundations]
+    laws = [_at(foundation, kelvin, points) for foundation in foundations]
     most = max(law.moduli.shape[0] for law in laws)
     width = next((n for n in _WIDTHS if n >= most), most)
-    lanes = [_lanes(law, width, xp) for law in laws]
+    lanes = [_lanes(law, width) for law in laws]
     rates, moduli, viscosity = (xp.concatenate(parts, axis=-1) for parts in zip(*lanes, strict=True))
 
     def flat(array: Any) -> Any:
@@ -254,7 +253,7 @@ def _standing(foundations: list[Foundation], shape: AbstractShape) -> bool:
     return per_area
 
 
-def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...], xp: Any) -> Relaxation:
+def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...]) -> Relaxation:
     """The law, with one column per point where a temperature gives each its own times."""
     law = foundation.law()
     if kelvin is None:
@@ -268,7 +267,7 @@ def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...], xp: Any) -
     return Relaxation(law.equilibrium, law.moduli, law.times[:, None] * factor, law.viscosity * factor)
 
 
-def _lanes(law: Relaxation, width: int, xp: Any) -> tuple[Any, Any, Any]:
+def _lanes(law: Relaxation, width: int) -> tuple[Any, Any, Any]:
     """(rates, moduli, viscosity), the spring as a branch with rate zero, `width` more branches, equal columns."""
     times = law.times if law.times.ndim == 2 else law.times[:, None]
     columns = times.shape[-1]

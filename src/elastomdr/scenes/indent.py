@@ -5,10 +5,10 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING, Any
 
-import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, nan_unless, positive, require, scalar
+from .._arrays import on_jax, xp
+from .._runtime import as_float64, is_traced, nan_unless, numpy_unless_traced, positive, require, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..foundation.layer import Layer
@@ -37,7 +37,7 @@ FINITE = "rubber of finite thickness on a rigid base (exact: normal contact, sma
 
 
 @over_materials
-@in_float64
+@numpy_unless_traced
 def indent(
     material: Materials,
     shape: Indenter,
@@ -102,9 +102,9 @@ def indent(
         found = indent_under(law, recovery_modes(law), disc, course, rtol)
     else:
         gamma = _work_of_adhesion(law, shape, adhesion)
-        found = indent_with_adhesion(law, recovery_modes(law), disc, course, gamma)
+        found = on_jax(indent_with_adhesion, law, recovery_modes(law), disc, course, gamma)
     traced = is_traced(found.depth, found.force)
-    numpy = jnp if traced else np
+    numpy = xp if traced else np
     if isinstance(disc, LayerDisc):
         found = _within(found, disc)
         incompressible_enough(material, disc, found.radius, found.force)
@@ -167,7 +167,7 @@ def _model(law: Relaxation, disc: Disc, adhesion: Any) -> str:
 
 def _within(found: Found, disc: LayerDisc) -> Found:
     """Instants at which the body is less deep than the layer is thick; no small strain gives an answer beyond."""
-    numpy = jnp if is_traced(found.depth, disc) else np
+    numpy = xp if is_traced(found.depth, disc) else np
     deep = numpy.asarray(found.depth) >= disc.thickness
     reason = found.reason
     if not is_traced(deep) and deep.any():
@@ -265,7 +265,7 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
     if 0 in full:
         raise InputError(f"time, depth and load must not be empty, got shape {full}.")
     traced = is_traced(time, *parts.values())
-    numpy = jnp if traced else np
+    numpy = xp if traced else np
     time, *values = (numpy.broadcast_to(a, full) for a in (time, *parts.values()))
     parts = dict(zip(parts, values, strict=True))
     by_depth = None

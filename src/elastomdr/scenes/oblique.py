@@ -2,8 +2,6 @@
 
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from .._runtime import as_float64, nan_unless, positive, require, scalar
@@ -60,7 +58,10 @@ def check_oblique(material: Any, velocity: Any, friction: Any, inertia: Any, tan
 
 def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: History, found: Any) -> Oblique:
     """The tangential motion of every point of an impact that is solved already; NaN where that failed."""
-    from ..solve.oblique import Course, deflect  # loads diffrax, which a normal impact does without
+    import jax
+    import jax.numpy as jnp
+
+    from ..solve.oblique import Course, deflect
     from ..solve.shear import Scene
 
     count = int(np.prod(scene.shape))

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from .._runtime import is_traced
 from ..errors import InputError
+from ..foundation.law import Foundation
 from ..foundation.layer import Layer
 from ..mapping.shapes import AbstractShape, Cylinder
-from .steady import no_pressure
+from .steady import Steady, no_pressure
+
+_ENOUGH = 1e-4  # relative error of the layer that springs are compared with
 
 
 class OnLayer(NamedTuple):
@@ -55,3 +62,27 @@ def on_layer(
         quantity, material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
         rtol=rtol, solved=solved,
     )  # fmt: skip
+
+
+def beside_layer(found: Steady, material: Any, shape: Any, *, load: Any, depth: Any, temperature: Any) -> Steady:
+    """The result on springs, with how far it is from that on the layer they stand for as its `model_error`.
+
+    NaN where that is not established: under bodies of revolution, under a transformation of JAX.
+    """
+    if not isinstance(material, Foundation) or material.slab is None:
+        return found
+    apart = found.mu * np.nan
+    if isinstance(shape, Cylinder) and not is_traced(material, shape, found.velocity, load, depth, temperature):
+        slab = material.slab
+        from .cylinder import cylinder_on_layer
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            exact, *_ = cylinder_on_layer(
+                "rolling", Layer(slab.material, slab.thickness, bonded=slab.bonded), shape, velocity=found.velocity,
+                load=load, depth=None if depth is None else np.minimum(depth, 0.99 * slab.thickness),
+                temperature=temperature, model=None, rtol=_ENOUGH,
+            )  # fmt: skip
+        deep = False if depth is None else np.asarray(depth) >= slab.thickness
+        apart = np.where(deep, np.nan, np.abs(found.mu - exact.mu) + exact.error)
+    return found._replace(model_error=apart)

@@ -11,10 +11,9 @@ import numpy as np
 
 from .._runtime import as_float64, in_float64, is_traced, known, nan_unless, not_negative, require, scalar
 from ..errors import ConvergenceWarning, InputError
-from ..foundation.law import Foundation, as_foundation, half_space
+from ..foundation.law import Foundation
 from ..mapping.reach import contact_measure, contact_size
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
-from ..material.prony import Prony
 from ..material.relaxation import Relaxation, to_kelvin
 from ..material.validity import shared
 from ..results.history import Shear
@@ -24,6 +23,7 @@ from ..solve.shear import History, Scene, Sheared, line, panels, shear_history
 from .ages import history_beyond
 from .impact import _standing
 from .several import over_materials
+from .tangential import both_laws
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Indenter, Materials
@@ -85,7 +85,7 @@ def shear(
 
     Source: Cattaneo 1938; Mindlin 1949; Popov & Hess 2015, ch. 5.
     """
-    normal, tangential = _laws(material, tangential)
+    normal, tangential = both_laws(material, tangential)
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
     per_area = _standing([normal], shape)
@@ -137,13 +137,13 @@ def shear(
         history = _divided(history, between)
     history = History(*map(jnp.asarray, history))
     options = {"by_load": load is not None}
-    found = known(shear_history(scene, history, line(scene, elements, per_area), steps=steps, **options))
+    found = known(shear_history(scene, history, line(scene, elements, per_area), steps=steps, used=steps, **options))
     xp = jnp if is_traced(found) else np
     if exact:
         found, error = _summed(scene, history, found, per_area, **options)
     else:
         fewer, half = (elements // 2, steps) if elastic or steps == 1 else (elements, steps // 2)
-        coarse = known(shear_history(scene, history, line(scene, fewer, per_area), steps=half, **options))
+        coarse = known(shear_history(scene, history, line(scene, fewer, per_area), steps=steps, used=half, **options))
         # What is left of a force that has faded is the difference of what was carried before.
         force = abs(jax.lax.stop_gradient(found.force)) if xp is jnp else abs(found.force)
         largest = jax.lax.cummax(force) if xp is jnp else np.maximum.accumulate(force)
@@ -214,22 +214,6 @@ def _divided(history: History, parts: int) -> History:
         return xp.concatenate([x[:1], (x[:-1, None] + xp.diff(x)[:, None] * part).reshape(-1)])
 
     return History(*map(fill, history))
-
-
-def _laws(material: Any, tangential: Any) -> tuple[Foundation, Foundation]:
-    normal = as_foundation(material)
-    if tangential is None:
-        if not isinstance(material, Prony):
-            raise InputError(
-                "tangential must be given with a Foundation, which only knows the normal direction: "
-                "em.half_space(material, tangential=True), or an em.Foundation of G*."
-            )
-        return normal, half_space(material, tangential=True)
-    if isinstance(tangential, Prony):
-        return normal, half_space(tangential, tangential=True)
-    if not isinstance(tangential, Foundation):
-        raise InputError(f"tangential must be an em.Foundation of G*, got {tangential!r}.")
-    return normal, tangential
 
 
 def _count(name: str, given: Any, usual: int) -> int:

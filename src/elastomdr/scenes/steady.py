@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
 CORRECTED = "MDR line averaged over directions, corrected for an asymmetric contact (estimate for the half-space)"
 BARE = "bare MDR line (textbook; overstates the losses of a half-space by up to a factor of 2)"
-LAYER = "thin layer of independent elements (exact for the layer; no direction average needed)"
+LAYER = "independent springs (textbook; for the layer itself use em.layer)"
 
 
 class Scene(NamedTuple):
@@ -200,8 +200,8 @@ def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
             raise InputError(
-                "material must be a layer under a Cylinder, got a half-space: use em.springs(material, thickness). "
-                "A cylinder on a half-space is no MDR problem."
+                "material must be independent springs under a Cylinder here, got a half-space: use "
+                "em.springs(material, thickness). A cylinder on a half-space is no MDR problem."
             )
         return SingleLine(shape), foundation
     if foundation.per_area:

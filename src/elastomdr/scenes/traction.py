@@ -6,10 +6,10 @@ import dataclasses
 import warnings
 from typing import TYPE_CHECKING, Any
 
-import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64, in_float64, is_traced, known, nan_unless, positive, require
+from .._arrays import xp
+from .._runtime import Array, as_float64, is_traced, known, nan_unless, numpy_unless_traced, positive, require
 from .._trees import replaced
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation, same_shift
@@ -21,8 +21,8 @@ from ..results.traction import Traction
 from ..results.words import brief, describe
 from ..solve.brush import Rolling, carter, tractions
 from .several import over_materials
-from .shear import _laws
 from .steady import Contact, set_up, solve
+from .tangential import both_laws
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Indenter, Materials, ModelLike
@@ -34,7 +34,7 @@ CARTER = "Carter's elastic half-plane (exact for equal bodies, or an incompressi
 
 
 @over_materials
-@in_float64
+@numpy_unless_traced
 def traction(
     material: Materials,
     shape: Indenter,
@@ -97,14 +97,13 @@ def traction(
         together = np.broadcast_shapes(*shapes)
     except ValueError as error:
         raise InputError(f"velocity, creepage and friction must broadcast, got shapes {shapes}.") from error
-    xp: Any = jnp if is_traced(velocity, creepage, friction) else np
     velocity = xp.broadcast_to(velocity, together)
     if isinstance(shape, Cylinder) and foundation.per_area is False:
         found = _carter(
             foundation, shape, velocity, creepage, friction if law is None else law, load, depth, temperature
         )
         return _braked(found, slip, road)
-    normal, sheared = _laws(material, tangential)
+    normal, sheared = both_laws(material, tangential)
     if temperature is not None:
         normal = _shifted(normal, sheared)
     normal = replaced(normal, range=shared(normal.range, sheared.range))
@@ -124,7 +123,6 @@ def traction(
         friction = _at_contact(
             law, shape, creepage, found.velocity, scene.temperature, found.normal_force, found.contact, found.converged
         )
-    xp = jnp if is_traced(found.mu, creepage, friction, sheared) else np
 
     def flat(field: Any) -> Any:
         return xp.broadcast_to(field, scene.shape).reshape(-1)
@@ -208,7 +206,6 @@ def _braked(found: Traction, slip: Any, road: Any) -> Traction:
     place = next(i for i, pair in enumerate(rows) if pair[0] == "velocity")
     counted = f"{brief(slip, '').strip()}; of the velocity V of the road, (V - v)/V, with v that of rolling"
     rows[place : place + 1] = [("velocity of the road", brief(road, "m/s")), ("slip", counted)]
-    xp = jnp if is_traced(slip, road) else np
     shape = np.shape(found.force)
     slip, road = xp.broadcast_to(slip, shape), xp.broadcast_to(road, shape)
     return dataclasses.replace(found, slip=slip, road=road, inputs=tuple(rows))
@@ -249,10 +246,10 @@ def _at_contact(
         given["temperature"] = kelvin
     if law.pressure is not None:
         length = contact.leading + contact.trailing
-        area = length * shape.length if isinstance(shape, Cylinder) else jnp.pi * (0.5 * length) ** 2
-        given["pressure"] = jnp.where(good, force / area, law.pressure[0])
-    slip = jnp.prod(jnp.stack(jnp.broadcast_arrays(jnp.abs(creepage), velocity)), axis=0)
-    return law(jnp.where(slip > 0, slip, law.velocity[0]), **given)
+        area = length * shape.length if isinstance(shape, Cylinder) else xp.pi * (0.5 * length) ** 2
+        given["pressure"] = xp.where(good, force / area, law.pressure[0])
+    slip = xp.prod(xp.stack(xp.broadcast_arrays(xp.abs(creepage), velocity)), axis=0)
+    return law(xp.where(slip > 0, slip, law.velocity[0]), **given)
 
 
 def _carter(
@@ -288,15 +285,15 @@ def _carter(
             "friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges."
         )
     arrays = velocity, creepage, friction, load
-    velocity, creepage, friction, load = jnp.broadcast_arrays(*(jnp.asarray(x) for x in arrays))
+    velocity, creepage, friction, load = xp.broadcast_arrays(*(xp.asarray(x) for x in arrays))
     ratio, stick, half = carter(law.equilibrium, shape.radius, load / shape.length, friction, abs(creepage))
-    zero = jnp.zeros_like(ratio)
-    force = jnp.sign(creepage) * ratio * load
+    zero = xp.zeros_like(ratio)
+    force = xp.sign(creepage) * ratio * load
     inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
     inputs += [("load", brief(load, "N")), ("velocity", brief(velocity, "m/s")), *_said(creepage, friction, mu_law)]
     return Traction(
         velocity=velocity, creepage=creepage, friction=friction, coefficient=force / load, force=force, stick=stick,
-        slip_power=abs(force * creepage) * velocity, rolling=zero, normal_force=load, depth=zero + jnp.nan,
-        contact=Contact(half, half), error=zero, converged=jnp.ones(ratio.shape, bool), temperature=None,
+        slip_power=abs(force * creepage) * velocity, rolling=zero, normal_force=load, depth=zero + xp.nan,
+        contact=Contact(half, half), error=zero, converged=xp.ones(ratio.shape, bool), temperature=None,
         model=CARTER, plan="closed form", inputs=tuple(inputs),
     )  # fmt: skip

@@ -21,14 +21,14 @@ most xi h, so that the traction is off by at most h [tau_stick(l) - xi eta v] + 
 contact. That counts as error.
 """
 
+from __future__ import annotations
+
 import functools
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
 
+from .._arrays import arrays, compiled, fixed, fori_loop, in_steps, numpy_at_first, on_numpy, xp
 from .._runtime import Array
 from ..foundation.decay import ramp_weights
 from ..mapping.lines import AbstractLines
@@ -37,7 +37,11 @@ from .integrals import part_of_contact
 from .memory import Passage
 from .rule import Rule
 
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
+
 _HALVINGS = 45
+_TOGETHER = 32  # steps of the march that are prepared together
 _ROUNDING = 4e-15  # of mu F_N: what sliding elements carry is the difference of two normal forces
 
 
@@ -63,13 +67,14 @@ class Tractions(NamedTuple):
     again: Bool[Array, " points"]  # elements stick again after they have slipped
 
 
-@functools.partial(jax.jit, static_argnames=("rule", "steps"))
+@numpy_at_first
+@compiled("rule", "steps")
 def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
     """Tractive force of each point, with `steps` steps of the march; differentiable in both modes."""
-    r = jax.tree.map(jnp.asarray, rolling)
+    r = arrays(rolling)
     length = r.leading + r.trailing
     passage = Passage(r.normal, r.lines, rule, r.velocity)
-    fixed = jax.lax.stop_gradient(r)
+    held = fixed(r)
 
     def excess(distance: Array, r: Rolling) -> Array:
         passage = Passage(r.normal, r.lines, rule, r.velocity)
@@ -77,52 +82,49 @@ def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
         return _limit(r.friction, density) - _ramp(r, distance)[0]
 
     marched, stick, first, again = _march(r, length, steps)
-    coarse = _march(fixed, length, steps // 2)[0]
-    low, high = jax.lax.stop_gradient(
-        [length * jnp.asarray(_places(steps))[jnp.clip(first + i, 0, steps)] for i in (-2, 1)]
-    )
+    # Only its error needs the march of half the steps.
+    coarse = marched if on_numpy() and not again.any() else _march(held, length, steps // 2)[0]
+    low, high = fixed(tuple(length * xp.asarray(_places(steps))[xp.clip(first + i, 0, steps)] for i in (-2, 1)))
 
     def halve(_: int, bounds: tuple) -> tuple:
         low, high = bounds
         middle = 0.5 * (low + high)
-        sticks = excess(middle, fixed) > 0
-        return jnp.where(sticks, middle, low), jnp.where(sticks, high, middle)
+        sticks = excess(middle, held) > 0
+        return xp.where(sticks, middle, low), xp.where(sticks, high, middle)
 
-    low, high = jax.lax.fori_loop(0, _HALVINGS, halve, (low, high))
+    low, high = fori_loop(0, _HALVINGS, halve, (low, high))
     distance = 0.5 * (low + high)
     # No derivative of the distance is needed: at its end both tractions are equal.
-    distance = jnp.where(jnp.isinf(r.friction) | (r.creepage == 0), length, jnp.where(r.friction == 0, 0.0, distance))
+    distance = xp.where(xp.isinf(r.friction) | (r.creepage == 0), length, xp.where(r.friction == 0, 0.0, distance))
     weight = r.lines.weight(r.leading)[0]
     every = part_of_contact(passage, r.leading, r.trailing)[1]
     _, before, missed = part_of_contact(passage, r.leading, distance - r.leading)
-    sliding = jnp.where(distance < length, _limit(r.friction, every - before), 0.0)
+    sliding = xp.where(distance < length, _limit(r.friction, every - before), 0.0)
     smooth = weight * _ramp(r, distance)[1] + sliding
-    rounding = jnp.where(distance < length, _ROUNDING * _limit(r.friction, every), 0.0) + 1e-13 * jnp.abs(smooth)
-    error = jnp.where(again, weight * jnp.abs(marched - coarse), _limit(r.friction, missed)) + rounding
-    error = jnp.where(jnp.isfinite(error), error, rounding)
-    error = error + jnp.where(stick > 0, weight * _early_slip(r, length, steps), 0.0)
+    rounding = xp.where(distance < length, _ROUNDING * _limit(r.friction, every), 0.0) + 1e-13 * xp.abs(smooth)
+    error = xp.where(again, weight * xp.abs(marched - coarse), _limit(r.friction, missed)) + rounding
+    error = xp.where(xp.isfinite(error), error, rounding)
+    error = error + xp.where(stick > 0, weight * _early_slip(r, length, steps), 0.0)
     return Tractions(
-        force=jnp.where(again, weight * marched, smooth),
-        stick=jax.lax.stop_gradient(
-            jnp.where(again, stick, jnp.where(distance > 1e-12 * length, distance / length, 0.0))
-        ),
-        error=jax.lax.stop_gradient(error),
+        force=xp.where(again, weight * marched, smooth),
+        stick=fixed(xp.where(again, stick, xp.where(distance > 1e-12 * length, distance / length, 0.0))),
+        error=fixed(error),
         again=again,
     )
 
 
 def _early_slip(r: Rolling, length: Array, steps: int) -> Array:
     """Bound on the traction per weight that slip within the first two steps takes."""
-    slope = r.lines.slope(r.leading[None], r.leading, jnp.zeros((1, 1), int))[0]
+    slope = r.lines.slope(r.leading[None], r.leading, xp.zeros((1, 1), int))[0]
     dashpot = r.creepage * r.tangential.viscosity * r.velocity
     slips = dashpot > _limit(r.friction, r.normal.viscosity * r.velocity * slope)
     h = length * _places(steps)[2]
-    return jnp.where(slips, h * (_ramp(r, length)[0] - dashpot + _ramp(r, h)[0]), 0.0)
+    return xp.where(slips, h * (_ramp(r, length)[0] - dashpot + _ramp(r, h)[0]), 0.0)
 
 
 def _limit(friction: Array, pressed: Array) -> Array:
     """mu q, for friction coefficients that may be infinite."""
-    return jnp.where(pressed > 0, friction * jnp.where(pressed > 0, pressed, 1.0), 0.0)
+    return xp.where(pressed > 0, friction * xp.where(pressed > 0, pressed, 1.0), 0.0)
 
 
 def _ramp(r: Rolling, distance: Array) -> tuple[Array, Array]:
@@ -132,8 +134,8 @@ def _ramp(r: Rolling, distance: Array) -> tuple[Array, Array]:
     _, early, late = ramp_weights(z)
     dashpot = law.viscosity * r.velocity
     moduli = law.moduli[:, None]
-    traction = law.equilibrium * distance + jnp.sum(moduli * (early + late), axis=0) * distance + dashpot
-    summed = 0.5 * law.equilibrium * distance**2 + jnp.sum(moduli * late, axis=0) * distance**2 + dashpot * distance
+    traction = law.equilibrium * distance + xp.sum(moduli * (early + late), axis=0) * distance + dashpot
+    summed = 0.5 * law.equilibrium * distance**2 + xp.sum(moduli * late, axis=0) * distance**2 + dashpot * distance
     return r.creepage * traction, r.creepage * summed
 
 
@@ -147,47 +149,57 @@ def _places(steps: int) -> np.ndarray:
 def _march(r: Rolling, length: Array, steps: int) -> tuple[Array, Array, Array, Array]:
     """Force per weight, part that sticks, first step that ends slipping, whether any sticks after it has slipped."""
     normal, tangential = r.normal, r.tangential
-    zero = jnp.zeros_like(length)
+    zero = xp.zeros_like(length)
 
     def rest(law: Relaxation) -> Array:
-        return jnp.zeros((law.moduli.shape[0], *length.shape))
+        return xp.zeros((law.moduli.shape[0], *length.shape))
 
     def slope(distance: Array) -> Array:
-        return r.lines.slope((r.leading - distance)[None], r.leading, jnp.zeros((1, 1), int))[0]
+        return r.lines.slope((r.leading - distance)[None], r.leading, xp.zeros((1, 1), int))[0]
 
-    def step(carry: tuple, ends: tuple) -> tuple:
+    def height(x: Array) -> Array:
+        return r.lines.profile(x[None], r.leading, xp.zeros((1, 1), int))[0]
+
+    def step(carry: tuple, now: tuple) -> tuple:
         f, p, shear, tau, total, stuck, first, again, slipped = carry
-        i, here, there = ends
-        distance, h = length * there, length * (there - here)
-        decay, early, late = ramp_weights(h / (r.velocity * normal.times[:, None]))
-        f = decay * f + h * normal.moduli[:, None] * (early * slope(length * here) + late * slope(distance))
-        pressed = r.lines.profile(r.leading[None], r.leading, jnp.zeros((1, 1), int))[0]
-        pressed = pressed - r.lines.profile((r.leading - distance)[None], r.leading, jnp.zeros((1, 1), int))[0]
-        q = normal.equilibrium * pressed + jnp.sum(f, axis=0) + normal.viscosity * r.velocity * slope(distance)
-        limit = _limit(r.friction, q)
-
-        decay, early, late = ramp_weights(h / (r.velocity * tangential.times[:, None]))
-        mean = early + late
-        free = tangential.equilibrium * shear + jnp.sum(decay * p, axis=0)
-        stiffness = tangential.equilibrium + jnp.sum(tangential.moduli[:, None] * mean, axis=0)
-        stiffness = stiffness + tangential.viscosity * r.velocity / h
-        trial = free + stiffness * r.creepage * h
+        i, part, h, normal_decay, pressing, q, decay, gain, stiffness = now
+        f = normal_decay * f + pressing
+        limit = _limit(r.friction, q + xp.sum(f, axis=0))
+        free = tangential.equilibrium * shear + xp.sum(decay * p, axis=0)
+        full = r.creepage * h
+        trial = free + stiffness * full
         slips = trial > limit
-        moved = jnp.where(slips, (limit - free) / stiffness, r.creepage * h)
-        new = jnp.where(slips, limit, trial)
-        p = decay * p + tangential.moduli[:, None] * mean * moved
+        moved = xp.where(slips, (limit - free) / stiffness, full)
+        new = xp.where(slips, limit, trial)
+        p = decay * p + gain * moved
         restuck = slipped & ~slips & (trial < limit * (1 - 1e-9)) & (i < steps - 1)
-        first = jnp.where(slips & ~slipped, i + 1, first)
-        stuck = stuck + jnp.where(slips, 0.0, there - here)
+        first = xp.where(slips & ~slipped, i + 1, first)
+        stuck = stuck + xp.where(slips, 0.0, part)
         total = total + 0.5 * h * (tau + new)
         return (f, p, shear + moved, new, total, stuck, first, again | restuck, slipped | slips), None
 
-    place = jnp.asarray(_places(steps))
+    def block(carry: tuple, ends: tuple) -> tuple:
+        """Some steps, for which everything that no slip changes is computed at once."""
+        i, here, there = ends
+        begin, distance = length * here[:, None], length * there[:, None]
+        h = distance - begin
+        decay, early, late = ramp_weights(h[:, None] / (r.velocity * normal.times[:, None]))
+        steep = slope(distance)
+        pressing = h[:, None] * normal.moduli[:, None] * (early * slope(begin)[:, None] + late * steep[:, None])
+        pressed = height(r.leading) - height(r.leading - distance)
+        q = normal.equilibrium * pressed + normal.viscosity * r.velocity * steep
+        kept, early, late = ramp_weights(h[:, None] / (r.velocity * tangential.times[:, None]))
+        gain = tangential.moduli[:, None] * (early + late)
+        stiffness = tangential.equilibrium + xp.sum(gain, axis=1) + tangential.viscosity * r.velocity / h
+        return in_steps(step, carry, (i, there - here, h, decay, pressing, q, kept, gain, stiffness))
+
+    place = xp.asarray(_places(steps))
     start = r.creepage * tangential.viscosity * r.velocity
-    start = jnp.minimum(start, _limit(r.friction, normal.viscosity * r.velocity * slope(zero)))
-    no = jnp.zeros(length.shape, bool)
-    carry = (rest(normal), rest(tangential), zero, start, zero, zero, jnp.full(length.shape, steps), no, no)
-    carry, _ = jax.lax.scan(step, carry, (jnp.arange(steps), place[:-1], place[1:]))
+    start = xp.minimum(start, _limit(r.friction, normal.viscosity * r.velocity * slope(zero)))
+    no = xp.zeros(length.shape, bool)
+    carry = (rest(normal), rest(tangential), zero, start, zero, zero, xp.full(length.shape, steps), no, no)
+    ends = (xp.arange(steps), place[:-1], place[1:])
+    carry, _ = in_steps(block, carry, tuple(x.reshape(-1, _TOGETHER) for x in ends))
     _, _, _, _, total, stuck, first, again, _ = carry
     return total, stuck, first, again
 
@@ -200,7 +212,7 @@ def carter(modulus: Any, radius: Any, line_load: Any, friction: Any, creepage: A
     Elements that know of each other: no line of independent ones has this law. Source: Carter 1926;
     Johnson 1985, ch. 8.
     """
-    half = jnp.sqrt(4 * line_load * radius / (jnp.pi * modulus))
-    part = jnp.clip(creepage * radius / jnp.where(friction > 0, friction * half, 1.0), 0.0, 1.0)
-    part = jnp.where(friction > 0, part, 1.0)
+    half = xp.sqrt(4 * line_load * radius / (xp.pi * modulus))
+    part = xp.clip(creepage * radius / xp.where(friction > 0, friction * half, 1.0), 0.0, 1.0)
+    part = xp.where(friction > 0, part, 1.0)
     return friction * part * (2 - part), 1 - part, half

@@ -1,22 +1,24 @@
 """Which way an indentation is solved: by depth, by load in closed form, or by load in steps."""
 
-import itertools
-from typing import Any, NamedTuple
+from __future__ import annotations
 
-import jax
-import jax.numpy as jnp
+import itertools
+from typing import TYPE_CHECKING, Any, NamedTuple
+
 import numpy as np
 
+from .._arrays import arrays, fixed, mapped, numpy_at_first, on_jax, on_numpy, xp
 from .._runtime import Array, is_traced, nan_unless
 from ..foundation.modes import Modes
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
-from .adhesion import Sticky, elastic, receding
 from .creep import Creep, creep, levels_for
 from .history import edges, edges_of_growth, indent_between_smooth, padded
 from .many import batch, indent_all, over_histories
 from .panels import LAYERS, cuts
-from .steps import Marched, early_steps, extrapolated, limit, march, places, unaccounted
+
+if TYPE_CHECKING:
+    from .steps import Marched
 
 _LEVELS = (1, 3, 6, LAYERS)  # of the panels, coarse to fine
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
@@ -25,6 +27,7 @@ _BLIND_STEPS = 8  # per interval, in the first of three marches whose values can
 _BLIND_EARLY = 4  # and within the first of them
 _MOST_STEPS = 8192  # of a history: a minute and a half
 _MARCHED_AT_ONCE = 8
+_FEW = 64  # instants of all histories together that NumPy follows sooner than JAX compiles
 _KNOTS = 400  # instants to which a solved history is refined before pressures are computed from it
 STEPS = "exact contact steps at the load, extrapolated from halved steps"
 JKR = "JKR in closed form, root by root"
@@ -65,15 +68,21 @@ class Found(NamedTuple):
 def indent_under(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
     """Solves all histories of a course."""
     if course.load is None:
+        if on_numpy() and course.time.size > _FEW:
+            return on_jax(_by_depth, law, modes, disc, course, rtol)
         return _by_depth(law, modes, disc, course, rtol)
     return _by_load(law, modes, disc, course, rtol)
 
 
 def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Course, gamma: Array) -> Found:
     """JKR for an elastic foundation; for a viscoelastic one the rule of `solve.adhesion`."""
+    import jax
+
+    from .adhesion import Sticky, elastic, receding
+
     shape = course.time.shape
     traced = is_traced(law, disc, course, gamma)
-    numpy = jnp if traced else np
+    numpy = xp if traced else np
     zero = numpy.zeros(shape)
     by_depth = course.by_depth
     if by_depth is None:
@@ -105,12 +114,13 @@ def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Cour
     return Found(depth, force, radius, work, stored, zero, work - stored, error, known, plan, reason)
 
 
+@numpy_at_first
 def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
     shape = course.time.shape
     time, depth = (a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.depth))
     given = (law, modes, disc, time, depth)
-    numpy = jnp if is_traced(given) else np
-    frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
+    numpy = xp if is_traced(given) else np
+    frozen = fixed(given) if is_traced(given) else given  # values, unless under jit or vmap
     growing = not is_traced(given) and bool((np.diff(frozen[-1], axis=-1) >= 0).all())
     radius = over_histories(edges_of_growth if growing else edges, *frozen)
     found, levels = None, _LEVELS[1]
@@ -146,10 +156,10 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
     load = load if course.by_depth is None else np.nan_to_num(load)
     time, load, depth, by_depth = (a.reshape(-1, shape[-1]) for a in (course.time, load, depth, by_depth))
     traced = is_traced(law, modes, disc, time, load)
-    numpy = jnp if traced else np
+    numpy = xp if traced else np
     if course.by_depth is None:
         fields, growing = _grown(law, modes, disc, time, load)
-        known = jax.lax.stop_gradient(growing) if traced else growing
+        known = fixed(growing) if traced else growing
     else:
         fields, known = (depth,) * 8, np.zeros(time.shape, bool)
     # A contact under a load that never falls only grows, whatever the material.
@@ -159,7 +169,8 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
     if rest.any() and not simple:
         plan = STEPS if course.by_depth is not None else f"{GROWING}; otherwise {STEPS}"
         which = np.flatnonzero(rest)
-        stepped = _stepped(law, modes, disc, (time[which], depth[which], load[which], by_depth[which]), rtol)
+        rows = (time[which], depth[which], load[which], by_depth[which])
+        stepped = on_jax(_stepped, law, modes, disc, rows, rtol)
         back = np.zeros(len(time), int)
         back[which] = np.arange(len(which))
         fields = tuple(numpy.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True))
@@ -171,12 +182,13 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
     return Found(depth, force, radius, work, stored, locked, heat, error, good, plan, reason)
 
 
+@numpy_at_first
 def _grown(law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array) -> tuple[tuple[Array, ...], Array]:
     """The closed form: depth, force, radius, work, stored, locked, heat, error; where the contact has only grown."""
-    numpy = jnp if is_traced(law, modes, disc, time, load) else np
+    numpy = xp if is_traced(law, modes, disc, time, load) else np
     levels = _TRACED_LEVELS if is_traced(law, time) else levels_for(law, modes, time)
     found: Creep = over_histories(creep, law, modes, disc, *padded(time, load), levels=levels)
-    found = jax.tree.map(lambda a: _unpadded(a, time.shape), found)
+    found = mapped(lambda a: _unpadded(a, time.shape), found)
     nothing = numpy.zeros(time.shape)
     error = numpy.where(numpy.isfinite(found.depth), _ROUNDING, numpy.nan)
     return (found.depth, load, found.radius, found.work, found.stored, nothing, found.heat, error), found.growing
@@ -198,8 +210,10 @@ def _stepped(
     where nothing will come of it, since every march takes four times as long as the one before. Under jit or vmap,
     where nothing can be looked at, three marches are made.
     """
+    from .steps import early_steps, extrapolated, limit, unaccounted
+
     given = (law, modes, disc, *histories)
-    frozen = jax.lax.stop_gradient(given) if is_traced(given) else given  # values, unless under jit or vmap
+    frozen = fixed(given) if is_traced(given) else given  # values, unless under jit or vmap
     instants = histories[0].shape[-1]
     blind = is_traced(frozen)
     error: Any = None
@@ -224,9 +238,9 @@ def _stepped(
     if is_traced(given) and not blind:  # once more, with derivatives
         marches = [_marched(*given, levels=n, **sizes) for n in (levels // 4, levels // 2, levels)]
     last = extrapolated(marches)
-    fits = jnp.where(last.fits, 1.0, jnp.nan)
+    fits = xp.where(last.fits, 1.0, xp.nan)
     heat = nan_unless(unaccounted(last) <= rtol, last.heat)
-    parts = (last.depth, last.force, jnp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, heat)
+    parts = (last.depth, last.force, xp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, heat)
     return tuple(
         a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error / 3 + _ROUNDING)
     )
@@ -247,16 +261,18 @@ def _change(new: Array, old: Array) -> Array:
 
 def _marched(law: Any, modes: Modes, disc: Disc, *histories: Array, **sizes: int) -> Marched:
     """`march` for every history; a few at once, since each takes memory for all of its elements."""
-    law, modes, disc = jax.tree.map(jnp.asarray, (law, modes, disc))
+    from .steps import march
+
+    law, modes, disc = arrays((law, modes, disc))
     count = histories[0].shape[0]
-    numpy = jnp if is_traced(law, disc, *histories) else np
+    numpy = xp if is_traced(law, disc, *histories) else np
     size = min(_MARCHED_AT_ONCE, 1 << (count - 1).bit_length())
     out, room = [], count <= 2 and numpy is np  # longer to run, but what takes long for a few is to compile
     for i in range(0, count, size):
         which = np.minimum(np.arange(i, i + size), count - 1)
         rows = [numpy.asarray(a)[which] for a in histories]
         out.append(march(law, modes, disc, *rows, room=room, **sizes))
-    return jax.tree.map(lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count], *out)
+    return mapped(lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count], *out)
 
 
 def refined(
@@ -265,13 +281,15 @@ def refined(
     """Time and depth of one history, between which the depth is close to linear: as given, or solved in between."""
     if course.load is None:
         return np.asarray(course.time), np.asarray(depth)
+    from .steps import places
+
     kept = 2 ** int(np.clip(np.log2(_KNOTS / len(course.time)), 0, 5))
     part = places(kept)[1:]
     time = np.append(course.time[0], course.time[:-1, None] + np.diff(course.time)[:, None] * part)
     if course.by_depth is None:
         load = np.append(course.load[0], course.load[:-1, None] + np.diff(course.load)[:, None] * part)
         found = creep(law, modes, disc, *padded(time, load), levels=3)
-        found = jax.tree.map(lambda a: _unpadded(np.asarray(a), time.shape), found)
+        found = mapped(lambda a: _unpadded(np.asarray(a), time.shape), found)
         if found.growing.all():
             return time, found.depth
     by_depth = np.zeros(len(depth), bool) if course.by_depth is None else course.by_depth

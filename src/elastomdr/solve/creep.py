@@ -11,20 +11,23 @@ differentiating under the integral). d(t) is no sum of exponentials; both are in
 narrow towards both ends of each interval, as far as the shortest time of the spectrum needs it.
 """
 
+from __future__ import annotations
+
 import functools
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
 
+from .._arrays import arrays, compiled, in_steps, xp
 from .._runtime import Array
 from ..foundation.decay import phi1, phi2
 from ..foundation.modes import Modes
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 _RATIO = 4.0  # of neighbouring panels
@@ -42,7 +45,7 @@ class Creep(NamedTuple):
     growing: Bool[Array, " m"]  # whether the contact has not shrunk up to this instant
 
 
-@functools.partial(jax.jit, static_argnames="levels")
+@compiled("levels")
 def creep(
     law: Relaxation,
     modes: Modes,
@@ -55,8 +58,8 @@ def creep(
     """Depth, contact radius and energies under a load, exact while the contact grows; NaN where no contact can carry
     it. `levels` as from `levels_for`.
     """
-    law, modes, disc = jax.tree.map(jnp.asarray, (law, modes, disc))
-    h, rise = jnp.diff(time), jnp.diff(load)
+    law, modes, disc = arrays((law, modes, disc))
+    h, rise = xp.diff(time), xp.diff(load)
     y = h[:, None] * modes.rate
     gain = modes.gain * h[:, None] * (load[:-1, None] * phi1(y) + rise[:, None] * phi2(y))
 
@@ -64,9 +67,9 @@ def creep(
         z = step[0] * z + step[1]
         return z, z
 
-    _, z = jax.lax.scan(relax, jnp.zeros_like(modes.rate), (jnp.exp(-y), gain))
-    z = jnp.concatenate([jnp.zeros((1, modes.rate.size)), z])  # retarded part of A, per mode
-    area = modes.instantaneous * load + jnp.sum(z, axis=1)
+    _, z = in_steps(relax, xp.zeros_like(modes.rate), (xp.exp(-y), gain))
+    z = xp.concatenate([xp.zeros((1, modes.rate.size)), z])  # retarded part of A, per mode
+    area = modes.instantaneous * load + xp.sum(z, axis=1)
     depth = disc.depth_of_area(area)
     radius = disc.radius_of_area(area)
 
@@ -75,38 +78,38 @@ def creep(
     inner = y[:, None] * s[:, None]  # (interval, node, mode)
     ramp = h[:, None] * s
     force = load[:-1, None] + rise[:, None] * s
-    z_in = jnp.exp(-inner) * z[:-1, None] + ramp[..., None] * modes.gain * (
+    z_in = xp.exp(-inner) * z[:-1, None] + ramp[..., None] * modes.gain * (
         load[:-1, None, None] * phi1(inner) + (force - load[:-1, None])[..., None] * phi2(inner)
     )
-    area_in = modes.instantaneous * force + jnp.sum(z_in, axis=-1)
-    rate = modes.instantaneous * rise[:, None] + h[:, None] * jnp.sum(
+    area_in = modes.instantaneous * force + xp.sum(z_in, axis=-1)
+    rate = modes.instantaneous * rise[:, None] + h[:, None] * xp.sum(
         modes.gain * force[..., None] - modes.rate * z_in, axis=-1
     )
     if disc.flat:
-        depth_rate = rate / disc.width(jnp.asarray(disc.shape.largest_contact))
+        depth_rate = rate / disc.width(xp.asarray(disc.shape.largest_contact))
     else:
         width = disc.width(disc.radius_of_area(area_in))
-        depth_rate = jnp.where(width > 0, rate / jnp.where(width > 0, width, 1.0), 0.0)
-    growing = jnp.all(rate >= -_ROUNDING * jnp.abs(area_in), axis=1) & (area[1:] >= area[:-1] * (1 - _ROUNDING))
-    growing = jnp.concatenate([jnp.ones(1, bool), (jnp.cumprod(growing) > 0) | disc.flat])
+        depth_rate = xp.where(width > 0, rate / xp.where(width > 0, width, 1.0), 0.0)
+    growing = xp.all(rate >= -_ROUNDING * xp.abs(area_in), axis=1) & (area[1:] >= area[:-1] * (1 - _ROUNDING))
+    growing = xp.concatenate([xp.ones(1, bool), (xp.cumprod(growing) > 0) | disc.flat])
 
     # Energies. At the first instant the contact is elastic and glassy; a parallel dashpot lets nothing happen there.
     start = _elastic(disc, radius[0], depth[0])
-    glassy = jnp.where(modes.instantaneous > 0, law.equilibrium + jnp.sum(law.moduli), 0.0)
-    work = jnp.cumsum(jnp.append(glassy * start, jnp.sum(ds * force * depth_rate, axis=1)))
+    glassy = xp.where(modes.instantaneous > 0, law.equilibrium + xp.sum(law.moduli), 0.0)
+    work = xp.cumsum(xp.append(glassy * start, xp.sum(ds * force * depth_rate, axis=1)))
     share = area_in[..., None] - z_in @ modes.shape  # B_k
-    fading = jnp.exp(-2 * h[:, None, None] * (1 - s)[:, None] / law.times)
-    gained = jnp.sum(2 * ds[:, None] * fading * share * depth_rate[..., None], axis=1)
-    first = jnp.broadcast_to(2 * start, law.times.shape)
-    _, squares = jax.lax.scan(relax, first, (jnp.exp(-2 * h[:, None] / law.times), gained))
-    squares = jnp.concatenate([first[None], squares])
+    fading = xp.exp(-2 * h[:, None, None] * (1 - s)[:, None] / law.times)
+    gained = xp.sum(2 * ds[:, None] * fading * share * depth_rate[..., None], axis=1)
+    first = xp.broadcast_to(2 * start, law.times.shape)
+    _, squares = in_steps(relax, first, (xp.exp(-2 * h[:, None] / law.times), gained))
+    squares = xp.concatenate([first[None], squares])
     stored = law.equilibrium * _elastic(disc, radius, depth) + 0.5 * squares @ law.moduli
     # What goes into each branch, less what it holds; what goes into the dashpot, whose force is eta d' over the width.
-    into = jnp.sum(ds[:, None] * share * depth_rate[..., None], axis=1)
-    spread = jnp.cumsum(jnp.concatenate([0.5 * first[None], into]), axis=0) - 0.5 * squares
-    width = disc.width(jnp.asarray(disc.shape.largest_contact) if disc.flat else disc.radius_of_area(area_in))
-    damped = jnp.sum(ds * width * depth_rate**2, axis=1) / h
-    heat = spread @ law.moduli + law.viscosity * jnp.append(0.0, jnp.cumsum(damped))
+    into = xp.sum(ds[:, None] * share * depth_rate[..., None], axis=1)
+    spread = xp.cumsum(xp.concatenate([0.5 * first[None], into]), axis=0) - 0.5 * squares
+    width = disc.width(xp.asarray(disc.shape.largest_contact) if disc.flat else disc.radius_of_area(area_in))
+    damped = xp.sum(ds * width * depth_rate**2, axis=1) / h
+    heat = spread @ law.moduli + law.viscosity * xp.append(0.0, xp.cumsum(damped))
     return Creep(depth, radius, work, stored, heat, growing)
 
 
@@ -125,7 +128,7 @@ def levels_for(law: Relaxation, modes: Modes, time: Array) -> int:
 def _elastic(disc: Disc, radius: Array, depth: Array) -> Array:
     """V: what an elastic contact of unit modulus stores."""
     if disc.flat:
-        return 0.5 * disc.width(jnp.asarray(disc.shape.largest_contact)) * depth**2
+        return 0.5 * disc.width(xp.asarray(disc.shape.largest_contact)) * depth**2
     return disc.energy(radius)
 
 

@@ -273,8 +273,8 @@ def memory_table(order: int) -> tuple[np.ndarray, np.ndarray]:
 
     Shapes (nodes of l, points * terms) and (points, terms). The last point is t = 1, the last term the infinite
     pressure. With S_n = T_n inside and exp(-n theta) at t = cosh(theta) ahead, everywhere
-    S_n = (S'_{n+1}/(n + 1) - S'_{n-1}/(n - 1))/2; and what is remembered, Y - l Y' = S, commutes with the derivative. So
-    d_n = (Y_n - S_n)/n obeys d_{n+1} = d_{n-1} + 2 l (n d_n + S_n): forwards where l is short, else as a tridiagonal
+    S_n = (S'_{n+1}/(n + 1) - S'_{n-1}/(n - 1))/2; and what is remembered, Y - l Y' = S, commutes with the derivative.
+    So d_n = (Y_n - S_n)/n obeys d_{n+1} = d_{n-1} + 2 l (n d_n + S_n): forwards where l is short, else as a tridiagonal
     system with both ends known.
     """
     memory = np.exp(_grid())[:, None]
@@ -283,21 +283,23 @@ def memory_table(order: int) -> tuple[np.ndarray, np.ndarray]:
     ahead, endless = _ahead(top, memory[:, 0])
     source = np.cos(np.arange(top + 1)[:, None] * np.arccos(np.clip(t, -1, 1)))  # T_n at the points
 
-    def remembered(n: int, where: slice) -> np.ndarray:
-        """(Y_n - S_n)/n by quadrature, for some memories."""
+    def remembered(n: int, where: slice, less: np.ndarray | float) -> np.ndarray:
+        """Y_n - `less` by quadrature, for some memories; `less` does not depend on them."""
         l = memory[where]
         nodes, weights = _gauss(24 + n)
         reach = np.minimum((1 - t) / l, 42.0)  # in units of the memory
         s = 0.5 * reach[..., None] * (nodes + 1)
         there = np.clip(t[:, None] + l[..., None] * s, -1, 1)
-        change = np.cos(n * np.arccos(there)) - source[n][:, None]
+        change = np.cos(n * np.arccos(there)) - np.reshape(less, (-1, 1))
         inside = (change * np.exp(-s)) @ weights * 0.5 * reach
-        return (inside + np.exp(-(1 - t) / l) * (ahead[where, n][:, None] - source[n])) / n
+        return inside + np.exp(-(1 - t) / l) * (ahead[where, n][:, None] - less)
 
     d = np.zeros((top + 1, memory.size, t.size))
     short = int(np.searchsorted(memory[:, 0], 8 / top**2))
     low, high = slice(0, short), slice(short, None)
-    d[1], d[2, low], d[top, high] = remembered(1, slice(None)), remembered(2, low), remembered(top, high)
+    d[1] = remembered(1, slice(None), source[1])
+    d[2, low] = remembered(2, low, source[2]) / 2
+    d[top, high] = remembered(top, high, source[top]) / top
     for n in range(2, top):
         d[n + 1, low] = d[n - 1, low] + 2 * memory[low] * (n * d[n, low] + source[n])
     # rows n = 2 ... top - 1 of -d_{n-1} - 2 l n d_n + d_{n+1} = 2 l S_n, eliminated downwards, solved upwards
@@ -315,6 +317,11 @@ def memory_table(order: int) -> tuple[np.ndarray, np.ndarray]:
     slopes = np.empty((memory.size, t.size, top))
     n = np.arange(1, top)
     slopes[..., :-1] = -2 * np.moveaxis(n[:, None, None] * d[1:top] + source[1:top, None], 0, -1)
+    # what a long memory keeps is little: 2 l Y_n = d_{n+1} - d_{n-1} has it to full relative accuracy
+    long = slice(int(np.searchsorted(memory[:, 0], 1.0)), None)
+    kept = (d[3:, long] - d[1 : top - 1, long]) / (2 * memory[long])
+    slopes[long, :, 1:-1] = -2 * np.moveaxis(kept, 0, -1)
+    slopes[long, :, 0] = -2 * remembered(1, long, 0.0)
     fall = np.exp(-(1 - t) / memory)
     slopes[..., -1] = -2 * np.expm1(-(1 - t) / memory) + fall * endless[:, None]
     at_once = np.concatenate([-2 * source[1:top].T, np.full((t.size, 1), np.nan)], axis=1)
@@ -324,7 +331,7 @@ def memory_table(order: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _ahead(top: int, memory: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """At t = 1: S_n, n = 0 ... top, and the slope of the infinite pressure, as remembered from ahead of the contact."""
-    nodes, weights = _panels(np.concatenate([[0.0], 2.0 ** np.arange(-16, 1)]), 12)
+    nodes, weights = _panels(np.concatenate([[0.0], 2.0 ** np.arange(-16, -5), np.arange(1, 33) / 32]), 12)
     far = np.arccosh(1 + 42 * memory)[:, None]
     theta = far * nodes
     bulge = 2 * np.sinh(theta / 2) ** 2 / memory[:, None]

@@ -1,4 +1,4 @@
-"""Masses on springs and dampers coupled to a line of elements: one step for bodies and contact, as a `diffrax` solver.
+"""Masses on springs and dampers coupled to a line of elements: one step for bodies and contact.
 
 The body stands at X along the line, at depth d. A drive at D(t) pulls it, a load P(t) presses it:
 
@@ -17,16 +17,12 @@ work of the mean forces is that of the elements but for those whose contact begi
 """
 
 import functools
-from collections.abc import Callable
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
-import diffrax
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 
 from .._runtime import Array
-from ..errors import InputError
 from ..foundation.step import coefficients, fade
 from ..material.relaxation import Relaxation
 from .mount import Mount
@@ -60,67 +56,6 @@ class Motion(NamedTuple):
     driven: Array  # of the drive [J]
     pressed: Array  # of the load [J]
     damped: Array  # lost in the dampers [J]
-
-
-class DriveTerm(diffrax.AbstractTerm):
-    """Drive and load, `given(t)` = (D [m], P [N]): the term that `CoupledStep` solves.
-
-    It is no vector field: `vf` is what is given, `contr` what is given at both ends of a step.
-    """
-
-    given: Callable[[Any], tuple[Array, Array]]
-
-    def vf(self, t: Any, y: Motion, args: Scene) -> tuple[Array, Array]:
-        return self.given(t)
-
-    def contr(self, t0: Any, t1: Any, **kwargs: Any) -> tuple[Any, Any]:
-        return self.given(t0), self.given(t1)
-
-    def prod(self, vf: Any, control: Any) -> Motion:
-        raise InputError("solver must be CoupledStep for a DriveTerm: that is a constraint, not a vector field.")
-
-
-class CoupledStep(diffrax.AbstractSolver):
-    """Advances bodies and elements together, `used` equal contact steps in one step of the solver; second order.
-
-    `samples` is the room for them, which the compiled program depends on; `used` is a value, `samples` at most.
-    """
-
-    samples: int = 1
-    used: Any = 1
-    term_structure: ClassVar = DriveTerm
-    interpolation_cls: ClassVar[Callable[..., diffrax.LocalLinearInterpolation]] = diffrax.LocalLinearInterpolation
-
-    def order(self, terms: Any) -> int:
-        return 2
-
-    def init(self, terms: Any, t0: Any, t1: Any, y0: Motion, args: Scene) -> None:
-        return None
-
-    def step(
-        self, terms: Any, t0: Any, t1: Any, y0: Motion, args: Scene, solver_state: None, made_jump: Any
-    ) -> tuple[Motion, None, dict[str, Motion], None, diffrax.RESULTS]:
-        number = jnp.arange(self.samples + 1)
-        times = t0 + (t1 - t0) * jnp.minimum(number / self.used, 1.0)
-        given = jax.vmap(lambda t: terms.vf(t, y0, args))(times)
-
-        @jax.checkpoint
-        def block(scene: Scene, start: Motion, given: Any, h: Array) -> Motion:
-            c = coefficients(scene.law, h)
-
-            def one(state: Motion, now: Any) -> tuple[Motion, None]:
-                going, before, after = now
-                step = functools.partial(_advance, scene, c, before=before, after=after, h=h)
-                return jax.lax.cond(going, step, lambda y: y, state), None
-
-            ends = [tuple(part[at] for part in given) for at in (slice(None, -1), slice(1, None))]
-            return jax.lax.scan(one, start, (number[:-1] < self.used, *ends))[0]
-
-        y1 = block(args, y0, given, (t1 - t0) / self.used)
-        return y1, None, {"y0": y0, "y1": y1}, None, diffrax.RESULTS.successful
-
-    def func(self, terms: Any, t0: Any, y0: Motion, args: Scene) -> Any:
-        return terms.vf(t0, y0, args)
 
 
 def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motion:
@@ -247,50 +182,53 @@ class History(NamedTuple):
     spring: Array  # in the springs of the mounts [J]
 
 
-@eqx.filter_jit
+@functools.partial(jax.jit, static_argnames=("samples", "early"))
 def run(
     scene: Scene, time: Array, drive: Array, load: Array, shortest: Any, samples: int, used: Any, early: int = 0
-) -> tuple[History, Line, Array]:
-    """The whole motion in one `diffeqsolve`: what is known at the instants, the line at the end, whether it
-    succeeded. `used` contact steps are made between two instants, in a program that has room for `samples`.
+) -> tuple[History, Line]:
+    """The whole motion: what is known at the instants, and the line at the end. `used` contact steps are made between
+    two instants, in a program that has room for `samples`.
 
     A load that is put on at once is answered on all time scales of the rubber: the first interval is divided by `early`
     further instants in geometric series, from the `shortest` time on.
     """
+    number = jnp.arange(samples + 1)
 
     def given(t: Any) -> tuple[Array, Array]:
         return jnp.interp(t, time, drive), jnp.interp(t, time, load)
 
-    def seen(t: Any, y: Motion, args: Scene) -> History:
-        kinetic, spring = energies(args, y, given(t)[0])
+    @jax.checkpoint
+    def interval(scene: Scene, start: Motion, begin: Array, end: Array) -> Motion:
+        h = (end - begin) / used
+        c = coefficients(scene.law, h)
+        now = given(begin + (end - begin) * jnp.minimum(number / used, 1.0))
+
+        def one(state: Motion, now: Any) -> tuple[Motion, None]:
+            going, before, after = now
+            step = functools.partial(_advance, scene, c, before=before, after=after, h=h)
+            return jax.lax.cond(going, step, lambda y: y, state), None
+
+        ends = [tuple(part[at] for part in now) for at in (slice(None, -1), slice(1, None))]
+        return jax.lax.scan(one, start, (number[:-1] < used, *ends))[0]
+
+    def seen(t: Any, y: Motion) -> History:
+        kinetic, spring = energies(scene, y, given(t)[0])
         return History(
             y.depth, y.normal, y.drag, y.position, y.velocity, y.sinking, y.work,
-            energy(args.law, y.line, args.surface.weight), y.driven, y.pressed, y.damped,
+            energy(scene.law, y.line, scene.surface.weight), y.driven, y.pressed, y.damped,
             kinetic, spring,
         )  # fmt: skip
+
+    def step(y: Motion, ends: tuple[Array, Array]) -> tuple[Motion, History]:
+        y = interval(scene, y, *ends)
+        return y, seen(ends[1], y)
 
     start = put_down(scene, drive[0], load[0], shortest)
     first = time[1] - time[0]
     ratio = jax.lax.stop_gradient(jnp.minimum(shortest / first, 0.5)) ** (1 / max(early, 1))
     instants = jnp.concatenate([time[:1], time[0] + first * ratio ** jnp.arange(early, 0, -1), time[1:]])
-    solution = diffrax.diffeqsolve(
-        DriveTerm(given),
-        CoupledStep(samples, used),
-        t0=time[0],
-        t1=time[-1],
-        dt0=None,
-        y0=start,
-        args=scene,
-        stepsize_controller=diffrax.StepTo(ts=instants),
-        saveat=diffrax.SaveAt(subs=[
-            diffrax.SubSaveAt(t0=True, steps=True, fn=seen),
-            diffrax.SubSaveAt(t1=True, fn=lambda t, y, args: y.line),
-        ]),
-        max_steps=instants.shape[0] - 1,
-        throw=False,
-    )  # fmt: skip
-    saved: Any = solution.ys
-    history, line = saved
-    history = jax.tree.map(lambda kept: jnp.concatenate([kept[:1], kept[early + 1 :]]), history)
-    line = jax.tree.map(lambda last: last[-1], line)
-    return history, line, solution.result == diffrax.RESULTS.successful
+    last, history = jax.lax.scan(step, start, (instants[:-1], instants[1:]))
+    history = jax.tree.map(
+        lambda begin, kept: jnp.concatenate([begin[None], kept[early:]]), seen(instants[0], start), history
+    )
+    return history, last.line

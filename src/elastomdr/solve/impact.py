@@ -21,14 +21,14 @@ is a series in n^-2, and Richardson's extrapolation takes it away, term by term 
 relaxation times need no short steps: their branches become dashpots exactly.
 """
 
+from __future__ import annotations
+
 import functools
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
 
+from .._arrays import cond, fixed, in_steps, mapped, xp
 from .._runtime import Array
 from ..foundation.decay import ramp_weights
 from ..mapping.disc import Disc
@@ -36,6 +36,9 @@ from ..mapping.reach import contact_measure
 from ..mapping.shapes import AbstractShape, FlatPunch
 from .peak import peak
 from .root import root, search
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 COARSEST = 16  # n of the first grid, and half the intervals of a history
 _START, _TURN = 6, 3  # powers of the grid at both ends: steps shrink where the motion is not smooth in time
@@ -93,20 +96,20 @@ class _Node(NamedTuple):
 
 def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
     """One impact per lane on one grid; differentiable in both modes."""
-    zero = jnp.zeros(body.velocity.shape)
-    none = jnp.zeros((body.rates.shape[0], *zero.shape))
+    zero = xp.zeros(body.velocity.shape)
+    none = xp.zeros((body.rates.shape[0], *zero.shape))
     punch = body.shape.flat if isinstance(body.shape, Disc) else isinstance(body.shape, FlatPunch)
     rate = contact_measure(body.shape, zero, per_area) * body.velocity if punch else zero
     start = _Node(zero, zero, body.velocity, rate, none, none, body.viscosity * rate)
     turn, nodes, steps, good = _approach(body, per_area, start, grid)
-    path = jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, nodes)
+    path = mapped(lambda first, rest: xp.concatenate([first[None], rest]), start, nodes)
     retreat = _retreat_of_punch if punch else _retreat
     end, states, left = retreat(body, per_area, path, turn, steps, grid)
     largest, place = peak(path.force, grid.last)
     size = grid.kept.shape[0]
 
     def joined(before: Array, after: Array) -> Array:
-        return jnp.concatenate([before[grid.shown], after[size - 1 - grid.shown[-2::-1]]])
+        return xp.concatenate([before[grid.shown], after[size - 1 - grid.shown[-2::-1]]])
 
     return Motion(
         restitution=-end.speed / body.velocity,
@@ -147,58 +150,56 @@ def _approach(body: Body, per_area: bool, start: _Node, grid: Grid) -> tuple[_No
     """From touch to the turn: the turn, the node after each step, step lengths, and which lanes were solved."""
 
     def after(node: _Node, log_h: Array, speed: Array) -> _Node:
-        h = jnp.exp(log_h)
+        h = xp.exp(log_h)
         decay, early, late = ramp_weights(h * body.rates)
         depth = node.depth + 0.5 * h * (node.speed + speed)
         rate = contact_measure(body.shape, depth, per_area) * speed
         gain = h * body.moduli
         forces = decay * node.forces + gain * (early * node.rate + late * rate)
         centre = decay * node.centre + gain * (early * node.speed + late * speed)
-        force = jnp.sum(forces, axis=0) + body.viscosity * rate
+        force = xp.sum(forces, axis=0) + body.viscosity * rate
         return _Node(node.time + h, depth, speed, rate, forces, centre, force)
 
     def take(carry: tuple, step: Grid) -> tuple:
         node, log_force, slope, good = carry
-        momentum = jnp.log(body.mass * body.velocity * step.lost)
+        momentum = xp.log(body.mass * body.velocity * step.lost)
         speed = body.velocity * step.kept
 
         def residual(log_h: Array) -> Array:
-            return log_h + jnp.log(0.5 * (node.force + after(node, log_h, speed).force)) - momentum
+            return log_h + xp.log(0.5 * (node.force + after(node, log_h, speed).force)) - momentum
 
         # The mean force over a step is nearly a power of s: that gives the first guess of the step's length.
         log_h, found = root(residual, momentum - (log_force + slope * step.stride))
-        mean = momentum - jax.lax.stop_gradient(log_h)
-        slope = jnp.clip((mean - log_force) / step.stride, -20, 20)
-        return (after(node, log_h, speed), mean, slope, good & found), jnp.exp(log_h)
+        mean = momentum - fixed(log_h)
+        slope = xp.clip((mean - log_force) / step.stride, -20, 20)
+        return (after(node, log_h, speed), mean, slope, good & found), xp.exp(log_h)
 
     def skip(carry: tuple, step: Grid) -> tuple:
-        return carry, jnp.ones_like(body.velocity)
+        return carry, xp.ones_like(body.velocity)
 
     def step(carry: tuple, step: Grid) -> tuple:
-        carry, h = jax.lax.cond(step.taken, take, skip, carry, step)
+        carry, h = cond(step.taken, take, skip, carry, step)
         return carry, (carry[0], h)
 
-    log_force = jax.lax.stop_gradient(jnp.log(body.mass * body.velocity * grid.lost[0])) - _first_step(
-        body, per_area, grid
-    )
-    carry = (start, log_force, jnp.zeros_like(log_force), jnp.ones(log_force.shape, bool))
-    steps = grid._replace(last=jnp.zeros(grid.kept.shape), shown=jnp.zeros(grid.kept.shape))
-    (turn, _, _, good), (nodes, lengths) = jax.lax.scan(step, carry, steps)
+    log_force = fixed(xp.log(body.mass * body.velocity * grid.lost[0])) - _first_step(body, per_area, grid)
+    carry = (start, log_force, xp.zeros_like(log_force), xp.ones(log_force.shape, bool))
+    steps = grid._replace(last=xp.zeros(grid.kept.shape), shown=xp.zeros(grid.kept.shape))
+    (turn, _, _, good), (nodes, lengths) = in_steps(step, carry, steps)
     return turn, nodes, lengths, good
 
 
 def _first_step(body: Body, per_area: bool, grid: Grid) -> Array:
     """Logarithm of a rough length of the first step, of which no scale is known."""
-    body = jax.lax.stop_gradient(body)
-    momentum = jnp.log(body.mass * body.velocity * grid.lost[0])
+    body = fixed(body)
+    momentum = xp.log(body.mass * body.velocity * grid.lost[0])
 
     def residual(log_h: Array) -> Array:
-        h = jnp.exp(log_h)
+        h = xp.exp(log_h)
         measure = contact_measure(body.shape, body.velocity * h, per_area) * body.velocity
         _, _, late = ramp_weights(h * body.rates)
-        return log_h + jnp.log(0.5 * measure * (h * jnp.sum(body.moduli * late, axis=0) + body.viscosity)) - momentum
+        return log_h + xp.log(0.5 * measure * (h * xp.sum(body.moduli * late, axis=0) + body.viscosity)) - momentum
 
-    return search(residual, jnp.full(body.velocity.shape, -7.0))[0]
+    return search(residual, xp.full(body.velocity.shape, -7.0))[0]
 
 
 class _Rebound(NamedTuple):
@@ -217,41 +218,41 @@ def _retreat(
     """From the turn to the end: step j ends when the elements touched at node j of the approach leave."""
 
     def after(node: _Rebound, touched: _Node, log_h: Array) -> tuple[Array, _Rebound]:
-        h = jnp.exp(log_h)
+        h = xp.exp(log_h)
         decay, early, late = ramp_weights(h * body.rates)
-        since = jnp.exp(-body.rates * (node.time + h - touched.time))
-        force = jnp.sum(since * touched.forces, axis=0)
+        since = xp.exp(-body.rates * (node.time + h - touched.time))
+        force = xp.sum(since * touched.forces, axis=0)
         speed = node.speed - 0.5 * h * (node.force + force) / body.mass
         centre = decay * node.centre + h * body.moduli * (early * node.speed + late * speed)
-        density = jnp.sum(centre - since * touched.centre, axis=0) + body.viscosity * speed
+        density = xp.sum(centre - since * touched.centre, axis=0) + body.viscosity * speed
         return density, _Rebound(node.time + h, node.depth + 0.5 * h * (node.speed + speed), speed, centre, force)
 
     def take(carry: tuple, step: tuple) -> tuple:
         node, log_ratio, trend, good = carry
         touched, log_length, _, _ = step
-        since = jnp.exp(-body.rates * (node.time - touched.time))
-        held = jnp.sum(node.centre - since * touched.centre, axis=0) + body.viscosity * node.speed
+        since = xp.exp(-body.rates * (node.time - touched.time))
+        held = xp.sum(node.centre - since * touched.centre, axis=0) + body.viscosity * node.speed
 
         def residual(log_h: Array) -> Array:  # rises as a power of the step does
-            return jnp.log((held - after(node, touched, log_h)[0]) / held)
+            return xp.log((held - after(node, touched, log_h)[0]) / held)
 
         log_h, found = root(residual, log_length + log_ratio + trend)
-        ratio = jax.lax.stop_gradient(log_h) - log_length
-        trend = jnp.clip(jnp.where(trend == 0, 0.5, 1.0) * (ratio - log_ratio), -1.0, 1.0)
+        ratio = fixed(log_h) - log_length
+        trend = xp.clip(xp.where(trend == 0, 0.5, 1.0) * (ratio - log_ratio), -1.0, 1.0)
         return after(node, touched, log_h)[1], ratio, trend, good & found
 
     def step(carry: tuple, step: tuple) -> tuple:
-        carry = jax.lax.cond(step[2], take, lambda carry, _: carry, carry, step)
-        ended = carry[0]._replace(force=jnp.where(step[3], 0.0, carry[0].force))
+        carry = cond(step[2], take, lambda carry, _: carry, carry, step)
+        ended = carry[0]._replace(force=xp.where(step[3], 0.0, carry[0].force))
         return (ended, *carry[1:]), ended
 
-    touched = jax.tree.map(lambda x: x[-2::-1], path)
-    log_lengths = jnp.log(jax.lax.stop_gradient(lengths))[::-1]
-    zero = jnp.zeros_like(log_lengths[0])
-    first = jnp.arange(log_lengths.shape[0])[::-1] == 0
+    touched = mapped(lambda x: x[-2::-1], path)
+    log_lengths = xp.log(fixed(lengths))[::-1]
+    zero = xp.zeros_like(log_lengths[0])
+    first = xp.arange(log_lengths.shape[0])[::-1] == 0
     node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
-    carry = (node, zero, zero, jnp.ones(zero.shape, bool))
-    (end, _, _, good), states = jax.lax.scan(step, carry, (touched, log_lengths, grid.taken[::-1], first))
+    carry = (node, zero, zero, xp.ones(zero.shape, bool))
+    (end, _, _, good), states = in_steps(step, carry, (touched, log_lengths, grid.taken[::-1], first))
     return end, states, good
 
 
@@ -262,12 +263,12 @@ def _retreat_of_punch(
     measure = contact_measure(body.shape, turn.depth, per_area)
 
     def after(node: _Rebound, target: Array, log_h: Array) -> tuple[Array, _Rebound]:
-        h = jnp.exp(log_h)
+        h = xp.exp(log_h)
         decay, early, late = ramp_weights(h * body.rates)
         speed = node.speed - 0.5 * h * (node.force + target) / body.mass
         centre = decay * node.centre + h * body.moduli * (early * node.speed + late * speed)
         depth = node.depth + 0.5 * h * (node.speed + speed)
-        force = measure * (jnp.sum(centre, axis=0) + body.viscosity * speed)
+        force = measure * (xp.sum(centre, axis=0) + body.viscosity * speed)
         return force, _Rebound(node.time + h, depth, speed, centre, target)
 
     def take(carry: tuple, step: tuple) -> tuple:
@@ -275,18 +276,18 @@ def _retreat_of_punch(
         target = turn.force * step[0]
 
         def residual(log_h: Array) -> Array:
-            return jnp.log((node.force - after(node, target, log_h)[0]) / (node.force - target))
+            return xp.log((node.force - after(node, target, log_h)[0]) / (node.force - target))
 
-        log_h, found = root(residual, jax.lax.stop_gradient(log_h))
+        log_h, found = root(residual, fixed(log_h))
         return after(node, target, log_h)[1], log_h, good & found
 
     def step(carry: tuple, step: tuple) -> tuple:
-        carry = jax.lax.cond(step[1], take, lambda carry, _: carry, carry, step)
+        carry = cond(step[1], take, lambda carry, _: carry, carry, step)
         return carry, carry[0]
 
-    j = jnp.arange(grid.kept.shape[0])[::-1]
+    j = xp.arange(grid.kept.shape[0])[::-1]
     node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
-    guess = jnp.log(turn.time / grid.last)
-    carry = (node, guess, jnp.ones(guess.shape, bool))
-    (end, _, good), states = jax.lax.scan(step, carry, (1 - (1 - j / grid.last) ** 2, grid.taken[::-1]))
+    guess = xp.log(turn.time / grid.last)
+    carry = (node, guess, xp.ones(guess.shape, bool))
+    (end, _, good), states = in_steps(step, carry, (1 - (1 - j / grid.last) ** 2, grid.taken[::-1]))
     return end, states, good

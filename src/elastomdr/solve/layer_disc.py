@@ -2,7 +2,8 @@
 
 On a layer the elements of the MDR line push each other through a smooth kernel,
 
-    q(x) + (2/pi) int_0^a M(x, s) q(s) ds = E* o (d - g(x)),    M(x, s) = (1/h) int_0^inf (W - 1) cos(zx/h) cos(zs/h) dz,
+    q(x) + (2/pi) int_0^a M(x, s) q(s) ds = E* o (d - g(x)),
+    M(x, s) = (1/h) int_0^inf (W - 1) cos(zx/h) cos(zs/h) dz,
 
 P = 2 int_0^a q. The operator 1 + M = L L' factorises for all contacts at once (Krein), with L causal in x: under it the
 elements are independent again, whatever the history, since contact is a disc. Element x has the weight of what a flat
@@ -20,19 +21,20 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
+from .._arrays import fixed, xp
 from .._runtime import Array, is_traced, numpy_unless_traced
+from .._trees import replaced, static
 from ..foundation.layer import layer_deficit
-from ..mapping.disc import Disc, gauss
-from ..mapping.shapes import AbstractShape, Cone, Cylinder, FlatPunch, PowerLaw
+from ..mapping.disc import Disc
 from ..mapping.profile import Profile
+from ..mapping.shapes import AbstractShape, Cone, FlatPunch, PowerLaw
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _ENDS = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0])  # panels of a/h
 WIDEST = float(_ENDS[-1])  # a/h up to which the tables reach
@@ -60,7 +62,7 @@ def kernel_line(squeeze: Any, bonded: bool, reach: float) -> tuple[np.ndarray, A
 
 
 def _resolvents(squeeze: Any, bonded: bool, low: float, high: float) -> Resolvents:
-    xp: Any = jnp if is_traced(squeeze) else np
+    numpy: Any = xp if is_traced(squeeze) else np
     alpha = 0.5 * (low + high) + 0.5 * (high - low) * _places()
     count = 18 + math.ceil(2.5 * high)
     z, weight = kernel_line(squeeze, bonded, high)
@@ -70,11 +72,11 @@ def _resolvents(squeeze: Any, bonded: bool, low: float, high: float) -> Resolven
     for a, x, dx in zip(alpha, s, ds, strict=True):
         wave, at_edge = np.cos(x[:, None] * z), np.cos(a * z)
         matrix = np.eye(count) + (wave * weight) @ wave.T * dx
-        right = xp.stack([xp.ones(count), (wave * weight) @ at_edge], axis=1)
-        found = xp.linalg.solve(matrix, right)
+        right = numpy.stack([numpy.ones(count), (wave * weight) @ at_edge], axis=1)
+        found = numpy.linalg.solve(matrix, right)
         edge = 1 - at_edge * weight @ (wave.T @ (dx * found[:, 0]))
         parts.append((found[:, 0], found[:, 1], edge))
-    unit, row, edge = (xp.stack(list(part)) for part in zip(*parts, strict=True))
+    unit, row, edge = (numpy.stack(list(part)) for part in zip(*parts, strict=True))
     return Resolvents(alpha, s, ds, unit, row, edge)
 
 
@@ -95,19 +97,19 @@ class LayerDisc(Disc):
     depths: Float[Array, " k"]  # d(a), a guess for its inverse
     areas: Float[Array, " k"]  # and A(a)
     squeeze: Any
-    bonded: bool = eqx.field(static=True)
+    bonded: bool = static()
 
     def profile(self, x: Array) -> Array:
         """d(x): the depth at which an elastic contact has this radius."""
         if self.flat:
-            return jnp.zeros_like(x)
+            return xp.zeros_like(x)
         inside = self._inside(x)
         return (self.shape._profile(inside) - self._pull(inside)[0]) / self._read(self.edge, inside)[0] + (x - inside)
 
     def slope(self, x: Array) -> Array:
         """dd/da."""
         if self.flat:
-            return jnp.zeros_like(x)
+            return xp.zeros_like(x)
         x = self._inside(x)
         edge, bend = self._read(self.edge, x)
         pull, rise = self._pull(x)
@@ -133,11 +135,11 @@ class LayerDisc(Disc):
         node, share = _on_panels(np.array([0.0, 0.02, 0.2, 1.0]), 16)
         x = a[..., None] * node
         gap = self.profile(a)[..., None] - self.profile(x)
-        return 0.5 * jnp.sum(a[..., None] * share * self.weight(x) * gap**2, axis=-1)
+        return 0.5 * xp.sum(a[..., None] * share * self.weight(x) * gap**2, axis=-1)
 
     @property
     def largest(self) -> Any:
-        own = (jnp if is_traced(self.shape, self.thickness) else np).minimum(
+        own = (xp if is_traced(self.shape, self.thickness) else np).minimum(
             self.shape.largest_contact, WIDEST * self.thickness
         )
         return own * (1 - 1e-12)
@@ -145,36 +147,36 @@ class LayerDisc(Disc):
     def radius_of_depth(self, depth: Array) -> Array:
         """a at which an elastic contact has this depth; zero for d <= 0, NaN beyond the table."""
         if self.flat:
-            return jnp.where(depth > 0, self.shape.largest_contact, 0.0)
+            return xp.where(depth > 0, self.shape.largest_contact, 0.0)
         return self._inverse(
-            jnp.asarray(depth), self.depths, self._tip_power, lambda a: (self.profile(a), self.slope(a))
+            xp.asarray(depth), self.depths, self._tip_power, lambda a: (self.profile(a), self.slope(a))
         )
 
     def radius_of_area(self, area: Array) -> Array:
         """a with A(a) = `area`; as `radius_of_depth`."""
         if self.flat:
-            return jnp.where(area > 0, self.shape.largest_contact, 0.0)
+            return xp.where(area > 0, self.shape.largest_contact, 0.0)
         return self._inverse(
-            jnp.asarray(area), self.areas, 1 + self._tip_power, lambda a: (self.area(a), self.width(a) * self.slope(a))
+            xp.asarray(area), self.areas, 1 + self._tip_power, lambda a: (self.area(a), self.width(a) * self.slope(a))
         )
 
     def _inverse(self, value: Array, levels: Array, power: float, level: Any) -> Array:
         there = value > 0
-        value = jnp.where(there, value, levels[0])
-        log = jnp.log(jax.lax.stop_gradient(value))
-        known, places = (jnp.log(jnp.asarray(jax.lax.stop_gradient(x))) for x in (levels, self.places))
-        guess = jnp.interp(log, known, places) + jnp.minimum(log - known[0], 0.0) / power
-        a = jnp.exp(guess)
-        top = jnp.asarray(self.largest)
+        value = xp.where(there, value, levels[0])
+        log = xp.log(fixed(value))
+        known, places = (xp.log(xp.asarray(fixed(x))) for x in (levels, self.places))
+        guess = xp.interp(log, known, places) + xp.minimum(log - known[0], 0.0) / power
+        a = xp.exp(guess)
+        top = xp.asarray(self.largest)
         for i in range(_STEPS):
-            a = jax.lax.stop_gradient(jnp.minimum(a, top))
+            a = fixed(xp.minimum(a, top))
             height, rise = level(a)
             if i < _STEPS - 1:  # on logarithms, where it is nearly straight
-                a = a * jnp.exp(jnp.clip((log - jnp.log(height)) * height / (a * rise), -1.0, 1.0))
+                a = a * xp.exp(xp.clip((log - xp.log(height)) * height / (a * rise), -1.0, 1.0))
             else:
-                a = a + (value - height) / jax.lax.stop_gradient(rise)
+                a = a + (value - height) / fixed(rise)
         beyond = value > levels[-1] * (1 + 1e-12)
-        return jnp.where(there, jnp.where(beyond, jnp.nan, a), 0.0)
+        return xp.where(there, xp.where(beyond, xp.nan, a), 0.0)
 
     @property
     def _tip_power(self) -> float:
@@ -185,7 +187,7 @@ class LayerDisc(Disc):
         return (self.shape.exponent if isinstance(self.shape, PowerLaw) else None), None
 
     def _inside(self, x: Array) -> Array:
-        return jnp.minimum(jnp.asarray(x), jnp.asarray(self.largest))
+        return xp.minimum(xp.asarray(x), xp.asarray(self.largest))
 
     def _pull(self, x: Array) -> tuple[Array, Array]:
         """int R g ds and its derivative by the radius."""
@@ -195,15 +197,14 @@ class LayerDisc(Disc):
 
     def _read(self, table: Array, a: Array) -> tuple[Array, Array]:
         """A function at radii a, and its derivative: Clenshaw's sum on the panel of each."""
-        table = jnp.asarray(table)
+        table = xp.asarray(table)
         alpha = a / self.thickness
-        fixed = jax.lax.stop_gradient(alpha)
-        i = jnp.clip(jnp.ceil(jnp.log2(jnp.maximum(fixed, 1e-9))).astype(int) + 1, 0, _ENDS.size - 2)
-        ends = jnp.asarray(_ENDS)
+        i = xp.clip(xp.ceil(xp.log2(xp.maximum(fixed(alpha), 1e-9))).astype(int) + 1, 0, _ENDS.size - 2)
+        ends = xp.asarray(_ENDS)
         half = 0.5 * (ends[i + 1] - ends[i])
         y = (alpha - ends[i]) / half - 1
         rows = table[i]
-        b1 = b2 = c1 = c2 = jnp.zeros_like(y)
+        b1 = b2 = c1 = c2 = xp.zeros_like(y)
         for n in range(table.shape[1] - 1, 0, -1):
             c1, c2 = 2 * b1 + 2 * y * c1 - c2, c1
             b1, b2 = rows[..., n] + 2 * y * b1 - b2, b1
@@ -213,7 +214,7 @@ class LayerDisc(Disc):
 def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool) -> LayerDisc:
     """The contact of a body on a layer whose kernel W is that of a constant 1 - 2 nu = `squeeze`."""
     traced = is_traced(shape, thickness, squeeze)
-    xp: Any = jnp if traced else np
+    numpy: Any = xp if traced else np
     power = tip_power(shape)
     top = np.inf if traced else float(np.asarray(shape.largest_contact) / np.asarray(thickness))
     columns: list = []
@@ -222,33 +223,31 @@ def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool)
             at = _resolvents(squeeze, bonded, float(_ENDS[panel]), float(_ENDS[panel + 1]))
         else:
             at = _of_numbers(float(np.asarray(squeeze)), bonded, panel)
-        total = xp.sum(at.ds * at.unit, axis=1)
-        pull = held = xp.zeros_like(total)
+        total = numpy.sum(at.ds * at.unit, axis=1)
+        pull = held = numpy.zeros_like(total)
         if not isinstance(shape, FlatPunch):
             a = at.alpha * thickness
             if isinstance(shape, Profile):  # its pieces are panels of the rule
                 pull, held = _over_pieces(shape, thickness, at, squeeze, bonded)
             else:
-                g = shape._profile(xp.minimum(at.s * thickness, shape.largest_contact * (1 - 1e-12)))
-                pull = xp.sum(at.ds * at.row * g, axis=1)
-                held = xp.sum(at.ds * at.unit * g, axis=1) * thickness
+                g = shape._profile(numpy.minimum(at.s * thickness, shape.largest_contact * (1 - 1e-12)))
+                pull = numpy.sum(at.ds * at.row * g, axis=1)
+                held = numpy.sum(at.ds * at.unit * g, axis=1) * thickness
             pull, held = pull / a**power, held / a ** (power + 1)
-        columns.append([_series(xp, values) for values in (total / at.alpha, at.edge, pull, held)])
+        columns.append([_series(numpy, values) for values in (total / at.alpha, at.edge, pull, held)])
         if at.alpha[-1] > top:
             columns += [columns[-1]] * (_ENDS.size - 2 - panel)
             break
-    tables = (xp.stack(list(column)) for column in zip(*columns, strict=True))
+    tables = (numpy.stack(list(column)) for column in zip(*columns, strict=True))
     places = np.minimum(
         np.concatenate([0.5 * (l + h) + 0.5 * (h - l) * _places() for l, h in itertools.pairwise(_ENDS)]), 0.999 * top
     )
-    places = xp.minimum(places * thickness, 0.999 * shape.largest_contact)
-    disc = LayerDisc(shape, "half-space", xp.asarray(thickness), *tables, places, places, places, squeeze, bonded)
+    places = numpy.minimum(places * thickness, 0.999 * shape.largest_contact)
+    disc = LayerDisc(shape, "half-space", numpy.asarray(thickness), *tables, places, places, places, squeeze, bonded)
     if disc.flat:
         return disc
-    found = jax.lax.stop_gradient((disc.profile(jnp.asarray(places)), disc.area(jnp.asarray(places))))
-    if not traced:
-        found = tuple(map(np.asarray, found))
-    return eqx.tree_at(lambda d: (d.depths, d.areas), disc, found)
+    depths, areas = fixed((disc.profile(numpy.asarray(places)), disc.area(numpy.asarray(places))))
+    return replaced(disc, depths=depths, areas=areas)
 
 
 def tip_power(shape: AbstractShape) -> float:
@@ -262,22 +261,22 @@ def tip_power(shape: AbstractShape) -> float:
 
 
 def _over_pieces(shape: Profile, h: Any, at: Resolvents, squeeze: Any, bonded: bool) -> tuple[Array, Array]:
-    xp: Any = jnp if is_traced(shape, h, squeeze) else np
+    numpy: Any = xp if is_traced(shape, h, squeeze) else np
     z, weight = kernel_line(squeeze, bonded, float(at.alpha[-1]))
     rule = np.polynomial.legendre.leggauss(6)
     pulls, helds = [], []
     for k, alpha in enumerate(at.alpha):
-        edges = xp.minimum(xp.asarray(shape.r) / h, min(alpha, float(np.asarray(shape.r[-1] / h)) * (1 - 1e-12)))
-        half = 0.5 * xp.diff(edges)[:, None]
+        edges = numpy.minimum(numpy.asarray(shape.r) / h, min(alpha, float(np.asarray(shape.r[-1] / h)) * (1 - 1e-12)))
+        half = 0.5 * numpy.diff(edges)[:, None]
         s, ds = (edges[:-1, None] + half * (1 + rule[0])).ravel(), (half * rule[1]).ravel()
-        wave = xp.cos(s[:, None] * z) * weight
+        wave = numpy.cos(s[:, None] * z) * weight
         inner = np.cos(at.s[k][:, None] * z)
         unit = 1 - wave @ (inner.T @ (at.ds[k] * at.unit[k]))
         row = wave @ (np.cos(alpha * z) - inner.T @ (at.ds[k] * at.row[k]))
         g = shape._profile(s * h)
-        pulls.append(xp.sum(ds * row * g))
-        helds.append(xp.sum(ds * unit * g) * h)
-    return xp.stack(pulls), xp.stack(helds)
+        pulls.append(numpy.sum(ds * row * g))
+        helds.append(numpy.sum(ds * unit * g) * h)
+    return numpy.stack(pulls), numpy.stack(helds)
 
 
 class ElasticLine(NamedTuple):
@@ -315,11 +314,11 @@ def _places() -> np.ndarray:
     return -np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
 
 
-def _series(xp: Any, values: Array) -> Array:
+def _series(numpy: Any, values: Array) -> Array:
     """Chebyshev coefficients from values at `_places`."""
     order = np.polynomial.chebyshev.chebvander(_places(), _DEGREE).T * 2 / (_DEGREE + 1)
     order[0] *= 0.5
-    return xp.asarray(order) @ values
+    return numpy.asarray(order) @ values
 
 
 def _on_panels(edges: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -330,4 +329,4 @@ def _on_panels(edges: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _raised(x: Array, n: float) -> Array:
     """x^n for x >= 0 with finite derivatives at zero."""
-    return x ** int(n) if n == int(n) else jnp.where(x > 0, jnp.where(x > 0, x, 1.0) ** n, 0.0)
+    return x ** int(n) if n == int(n) else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)

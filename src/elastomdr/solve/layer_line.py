@@ -4,19 +4,20 @@ In the frame of the body, which moves along +x, with the memory lengths l_k = v 
 
     J o q (x) - (1/(pi h)) int_0^inf Re[conj(D) e^(izx/h) int q e^(-izs/h) ds] dz = d - g(x),      -b < x < a,
 
-D = (1 - W)/E* at z = kh and w = kv, and J o q = J_0 q(x) + sum_k J_k int_0^inf q(x + s) exp(-s/l_k) ds/l_k. q is zero at
-both edges. It is a polynomial ahead of the apex and another behind it, by its values at Chebyshev's points, which
-crowd where the profile bends and where fast branches leave layers, at the edges. What a branch remembers of a polynomial
-depends on l over the length of the panel alone and is tabulated once. For given edges all is linear; a and b
+D = (1 - W)/E* at z = kh and w = kv, and J o q = J_0 q(x) + sum_k J_k int_0^inf q(x + s) exp(-s/l_k) ds/l_k. q is zero
+at both edges. It is a polynomial ahead of the apex and another behind it, by its values at Chebyshev's points, which
+crowd where the profile bends and where fast branches leave layers, at the edges. What a branch remembers of a
+polynomial depends on l over the length of the panel alone and is tabulated once. For given edges all is linear; a and b
 follow from the load (or the depth) and q(-b) = 0, by Newton's method on logarithms.
 
-The integral over z is the trapezoidal rule in y, z = ln(1 + e^y), which converges exponentially: it sees memories of any
-length below z = 1 and the waves e^(izx/h) above. Derived here; checked against cells in three dimensions.
+The integral over z is the trapezoidal rule in y, z = ln(1 + e^y), which converges exponentially: it sees memories of
+any length below z = 1 and the waves e^(izx/h) above. Derived here; checked against cells in three dimensions.
 """
 
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -25,7 +26,6 @@ import numpy as np
 
 from .._arrays import fixed, on_numpy, while_loop, xp
 from .._runtime import Array
-from ..mapping.direction import lagrange
 from ..mapping.shapes import AbstractShape
 from ..material.relaxation import KelvinChain
 
@@ -232,7 +232,7 @@ def _rule(n: int) -> _Rule:
     ends = [np.zeros(np.broadcast_shapes(l.shape, way.shape))]
     ends += [np.minimum(way, 3.0 * k * l) for k in (0.5, 2, 5, 12)] + [np.broadcast_to(way, ends[0].shape)]
     total = np.zeros((l.shape[0], n + 1, n + 1))
-    for low, high in zip(ends[:-1], ends[1:], strict=True):
+    for low, high in itertools.pairwise(ends):
         half = 0.5 * (high - low)
         some = np.flatnonzero(((half > 0) & (low < 35 * l)).any(axis=1))  # nothing is left beyond
         s = low[some, :, None] + half[some, :, None] * (1 + gauss)

@@ -1,12 +1,10 @@
 """Many histories at once, in batches of few sizes, so that few programs are compiled."""
 
-import functools
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
+from .._arrays import compiled, mapped, on_numpy, xp
 from .._runtime import Array, is_traced
 from .history import History, indent_between
 from .panels import cuts
@@ -15,15 +13,19 @@ _BATCH = 64  # histories computed at once
 
 
 def over_histories(function: Any, law: Any, modes: Any, disc: Any, *histories: Any, levels: int | None = None) -> Any:
-    """`function` for every history, in one compiled call; NumPy arrays unless traced."""
+    """`function` for every history, where JAX computes in one compiled call; NumPy arrays unless traced."""
     count = histories[0].shape[0]
+    if on_numpy():
+        static = {} if levels is None else {"levels": levels}
+        found = [function(law, modes, disc, *(h[i] for h in histories), **static) for i in range(count)]
+        return mapped(lambda *a: np.stack(a), *found)
     size = batch(count)
     more = -count % size
     traced = is_traced(law, modes, disc, *histories)
-    numpy = jnp if traced else np
+    numpy = xp if traced else np
     full = tuple(numpy.concatenate([h, numpy.repeat(h[:1], more, axis=0)]) if more else h for h in histories)
     out = _mapped(law, modes, disc, *full, function=function, levels=levels, size=size)
-    return jax.tree.map(lambda a: a[:count] if traced else np.asarray(a)[:count], out)
+    return mapped(lambda a: a[:count] if traced else np.asarray(a)[:count], out)
 
 
 def batch(count: int) -> int:
@@ -31,8 +33,10 @@ def batch(count: int) -> int:
     return min(_BATCH, 1 << (count - 1).bit_length())
 
 
-@functools.partial(jax.jit, static_argnames=("function", "levels", "size"))
+@compiled("function", "levels", "size")
 def _mapped(law: Any, modes: Any, disc: Any, *histories: Any, function: Any, levels: int | None, size: int) -> Any:
+    import jax
+
     static = {} if levels is None else {"levels": levels}
 
     def one(history: tuple[Array, ...]) -> Any:
@@ -51,6 +55,10 @@ def indent_all(
     One compiled program serves all levels: it takes `size` rows of `cuts` of any histories.
     """
     rows = cuts(levels)
+    if on_numpy():
+        parts = np.tile(np.append(rows[:, :-1], 1.0), (len(time), 1))
+        found, _ = over_histories(indent_between, law, modes, disc, time, depth, radius, parts)
+        return found._replace(radius=np.array(radius))
     which, row = np.divmod(np.arange(len(time) * len(rows)), len(rows))
     sums = []
     for i in range(0, which.size, size):
@@ -58,5 +66,5 @@ def indent_all(
         history = (a[which[taken]] for a in (time, depth, radius))
         found, _ = over_histories(indent_between, law, modes, disc, *history, rows[row[taken]])
         sums.append(found)
-    joined = jax.tree.map(lambda *a: np.concatenate(a)[: which.size].reshape(len(time), len(rows), -1), *sums)
-    return jax.tree.map(lambda a: a.sum(axis=1), joined)._replace(radius=np.array(radius))
+    joined = mapped(lambda *a: np.concatenate(a)[: which.size].reshape(len(time), len(rows), -1), *sums)
+    return mapped(lambda a: a.sum(axis=1), joined)._replace(radius=np.array(radius))

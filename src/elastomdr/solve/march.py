@@ -21,7 +21,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from .._runtime import Array, in_float64, is_traced
-from ..foundation.step import ContactStep, Elements, RigidSurface, rest
+from ..foundation.solver import ContactStep, RigidSurface
+from ..foundation.step import Elements, rest
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .passage import Control, Passages, estimate_sizes

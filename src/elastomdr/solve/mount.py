@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import equinox as eqx
-
 from .._runtime import positive, scalar
+from .._trees import Tree
 
 if TYPE_CHECKING:
     from .._types import Number
 
 
-class Mount(eqx.Module):
+class Mount(Tree):
     """A mass on a spring and a damper beside it; per metre of line under a rough line.
 
     Args:

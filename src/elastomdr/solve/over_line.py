@@ -8,27 +8,31 @@ and dw = dd + (db/dX) dX: with the force q of the elements, F_N = sum q W and F_
 do work on d and on X, W the weight of an element. F_x is positive where it resists a motion towards +x.
 """
 
+from __future__ import annotations
+
 import abc
 import functools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Float
 
 from .._runtime import Array
+from .._trees import Tree
 from ..mapping.lines import AbstractLines, SingleLine
 from ..mapping.rough_line import spline, spline_coefficients
 from ..mapping.shapes import AbstractShape
 
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
 _NOTHING = -1e3  # where the surface is beyond the end of a body: far above any rubber [m]
 
 
-class AbstractOverLine(eqx.Module):
+class AbstractOverLine(Tree):
     """A rigid surface above n elements."""
 
-    weight: eqx.AbstractVar[Array]  # of an element's force in the total, scalar or (n,)
+    weight: Array  # of an element's force in the total, scalar or (n,)
 
     @property
     @abc.abstractmethod
@@ -61,7 +65,6 @@ class Indenter(AbstractOverLine):
     x: Float[Array, " n"]  # places of the elements [m]
     y: Float[Array, " n"] | None  # distance of each element's strip from the middle [m]; None for a single line
     spacing: Array  # dx [m]
-    weight: Array
     track: Array  # height of the track at the elements, scalar or (n,) [m]
 
     @property
@@ -99,7 +102,6 @@ class Rough(AbstractOverLine):
     coefficients: Float[Array, " n"]  # of its spline [m]
     spacing: Array  # of elements and points [m]
     highest: Array  # max h over the points [m]
-    weight: Array
 
     @property
     def count(self) -> int:
@@ -119,7 +121,7 @@ class Rough(AbstractOverLine):
 
 def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
     """One element under each point of a rough line; `highest` is what the depth counts from."""
-    return Rough(spline_coefficients(height), jnp.asarray(spacing), highest, jnp.asarray(1 / height.shape[0]))
+    return Rough(jnp.asarray(1 / height.shape[0]), spline_coefficients(height), jnp.asarray(spacing), highest)
 
 
 @functools.partial(jax.jit, static_argnames="count")

@@ -6,17 +6,20 @@ And a layer at an edge that advances: an element touched a time t ago carries E_
 where v tau_k/g' is far below a panel no node sees the exponential, of which the sum then is too large by its integral.
 """
 
+from __future__ import annotations
+
 import functools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
+from .._arrays import fixed, in_steps, xp
 from .._runtime import Array
 from ..mapping.disc import Disc
 from ..material.relaxation import Relaxation
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 NODES = 6  # per panel
 _RATIO = 0.2  # of neighbouring panels within one that narrows
@@ -51,14 +54,14 @@ def missed(shares: Float[Array, " n"], begin: Float[Array, " panels"], disc: Dis
     ones before, by geometric fall (kept apart: a parabola would hide in the second how the others fall). In the panel
     at the axis of a profile c x^n, n not whole, what the rule misses of that power.
     """
-    size = jnp.abs(shares.reshape(-1, NODES) @ jnp.asarray(_spread()).T)
+    size = xp.abs(shares.reshape(-1, NODES) @ xp.asarray(_spread()).T)
     before, last = size[:, 2:4], size[:, 4:6]
-    error = jnp.sum(last * jnp.minimum(last / jnp.where(before > 0, before, 1.0), 1.0) ** 4, axis=1)
+    error = xp.sum(last * xp.minimum(last / xp.where(before > 0, before, 1.0), 1.0) ** 4, axis=1)
     power, _ = disc._power()
     if power is not None and power != int(power):
-        at_axis = _SAFETY * _of_power(power + (disc.kind == "layer")) * jnp.max(last, axis=1)
-        error = jnp.where(begin == 0, jnp.maximum(error, at_axis), error)
-    return jnp.sum(error)
+        at_axis = _SAFETY * _of_power(power + (disc.kind == "layer")) * xp.max(last, axis=1)
+        error = xp.where(begin == 0, xp.maximum(error, at_axis), error)
+    return xp.sum(error)
 
 
 def missed_layers(
@@ -72,31 +75,31 @@ def missed_layers(
     the layer is left in panels further in), r what the rule misses of an exponential over its integral. A layer fades
     with its branch after its instant. Holds for rubber that is touched for the first time; elsewhere an estimate.
     """
-    law, disc, time, depth, radius = jax.lax.stop_gradient((law, disc, time, depth, radius))
-    h = jnp.diff(time)
-    pressing = jnp.maximum(jnp.diff(depth) / h, 0.0)
-    ends = jnp.sort(jnp.append(radius, 0.0))
-    panel = jnp.diff(ends) * part
+    law, disc, time, depth, radius = fixed((law, disc, time, depth, radius))
+    h = xp.diff(time)
+    pressing = xp.maximum(xp.diff(depth) / h, 0.0)
+    ends = xp.sort(xp.append(radius, 0.0))
+    panel = xp.diff(ends) * part
     edge = radius[1:]
-    slope = disc.slope(jnp.where(edge > 0, edge, 1.0))
-    width = jnp.where(edge > 0, pressing / slope, 0.0)[:, None] * law.times  # (m-1, k)
+    slope = disc.slope(xp.where(edge > 0, edge, 1.0))
+    width = xp.where(edge > 0, pressing / slope, 0.0)[:, None] * law.times  # (m-1, k)
     behind = edge[:, None] - ends[1:]  # of every panel
-    fits = jnp.maximum(panel, 1e-300) / jnp.where(width > 0, width, 1.0)[..., None]
+    fits = xp.maximum(panel, 1e-300) / xp.where(width > 0, width, 1.0)[..., None]
     # From above within a factor of 15 for q from 5 on, of 2 from 60 on; r = 1 - (...)/q once no node sees the layer.
     unseen = (
-        85 / fits * jnp.exp(-((fits / 80) ** 1.5))
-        + jnp.maximum(behind, 0.0)[:, None] / jnp.where(panel > 0, panel, 1.0) * fits
+        85 / fits * xp.exp(-((fits / 80) ** 1.5))
+        + xp.maximum(behind, 0.0)[:, None] / xp.where(panel > 0, panel, 1.0) * fits
     )
-    unseen = jnp.where((behind >= 0)[:, None] & (panel > 0), jnp.exp(-unseen), 0.0)
+    unseen = xp.where((behind >= 0)[:, None] & (panel > 0), xp.exp(-unseen), 0.0)
     size = _CURVED * width * unseen.sum(-1)
     amount = disc.weight(edge)[:, None] * law.moduli * pressing[:, None] * law.times * size
 
     def fading(left: Array, new: tuple[Array, Array]) -> tuple[Array, Array]:
-        left = left * jnp.exp(-new[0] / law.times) + new[1]
-        return left, jnp.sum(left)
+        left = left * xp.exp(-new[0] / law.times) + new[1]
+        return left, xp.sum(left)
 
-    _, total = jax.lax.scan(fading, jnp.zeros_like(law.times), (h, amount))
-    return jnp.append(0.0, total)
+    _, total = in_steps(fading, xp.zeros_like(law.times), (h, amount))
+    return xp.append(0.0, total)
 
 
 @functools.cache

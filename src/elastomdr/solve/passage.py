@@ -67,22 +67,25 @@ def solve_passages(
     value: Float[Array, " points"],  # load [N] or depth [m]
     velocity: Float[Array, " points"],  # times a_T [m/s]
     start: Passages | None = None,
+    found: Found | None = None,
 ) -> Passages:
     """Steady passages, differentiable in the law, the shape, the load or depth, and the velocity.
 
     Of numbers the edges are sought to rounding, from those of `start` on where it is given. Under a transformation of
-    JAX the search runs on values cut off from differentiation; one Newton step on the full equations, with the
-    derivatives in it, makes the answer differentiable in forward and reverse mode.
+    JAX the search runs on values cut off from differentiation, unless it has been made by `found_of_numbers`; one
+    Newton step on the full equations, with the derivatives in it, makes the answer differentiable in forward and
+    reverse mode.
     """
     lines = lines.refined(rule.strips)
     if on_numpy():
         return _forces(*_edges_of_numbers(Passage(law, lines, rule, velocity), control, value, start))
     law, lines, value, velocity = arrays((law, lines, value, velocity))
-    found = _search(*fixed((law, lines, value, velocity)), rule=rule, control=control)
+    if found is None:
+        found = _search(*fixed((law, lines, value, velocity)), rule=rule, control=control)
     return _polish(law, lines, value, velocity, fixed(found), rule=rule, control=control)
 
 
-class _Found(NamedTuple):
+class Found(NamedTuple):
     """What the search hands to Newton's last step."""
 
     size: Array
@@ -111,7 +114,7 @@ def _largest(lines: AbstractLines, value: Array) -> Array:
 
 
 @compiled("rule", "control")
-def _search(law, lines, value, velocity, *, rule: Rule, control: Control) -> _Found:
+def _search(law, lines, value, velocity, *, rule: Rule, control: Control) -> Found:
     import jax
 
     top = _largest(lines, value)
@@ -130,7 +133,7 @@ def _search(law, lines, value, velocity, *, rule: Rule, control: Control) -> _Fo
     density_ratio, _ = tangent(xp.zeros_like(size), xp.ones_like(ratio))
     if control == "depth":
         _, force_size = jax.jvp(lines.depth, (size,), (xp.ones_like(size),))
-    return _Found(size, ratio, converged, force_size, density_size, density_ratio)
+    return Found(size, ratio, converged, force_size, density_size, density_ratio)
 
 
 def _edges_of_numbers(
@@ -163,6 +166,18 @@ def _edges_of_numbers(
         if p.table is None or np.all(np.abs(log_size - before) < _MOVED):
             break
     return p, np.exp(log_size), ratio, found
+
+
+def found_of_numbers(
+    law: Relaxation, lines: AbstractLines, rule: Rule, control: Control, value: Array, velocity: Array
+) -> Found:
+    """The search of single lines on NumPy, with the derivatives that Newton's last step takes in closed form."""
+    p, size, ratio, good = _edges_of_numbers(Passage(law, lines, rule, velocity), control, value)
+    at = balance_and_slopes(first_variant(p), size, ratio)
+    reached = (lines.weight(size) * (at.force_entry + ratio * at.density))[0]
+    if control == "depth":
+        reached = lines.slope(size[None], size, np.zeros((1, 1), int))[0]
+    return Found(size, ratio, good, reached, at.density_entry + ratio * at.density_exit, size * at.density_exit)
 
 
 def _sought(
@@ -395,7 +410,7 @@ def _size_of_load(p: Passage, load: Array, log_size: Array, ratio: Array, top: A
 
 
 @compiled("rule", "control")
-def _polish(law, lines, value, velocity, found: _Found, *, rule: Rule, control: Control) -> Passages:
+def _polish(law, lines, value, velocity, found: Found, *, rule: Rule, control: Control) -> Passages:
     """One Newton step on both equations, then forces and their sampling error."""
     p = tabulated(Passage(law, lines, rule, velocity), found.size, full=True)
     size, ratio, settled = _edges(p, value, found, control)
@@ -421,7 +436,7 @@ def _forces(p: Passage, size: Array, ratio: Array, converged: Array) -> Passages
     )
 
 
-def _edges(p: Passage, value: Array, found: _Found, control: Control) -> tuple[Array, Array, Array]:
+def _edges(p: Passage, value: Array, found: Found, control: Control) -> tuple[Array, Array, Array]:
     """Contact size and trailing edges after one Newton step, which carries the derivatives, and whether it was small:
     a search that was led astray by a steep density stops where a step is not."""
     size, ratio = found.size, found.ratio
@@ -463,7 +478,7 @@ def solve_losses(
 
 
 @compiled("rule", "control")
-def _losses(law, modes, lines, value, velocity, found: _Found, rule: Rule, control: Control) -> Losses:
+def _losses(law, modes, lines, value, velocity, found: Found, rule: Rule, control: Control) -> Losses:
     p = tabulated(Passage(law, lines, rule, velocity), found.size, full=True)
     size, ratio, settled = _edges(p, value, found, control)
     dashpot, branches = branch_losses(p, modes, size, ratio)

@@ -2,10 +2,11 @@
 
 from typing import Any
 
-from .._arrays import fixed, while_loop, xp
+from .._arrays import fixed, on_numpy, while_loop, xp
 from .._runtime import Array
 
 _CLOSE = 3e-4  # change of x from which one more Newton step is at rounding
+_ROUNDING = 1e-8  # the same of a step of the secant method, whose error is the product of the last two
 _ITERATIONS = 60
 _CLIP = 3.0  # longest step of a search
 _USUAL = 1.5  # slope to start a search with: of powers, in logarithms
@@ -14,19 +15,21 @@ _USUAL = 1.5  # slope to start a search with: of powers, in logarithms
 def root(residual: Any, guess: Array) -> tuple[Array, Array]:
     """x with residual(x) = 0, rising through it, and whether it was found.
 
-    The search runs on values cut off from differentiation; one Newton step afterwards carries the derivatives.
+    The search runs on values cut off from differentiation; one Newton step afterwards carries the derivatives. On NumPy
+    it runs until its next step would be rounding.
     """
+    if on_numpy():
+        return search(residual, guess, _ROUNDING)
     import jax
-    import jax.numpy as jnp
 
     x, done = search(residual, guess)
-    value, slope = jax.jvp(residual, (x,), (jnp.ones_like(x),))
-    step = value / jax.lax.stop_gradient(slope)
-    found = done & (jnp.abs(step) < 10 * _CLOSE)
-    return x - jnp.where(found, step, step - jax.lax.stop_gradient(step)), found
+    value, slope = jax.jvp(residual, (x,), (xp.ones_like(x),))
+    step = value / fixed(slope)
+    found = done & (xp.abs(step) < 10 * _CLOSE)
+    return x - xp.where(found, step, step - fixed(step)), found
 
 
-def search(residual: Any, guess: Array) -> tuple[Array, Array]:
+def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, Array]:
     """The secant method inside a shrinking bracket, all lanes at once."""
 
     def advance(state: tuple) -> tuple:
@@ -36,7 +39,7 @@ def search(residual: Any, guess: Array) -> tuple[Array, Array]:
         middle = 0.5 * (xp.maximum(low, x - 2 * _CLIP) + xp.minimum(high, x + 2 * _CLIP))
         following = xp.where((secant >= low) & (secant <= high), secant, middle)
         change = following - x
-        done = done | (xp.abs(change) < _CLOSE) | xp.isnan(value)
+        done = done | (xp.abs(change) < close) | xp.isnan(value)
         following = xp.where(xp.isfinite(following), following, x)
         new = residual(following)
         slope = xp.where(xp.abs(change) > 1e-9, (new - value) / xp.where(change == 0, 1.0, change), slope)

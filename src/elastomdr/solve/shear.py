@@ -90,17 +90,23 @@ class Grid(NamedTuple):
 
 
 @functools.partial(jax.jit, static_argnames=("steps", "by_load"))
-def shear_history(scene: Scene, history: History, grid: Grid, *, steps: int, by_load: bool) -> Sheared:
-    """The whole history of the elements of a grid, with `steps` contact steps between two instants."""
+def shear_history(
+    scene: Scene, history: History, grid: Grid, *, steps: int, by_load: bool, used: Any = None
+) -> Sheared:
+    """The whole history of the elements of a grid, with `steps` contact steps between two instants, or `used` of them
+    in the same program."""
+    used = steps if used is None else used
 
     def interval(state: State, ends: tuple) -> tuple:
         (t0, v0, s0), (t1, v1, s1) = ends
-        h, dv, ds = (t1 - t0) / steps, (v1 - v0) / steps, (s1 - s0) / steps
+        h, dv, ds = (t1 - t0) / used, (v1 - v0) / used, (s1 - s0) / used
         normal, tangential = coefficients(scene.normal, h), coefficients(scene.tangential, h)
 
         def advance(carry: tuple, i: Array) -> tuple:
-            state, _ = carry
-            return step(scene, grid, normal, tangential, state, v0 + (i + 1) * dv, ds, by_load), None
+            def one(carry: tuple) -> tuple:
+                return step(scene, grid, normal, tangential, carry[0], v0 + (i + 1) * dv, ds, by_load)
+
+            return jax.lax.cond(i < used, one, lambda carry: carry, carry), None
 
         none = jnp.zeros_like(grid.x)
         (state, seen), _ = jax.lax.scan(advance, (state, ((jnp.zeros(()),) * 5, none)), jnp.arange(steps))
@@ -167,8 +173,12 @@ def _start(scene: Scene, grid: Grid, history: History, by_load: bool) -> tuple[S
     none, state = jnp.zeros(()), untouched(scene, grid)
     still = state, ((none, history.value[0] if by_load else none, none, none, none), state.u)
     normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
-    put, _ = step(scene, grid, normal, tangential, state, history.value[0], none, by_load)
-    moved = step(scene, grid, normal, tangential, put, history.value[0], history.displacement[0], by_load)
+
+    def put(state: State, ds: Array) -> tuple[State, tuple]:
+        return step(scene, grid, normal, tangential, state, history.value[0], ds, by_load)
+
+    put_down, seen = jax.lax.scan(put, state, jnp.stack([none, history.displacement[0]]))
+    moved = put_down, jax.tree.map(lambda x: x[-1], seen)
     dashpots = jnp.asarray(scene.normal.viscosity + scene.tangential.viscosity) > 0
     return jax.tree.map(lambda a, b: jnp.where(dashpots, a, b), still, moved)
 

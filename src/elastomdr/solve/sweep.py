@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._arrays import compiled, fixed, xp
-from .._runtime import Array
+from .._runtime import Array, is_traced, known, numpy_unless_traced
 from ..mapping.direction import asymmetry, directions, interpolation_error, quadrature_error
-from ..mapping.lines import AbstractLines
+from ..mapping.lines import AbstractLines, SingleLine
 from ..mapping.profile import Profile
 from ..mapping.shared_curve import SharedCurve, at_points, average, between_orders, shared_curve
 from ..material.relaxation import Relaxation
 from .condense import condensed, filled
-from .passage import Control, Passages, solve_passages
+from .passage import Control, Found, Passages, found_of_numbers, solve_passages
 from .plan import TRACED, Plan, traced_level
 from .rule import Rule
 
@@ -48,9 +48,12 @@ def run(
     velocity: Float[Array, " points"],  # times a_T [m/s]
 ) -> Sweep:
     """The friction of every point of a plan; points that miss the tolerance come back with `line.converged` False."""
+    if plan.traced and plan.marched:
+        return _traced(plan, law, lines, value, velocity)  # looks at its errors where it can, under `jax.grad` for one
     if plan.traced:
-        # One program; a march looks at its errors where it can, under `jax.grad` for one.
-        return (_traced if plan.marched else _traced_at_once)(plan, law, lines, value, velocity)
+        values = known(fixed((law, lines, value, velocity)))
+        search = None if is_traced(values) or not isinstance(lines, SingleLine) else _search_of_values(plan, *values)
+        return _traced_at_once(plan, law, lines, value, velocity, search)
     law = condensed(law, plan.condensation)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
@@ -61,13 +64,13 @@ def run(
     else:
         deep = _solve(plan, law, lines, "depth", value, velocity, rtol) if plan.control == "depth" else None
         load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
-        averaged, known = _shared if plan.shared else _direct, []
-        mu, error, sampling, good, own, sunk = averaged(plan, law, lines, load, velocity, rtol, 0, known)
+        averaged, solved = _shared if plan.shared else _direct, []
+        mu, error, sampling, good, own, sunk = averaged(plan, law, lines, load, velocity, rtol, 0, solved)
         for level in range(1, _LEVELS + 1):
             left = good & ~(error <= rtol * mu) & (sampling <= rtol * mu)
             if not left.any():
                 break
-            again = averaged(plan, law, lines, load[left], velocity[left], rtol, level, known)
+            again = averaged(plan, law, lines, load[left], velocity[left], rtol, level, solved)
             mu[left], error[left], sampling[left], good[left] = again[:4]
             _put(own, left, again[4])
             sunk |= again[5]
@@ -257,16 +260,39 @@ def _in_batches(
     return Passages(*(np.concatenate(field) for field in zip(*parts, strict=True)))
 
 
-def _traced(plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array) -> Sweep:
+@numpy_unless_traced
+def _search_of_values(
+    plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array
+) -> tuple[Found, ...]:
+    """What `_traced` has to search for, in its order, where values are known: under `jax.grad`, not `jit` and `vmap`.
+
+    A search takes far longer to compile than to run.
+    """
+    rule, own = plan.rules[0], []
+    if not plan.averaged or plan.control == "depth":
+        own = [found_of_numbers(law, lines, rule, plan.control, value, velocity)]
+    if not plan.averaged:
+        return tuple(own)
+    if own:
+        value = solve_passages(law, lines, rule, "depth", value, velocity).normal_force
+    slowed = velocity[:, None] * directions(plan.rtol * TRACED, traced_level(plan.rtol, plan.bends)).cosines
+    loads = np.broadcast_to(value[:, None], slowed.shape).ravel()
+    return (*own, found_of_numbers(law, lines, rule, "load", loads, slowed.ravel()))
+
+
+def _traced(
+    plan: Plan, law: Relaxation, lines: AbstractLines, value: Array, velocity: Array,
+    search: tuple[Found, ...] | None = None,
+) -> Sweep:  # fmt: skip
     """The same under a JAX transformation: no sharing, no batches, one rule; convergence is judged by the estimate."""
-    rule = plan.rules[0]
+    rule, left = plan.rules[0], iter(search or ())
 
     def solve(control, value, velocity):
         if plan.marched:
             from .march import march_passages
 
             return march_passages(law, lines, control, value, velocity, max(0.1 * plan.rtol, 1e-9))
-        return solve_passages(law, lines, rule, control, value, velocity)
+        return solve_passages(law, lines, rule, control, value, velocity, found=next(left, None))
 
     if not plan.averaged:
         own = solve(plan.control, value, velocity)

@@ -1,0 +1,179 @@
+"""`elastomdr sweep`: a scene at every combination of the values of its lists, into a store."""
+
+import argparse
+import copy
+import itertools
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+import elastomdr as em
+
+from ..errors import ConvergenceWarning, InputError
+from . import DONE, NOT_CONVERGED
+from .compute import warned_of_at_the_end
+from .kinds import decoded, read_content
+from .schema import Table, decode, named
+
+_TABLE_ROWS = 1_000_000
+_ARRAYS = ("mass", "pressure", "load", "depth", "temperature", "velocity")  # slowest first
+
+
+class Sweep(Table):
+    """What is varied besides the lists that the scene has: materials, temperatures, pressures, velocities."""
+
+    call: Annotated[Literal["friction", "rolling", "impact"], "what is computed"] = "friction"
+    vary: Annotated[
+        dict[str, list[Any]], 'keys of the scene with a list of values each, such as "surface.shortest" = ["1 mm"]'
+    ] = {}  # noqa: RUF012
+
+
+class _Sweeping(Table):
+    """What a scene of a sweep has more than others."""
+
+    sweep: Annotated[Sweep, "what is varied"]
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A verb whose arguments other than arrays are looked up by what varies in a scene."""
+
+    verb: str
+    names: tuple[str, ...]  # of the axes that are looked up
+    values: tuple[tuple[Any, ...], ...]  # along each of them
+    arguments: tuple[dict[str, Any], ...]  # one for each combination, the last axis fastest
+
+    @property
+    def __name__(self) -> str:
+        return self.verb
+
+    def __call__(self, material: Any = None, **given: Any) -> Any:
+        given |= {} if material is None else {"material": material}
+        place = [values.index(given.pop(name)) for name, values in zip(self.names, self.values, strict=True)]
+        found = self.arguments[int(np.ravel_multi_index(place, [len(v) for v in self.values])) if place else 0]
+        return getattr(em, self.verb)(**found, **given)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Computes what is missing in the store; returns the exit status."""
+    path = Path(options.scene)
+    if options.table and Path(options.table).suffix not in (".csv", ".xlsx"):
+        raise InputError(f"--table must end with .csv or .xlsx, got {options.table!r}.")
+    with named(f"{path.name or path}:"):
+        call, axes = assembled(read_content(path), path.parent)
+    with warned_of_at_the_end(), _client(options.scheduler) as client, warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", ConvergenceWarning)
+        found = em.sweep(call, axes, store=options.out, client=client)
+    for each in caught:
+        warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
+    sizes = ", ".join(f"{name} {size}" for name, size in found.sizes.items() if name != "chunk")
+    good = int(found.converged.sum())
+    print(f"{found.converged.size} points ({sizes}), {good} converged")
+    for name, values in found.data_vars.items():
+        if name in ("mu", "coefficient", "restitution"):
+            print(f"{name}: {float(values.min()):.4g} to {float(values.max()):.4g}")
+    print(f"wrote {options.out}" + (f" and {_table(found, Path(options.table))}" if options.table else ""))
+    return DONE if good == found.converged.size else NOT_CONVERGED
+
+
+def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, Any]]:
+    """The call of a sweep and its axes, from the content of a scene file. Raises `InputError`."""
+    asked = decode(_Sweeping, {"sweep": content.get("sweep", {})}).sweep
+    scene = {key: value for key, value in content.items() if key != "sweep"}
+    for key, values in asked.vary.items():
+        if not values:
+            raise InputError(f"[sweep.vary] {key} must be a list of one value or more, got an empty list.")
+    materials = scene.get("material")
+    several = isinstance(materials, list) and len(materials) > 1
+    names = (*(("material",) if several else ()), *asked.vary)
+    values = (
+        *((tuple(map(str, materials)),) if several else ()),
+        *(tuple(map(_hashable, v)) for v in asked.vary.values()),
+    )
+    arguments, arrays = [], {}
+    for combination in itertools.product(*values):
+        one = copy.deepcopy(scene)
+        for key, value in zip(names, combination, strict=True):
+            _put(one, key, list(value) if isinstance(value, tuple) else value)
+        found = decoded(asked.call, one).arguments(folder)
+        here = {name: np.ravel(found.pop(name)) for name in _ARRAYS if np.size(found.get(name, 0)) > 1}
+        if arguments and {k: v.tolist() for k, v in here.items()} != {k: v.tolist() for k, v in arrays.items()}:
+            raise InputError("[sweep.vary] must hold keys with one value each: lists of numbers stand in the scene.")
+        arguments.append(found)
+        arrays = here
+    axes = dict(zip(names, map(list, values), strict=True)) | arrays
+    if not axes:
+        raise InputError("[sweep] is missing, and nothing in the scene is a list: there is nothing to sweep over.")
+    return Varied(asked.call, names, values, tuple(arguments)), axes
+
+
+def _put(scene: dict[str, Any], key: str, value: Any) -> None:
+    """Sets a key such as "surface.shortest". Raises `InputError` where the scene has no such table."""
+    *tables, last = key.split(".")
+    place: Any = scene
+    for table in tables:
+        place = place.get(table) if isinstance(place, dict) else None
+    if not isinstance(place, dict):
+        raise InputError(f"[sweep.vary] has a key in a table that the scene does not have: {key!r}.")
+    place[last] = value
+
+
+def _hashable(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _client(address: str | None) -> Any:
+    """A client of the cluster at an address. Raises `InputError` where there is none."""
+    import contextlib
+
+    if address is None:
+        return contextlib.nullcontext()
+    try:
+        from distributed import Client
+
+        return Client(address, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"--scheduler must be the address of a running Dask scheduler, got {address!r}: {error}"
+        ) from error
+    except ImportError as error:
+        raise InputError("--scheduler needs distributed: pip install elastomdr[sweep]") from error
+
+
+def _table(found: Any, path: Path) -> Path:
+    """All points as rows, with units in the titles and what went in above. Raises `InputError` for a sheet too long."""
+    from ..files import csv_text, write_files
+
+    points = found.drop_dims("chunk")
+    if path.suffix == ".xlsx" and points.converged.size > _TABLE_ROWS:
+        raise InputError(f"--table: a sheet of Excel has {_TABLE_ROWS} rows, got {points.converged.size}: use .csv.")
+    frame = points.to_dataframe().reset_index()
+    units = {str(name): values.attrs.get("units", "") for name, values in points.variables.items()}
+    titles = [f"{name} [{units[name]}]" if units.get(name) else name for name in frame.columns]
+    header = list(_header(found))
+    if path.suffix == ".csv":
+        write_files(
+            {path: csv_text(header, dict(zip(titles, (frame[c].to_numpy() for c in frame), strict=True))).encode()}
+        )
+        return path
+    import io
+
+    buffer = io.BytesIO()
+    frame.columns = titles
+    import pandas
+
+    with pandas.ExcelWriter(buffer, engine="openpyxl") as book:
+        frame.to_excel(book, sheet_name="result", index=False)
+        pandas.DataFrame(header, columns=["inputs"]).to_excel(book, sheet_name="inputs", index=False)
+    write_files({path: buffer.getvalue()})
+    return path
+
+
+def _header(found: Any) -> Iterator[str]:
+    yield f"elastomdr {em.__version__}: sweep"
+    yield "units: SI, in brackets in the column titles"
+    yield from (f"{name}: {value}" for name, value in found.attrs.items() if name != "sweep")

@@ -1,0 +1,170 @@
+"""The points of a sweep: its axes, and the chunks that they are divided into."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .._runtime import is_traced
+from .._trees import Tree
+from ..errors import InputError
+from ..results.base import distinct
+
+_STEADY = ("velocity", "load", "depth", "pressure", "temperature")
+_IMPACT = ("mass", "velocity", "temperature", "tangential_velocity", "friction", "inertia")
+_UNITS = {
+    "velocity": "m/s", "load": "N", "depth": "m", "pressure": "Pa", "temperature": "K", "mass": "kg",
+    "inertia": "kg m^2",
+    "tangential_velocity": "m/s",
+}  # fmt: skip
+_POINTS = 10_000  # of a chunk: a second of work by Multiscale, 10 MB
+_SLOW = 50  # of a chunk where every point is solved on cells or marched
+
+
+class Axis(NamedTuple):
+    """One axis of a sweep."""
+
+    name: str
+    values: list[Any]
+    broadcast: bool  # whether the call takes all of its values as an array
+
+    @property
+    def about(self) -> dict[str, str]:
+        """Attributes of the coordinate."""
+        return {"units": _UNITS[self.name]} if self.name in _UNITS else {}
+
+    @property
+    def labels(self) -> np.ndarray:
+        """The coordinate of the axis: its numbers, or the names of its materials and surfaces."""
+        if all(isinstance(value, (bool, int, float, np.number)) for value in self.values):
+            return np.array(self.values)
+        return np.array(distinct([_label(value) for value in self.values]))
+
+
+class Grid(NamedTuple):
+    """What a sweep computes."""
+
+    call: Callable[..., Any]
+    axes: list[Axis]
+    fixed: dict[str, Any]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return tuple(len(axis.values) for axis in self.axes)
+
+    def sizes(self) -> tuple[int, ...]:
+        """How long a chunk is along each axis: arrays first, so that one call does as much as possible."""
+        model = self.fixed.get("model")
+        slow = _name(model).lower().replace("-", "") in ("halfspace", "line") or self.call.__name__ == "impact"
+        left = _SLOW if slow else _POINTS
+        sizes = [1] * len(self.axes)
+        order = sorted(range(len(self.axes)), key=lambda i: (not self.axes[i].broadcast, -i))
+        for i in order:
+            sizes[i] = max(1, min(self.shape[i], left))
+            left //= sizes[i]
+        return tuple(sizes)
+
+    def chunks(self) -> list[tuple[slice, ...]]:
+        """The places of all chunks."""
+        along = [
+            [slice(start, min(start + size, n)) for start in range(0, n, size)]
+            for n, size in zip(self.shape, self.sizes(), strict=True)
+        ]
+        return list(itertools.product(*along))
+
+    def calls(self, chunk: tuple[slice, ...]) -> Iterator[tuple[tuple[Any, ...], dict[str, Any]]]:
+        """The calls of a chunk: where their points lie in it, and their arguments."""
+        together = [axis for axis in self.axes if axis.broadcast]
+        arrays: dict[str, Any] = {}
+        for i, axis in enumerate(together):
+            part = chunk[self.axes.index(axis)]
+            values = np.asarray(axis.values[part], dtype=float)
+            arrays[axis.name] = values.reshape((-1,) + (1,) * (len(together) - 1 - i))
+        one_by_one = [(k, axis) for k, axis in enumerate(self.axes) if not axis.broadcast]
+        for places in itertools.product(*(range(*chunk[k].indices(self.shape[k])) for k, _ in one_by_one)):
+            given = {axis.name: axis.values[i] for (_, axis), i in zip(one_by_one, places, strict=True)}
+            where: list[Any] = [slice(None)] * len(self.axes)
+            for (k, _), i in zip(one_by_one, places, strict=True):
+                where[k] = i - chunk[k].start
+            yield tuple(where), self.fixed | arrays | given
+
+    def identity(self, version: str) -> dict[str, Any]:
+        """What a store has to have been made of to be gone on with: version, call and all values."""
+        return {
+            "elastomdr": version,
+            "call": described(self.call),
+            "axes": {axis.name: described(axis.values) for axis in self.axes},
+            "fixed": {name: described(value) for name, value in sorted(self.fixed.items())},
+        }
+
+
+def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
+    """Checks the arguments of a sweep. Raises `InputError`."""
+    if not callable(call) or not hasattr(call, "__name__"):
+        raise InputError(f"call must be em.friction, em.rolling, em.impact or a function like these, got {call!r}.")
+    if not isinstance(axes, Mapping) or not axes:
+        raise InputError(f"axes must be a dict of one or more names to their values, got {axes!r}.")
+    arrays = _IMPACT if call.__name__ == "impact" else _STEADY
+    made = []
+    for name, values in axes.items():
+        if name in fixed:
+            raise InputError(f"{name} must be an axis or fixed, got both.")
+        if isinstance(values, (str, bytes, Mapping)) or not hasattr(values, "__len__") or np.ndim(values) == 0:
+            raise InputError(f"axes[{name!r}] must be a list or an array with one dimension, got {values!r}.")
+        listed = values.tolist() if isinstance(values, np.ndarray) else list(values)
+        if not listed or any(isinstance(value, list) for value in listed):
+            raise InputError(f"axes[{name!r}] must be a list or an array with one dimension, got {values!r}.")
+        if is_traced(*listed):
+            raise InputError(f"axes[{name!r}] must not be traced: a sweep writes numbers to a store.")
+        made.append(Axis(str(name), listed, name in arrays and None not in listed))
+    for name, value in fixed.items():
+        if name in arrays and np.ndim(value):
+            raise InputError(f"{name} must be one value or an axis, got an array of the shape {np.shape(value)}.")
+    return Grid(call, made, fixed)
+
+
+def described(value: Any) -> Any:
+    """A value in JSON, exactly: two are equal if they say the same to a call; long arrays by their digest."""
+    if isinstance(value, Tree) or hasattr(value, "__dataclass_fields__"):
+        return {"": type(value).__name__} | {key: described(each) for key, each in sorted(vars(value).items())}
+    if isinstance(value, Mapping):
+        return {str(key): described(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)) and not all(isinstance(each, (int, float)) for each in value):
+        return [described(each) for each in value]
+    if isinstance(value, (list, tuple)) or hasattr(value, "shape"):
+        array = np.ascontiguousarray(value)
+        if array.size <= 12:
+            return array.tolist() if np.ndim(value) else array.item()
+        digest = hashlib.sha256(array.tobytes()).hexdigest()[:16]
+        ends = f"{array.flat[0]!s} to {array.flat[-1]!s}"
+        return f"{array.dtype} {'x'.join(map(str, array.shape))}, {ends}, digest {digest}"
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    return getattr(value, "__name__", None) or repr(value)
+
+
+def difference(made: Any, asked: Any, name: str = "") -> str:
+    """Where two identities differ first, in words that name both; an empty text where they do not."""
+    if isinstance(made, dict) and isinstance(asked, dict):
+        for key in [*made, *(key for key in asked if key not in made)]:
+            text = difference(made.get(key), asked.get(key), f"{name}.{key}".strip(".") or name)
+            if text:
+                return text
+        return ""
+    if isinstance(made, list) and isinstance(asked, list) and len(made) == len(asked):
+        return next((t for i, pair in enumerate(zip(made, asked)) if (t := difference(*pair, f"{name}[{i}]"))), "")  # noqa: B905
+    short = [text if len(text) < 120 else f"{text[:117]}..." for text in (json.dumps(made), json.dumps(asked))]
+    return "" if made == asked else f"{name} was {short[0]} and is {short[1]}"
+
+
+def _label(value: Any) -> str:
+    return str(getattr(value, "name", "") or getattr(value, "label", "") or _name(value))
+
+
+def _name(value: Any) -> str:
+    return value if isinstance(value, str) else type(value).__name__
