@@ -103,18 +103,17 @@ def test_elastic_layer_against_its_thickness():
 
 
 def test_thin_layers_that_are_compressible_or_slip_tend_to_springs():
-    """The distance falls as the thickness over the width where it is bonded, and faster where it slips."""
-    for kind, bonded, least, most in [({"poisson": 0.3}, True, 1.6, 2.6), ({}, False, 4, 9)]:
+    """The distance falls with about the third power of thickness over width, at least with the second."""
+    for kind, bonded in [({"poisson": 0.4}, True), ({}, False)]:
         off = []
-        for thickness in (4e-3, 2e-3, 1e-3):
+        for thickness in (8e-3, 4e-3, 2e-3):
             cover = em.springs(rubber(**kind), thickness, bonded=bonded)
             half = 0.02  # about the same contact on each
             load = 2 / 3 * half**3 / 5 * float(cover.equilibrium)
             curve = em.rolling(cover, em.Cylinder(5.0, 1.0), velocity=1.0, load=load, rtol=1e-4)
             off.append(float(curve.model_error / curve.coefficient))
-        assert off[2] < 0.06
-        assert least < off[0] / off[1] < most
-        assert least < off[1] / off[2] < most
+        assert off[2] < 0.002
+        assert off[0] > 4 * off[1] > 16 * off[2]
 
 
 def test_springs_say_how_far_they_are():

@@ -27,9 +27,8 @@ from ..results.words import brief, describe, significant
 from ..solve.cylinder import Cover, Cylinders, depth, half_of, layer_waves, least_gap, least_pressure, solve_at
 from .beyond import steady_beyond
 from .choice import of_smooth
-from .on_layer import OnLayer
 from .points import Points, check_rtol, steady_points
-from .steady import Steady
+from .steady import OnLayer, Steady
 
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
 ON_HALF_SPACE = "cylinder on a half-space, plane strain (exact but for the ends of the cylinder)"
@@ -182,7 +181,7 @@ def _covers(body: Any, points: Points) -> list[tuple[Cover, float]]:
 def _cover(layer: Layer, points: Points) -> tuple[Cover, float]:
     material = layer.material
     if isinstance(material, TabulatedModulus):
-        table = surface_foundation(material)
+        table: Any = surface_foundation(material)
         chain, off = to_chain(table)
         return Cover(chain, layer.thickness, 1 - 2 * material.poisson, bonded=layer.bonded), off
     solid = _solid(material.shear(), layer, points)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,18 +12,9 @@ from ..errors import InputError
 from ..foundation.law import Foundation
 from ..foundation.layer import Layer
 from ..mapping.shapes import AbstractShape, Cylinder
-from .steady import Steady, no_pressure
+from .steady import OnLayer, Steady, no_pressure
 
 _ENOUGH = 1e-4  # relative error of the layer that springs are compared with
-
-
-class OnLayer(NamedTuple):
-    """What a curve is made of."""
-
-    found: Any  # `Steady`, or None where only the plan was asked for
-    temperature: Any  # broadcast to the points, or None
-    model: str
-    plan: Any
 
 
 def is_on_layer(material: Any, shape: Any) -> bool:

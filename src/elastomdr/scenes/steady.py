@@ -66,6 +66,15 @@ class Steady(NamedTuple):
     inputs: tuple[tuple[str, str], ...]
 
 
+class OnLayer(NamedTuple):
+    """What a curve is made of, of a body on an `em.layer`."""
+
+    found: Any  # `Steady`, or None where only the plan was asked for
+    temperature: Any  # broadcast to the points, or None
+    model: str
+    plan: Any
+
+
 def set_up(
     quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
     model: Any, rtol: float, skip: bool,

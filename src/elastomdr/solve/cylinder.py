@@ -25,7 +25,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,10 +50,10 @@ class Cover(Tree):
     """One of the bodies that carry the pressure: a half-space, or a layer."""
 
     chain: KelvinChain  # 1/E* of its material
-    thickness: Array | None = None  # [m]; None: a half-space
+    thickness: Any = None  # [m]; None: a half-space
     squeeze: Array | None = None  # 1 - 2 nu; None: a constant bulk modulus
     shear: Relaxation | None = None  # G(t), beside a bulk modulus
-    bulk: Array | None = None
+    bulk: Any = None
     bonded: bool = static(default=True)
 
     def creep(self, omega: Array) -> tuple[Array, Array]:
@@ -157,7 +157,7 @@ def least_pressure(solution: Solution, order: int, dashpot: bool) -> Array:
     return xp.min(pressure, axis=1) / xp.max(pressure, axis=1)
 
 
-def _displacement(problem: Cylinders, solution: Solution, order: int) -> tuple[Array, Array]:
+def _displacement(problem: Cylinders, solution: Solution, order: int) -> tuple[Any, Any]:
     """Real and imaginary part of (2/pi) C p of each wave kL, over L."""
     y, _, _ = (xp.asarray(x) for x in _depth_waves())
     k = y / solution.half[:, None]
@@ -211,7 +211,7 @@ def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
     thickness = functools.reduce(xp.minimum, [cover.thickness for cover in problem.covers])
     z, fine, spread, rest, weight = (xp.asarray(x) for x in _wave_rule(ratio))
 
-    def lacking(z: Array) -> tuple[Array, Array]:
+    def lacking(z: Array) -> tuple[Any, Any]:
         k = z / thickness
         parts = [cover.of_kernel(layer_deficit, k, k * problem.velocity[:, None]) for cover in problem.covers]
         return sum(part[0] for part in parts), sum(part[1] for part in parts)
