@@ -25,9 +25,8 @@ from ..results.words import brief, describe
 from ..solve.layer_line import Slid, Sliding, elastic_curve, slide_on_layer
 from .beyond import steady_beyond
 from .choice import of_smooth
-from .on_layer import OnLayer
 from .points import Points, check_rtol, steady_points
-from .steady import Steady
+from .steady import OnLayer, Steady
 
 AVERAGED = "MDR line with the kernel of the layer, averaged over directions (estimate for the layer)"
 CORRECTED = (
