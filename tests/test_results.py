@@ -320,6 +320,10 @@ def test_excel_holds_the_table_and_what_it_is(tmp_path, monkeypatch):
     assert told["model"].value == MODEL
     meaning = {row[1]: row for row in book["columns"].iter_rows(values_only=True)}
     assert meaning["contact.leading"][::2] == ("leading edge", "m")
+    with pytest.raises(em.InputError, match=r"path must end in \.xlsx, got .*curve\.csv"):
+        curve.to_excel(tmp_path / "curve.csv")
+    with pytest.raises(em.InputError, match="path must not be that of a workbook"):
+        curve.to_csv(tmp_path / "curve.xlsx")
     monkeypatch.setitem(sys.modules, "openpyxl", None)
     with pytest.raises(em.InputError, match=r"openpyxl.*pip install elastomdr\[excel\]"):
         curve.to_excel(tmp_path / "curve.xlsx")

@@ -80,6 +80,19 @@ class AbstractTable(Tree):
         storage, loss = self._moduli(omega)
         return loss / storage
 
+    def relaxation(self, t: ArrayLike) -> Array:
+        """Not known from a table. Raises `InputError`, which says how a series is fitted to it."""
+        raise InputError(_no_history("relaxation", self))
+
+    def creep_compliance(self, t: ArrayLike) -> Array:
+        """Not known from a table. Raises `InputError`, which says how a series is fitted to it."""
+        raise InputError(_no_history("creep_compliance", self))
+
+    @property
+    def instantaneous(self) -> Array:
+        """Not known from a table, which ends at some frequency. Raises `InputError`."""
+        raise InputError(_no_history("instantaneous", self))
+
     @numpy_unless_traced
     def _moduli(self, omega: Any) -> tuple[Array, Array]:
         omega = as_float64("omega", omega)
@@ -240,6 +253,14 @@ def described(table: AbstractTable) -> str:
         return f"{np.shape(table.omega)[-1]} points, traced or a batch"
     (low, high), (soft, stiff) = (x[[0, -1]] for x in (np.asarray(table.omega), np.asarray(table.storage_table)))
     return f"{table.omega.size} points, {low:.3g}..{high:.3g} rad/s, storage {soft:.4g}..{stiff:.4g} Pa"
+
+
+def _no_history(name: str, table: AbstractTable) -> str:
+    kind = f', kind="{table.kind}"' if isinstance(table, TabulatedModulus) else ""
+    return (
+        f"{name} is not known from a table of moduli, got {table!r}: fit a series, "
+        f"em.fit.prony(omega, storage, loss{kind}).material.{name}."
+    )
 
 
 def needs_series(name: str, material: Any, purpose: str) -> None:

@@ -117,12 +117,12 @@ def slide(
         )
     law = foundation.law()
     scene = broadcast(foundation, velocity=velocity, load=load, depth=depth, temperature=temperature, points=points)
-    chain = to_kelvin(law)
+    at, chain = scene.at, to_kelvin(law)
     found = [_one(shape, law, chain, scene, cover, i) for i in range(scene.velocity.size)]
     good = np.array([bool(fine.settled) for fine, _ in found])
 
     def field(values: list[Any]) -> Any:
-        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(scene.shape)
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(at.shape)
 
     if not good.all():
         warnings.warn(
@@ -133,18 +133,18 @@ def slide(
         )
     fine = [pair[0] for pair in found]
     return FrictionCurve(
-        velocity=scene.given.reshape(scene.shape),
+        velocity=at.full(at.velocity),
         mu=field([f.mu for f in fine]),
         normal_force=field([f.force for f in fine]),
         friction_force=field([f.mu * f.force for f in fine]),
         depth=field([f.depth for f in fine]),
         contact=Contact(field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])),
         error=field([error for _, error in found]),
-        converged=good.reshape(scene.shape),
-        temperature=scene.temperature,
+        converged=good.reshape(at.shape),
+        temperature=at.full(at.kelvin),
         model=model,
         plan=grid_words(points),
-        inputs=scene.inputs(foundation, describe(shape)),
+        inputs=scene.inputs(("shape", describe(shape))),
     )
 
 

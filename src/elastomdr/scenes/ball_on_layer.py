@@ -11,6 +11,8 @@ import numpy as np
 
 from .._arrays import fixed, xp
 from .._runtime import Array, is_traced, nan_unless, require
+from ..arguments import Scene as Points
+from ..arguments import check_rtol, steady_scene
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import surface_foundation
 from ..foundation.layer import Layer
@@ -25,7 +27,6 @@ from ..results.words import brief, describe
 from ..solve.layer_line import Slid, Sliding, elastic_curve, slide_on_layer
 from .beyond import steady_beyond
 from .choice import of_smooth
-from .points import Points, check_rtol, steady_points
 from .steady import OnLayer, Steady
 
 AVERAGED = "MDR line with the kernel of the layer, averaged over directions (estimate for the layer)"
@@ -99,7 +100,7 @@ def ball_on_layer(
     check_rtol(rtol)
     control = "load" if depth is None else "depth"
     given: dict[str, Any] = {control: load if depth is None else depth}
-    points = steady_points(material, shape, velocity=velocity, temperature=temperature, **given)
+    points = steady_scene(material, shape, velocity=velocity, temperature=temperature, **given)
     thick = sum(cover.thickness for cover in material.covers)
     if control == "depth":
         if points.traced:

@@ -12,6 +12,8 @@ import numpy as np
 from .._arrays import xp
 from .._runtime import is_traced, nan_unless, require
 from .._trees import replaced
+from ..arguments import Scene as Points
+from ..arguments import check_rtol, steady_scene
 from ..errors import ConvergenceWarning, InputError, ModelWarning
 from ..foundation.law import TabulatedFoundation, surface_foundation
 from ..foundation.layer import Layer, layer_kernel
@@ -27,7 +29,6 @@ from ..results.words import brief, describe, significant
 from ..solve.cylinder import Cover, Cylinders, depth, half_of, layer_waves, least_gap, least_pressure, solve_at
 from .beyond import steady_beyond
 from .choice import of_smooth
-from .points import Points, check_rtol, steady_points
 from .steady import OnLayer, Steady
 
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
@@ -98,7 +99,7 @@ def cylinder_on_layer(
         )
     control = "load" if depth is None else "depth"
     given: dict[str, Any] = {control: load if depth is None else depth}
-    points = steady_points(body, shape, velocity=velocity, temperature=temperature, **given)
+    points = steady_scene(body, shape, velocity=velocity, temperature=temperature, **given)
     if layers:
         _not_too_deep(body, control, points)
     name = describe(shape).replace(" on a layer", "")

@@ -20,7 +20,7 @@ from ..foundation.law import Foundation
 from ..mapping.spectrum import AbstractSpectrum
 from ..material.shift import AbstractShift
 from ..solve.heat import Heat, Scales, rise, scales
-from .points import Mean
+from .mean import Mean
 
 _PER_DECADE = 8  # of v a_T, of the curve that is interpolated
 _HIGHEST = 1000.0  # rise beyond which nothing is looked for [K]

@@ -6,14 +6,14 @@ import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ParamSpec
 
-from .._runtime import needs_64_bit_types, numpy_unless_traced
+from .._runtime import needs_64_bit_types, numpy_unless_traced, only_one
 from ..foundation.layer import Layer
 from ..mapping.shapes import AbstractShape
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import HalfSpace, Line
 from ..results.curve import FrictionCurve
 from ..solve.heat import Heat
-from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
+from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
 from .on_layer import beside_layer, is_on_layer, on_layer
 from .several import over_materials
 from .steady import no_pressure, set_up, solve
@@ -109,7 +109,7 @@ def friction(
         from .surface import surface_friction
 
         assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
-        only_one(load, depth, pressure)
+        only_one(pressure=pressure, load=load, depth=depth)
         return surface_friction(
             material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol,
             heat=heat, progress=progress,

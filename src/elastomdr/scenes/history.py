@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import as_float64, is_traced, not_negative, positive, require
+from .._runtime import as_float64, is_traced, not_negative, only_one, positive, require
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
@@ -98,10 +98,7 @@ def given_history(
     still = np.diff(time) == 0
     if not is_traced(position) and (np.diff(position)[still] != 0).any():
         raise InputError("position must not jump: it differs where two instants of time are equal.")
-    if (load is None) == (depth is None):
-        given = "neither" if load is None else "both"
-        raise InputError(f"load or depth must be given, and only one of them, got {given}.")
-    control: Control = "load" if depth is None else "depth"
+    control: Control = "load" if only_one(load=load, depth=depth) == "load" else "depth"
     value = as_float64(control, load if depth is None else depth)
     if value.shape not in ((), time.shape):
         raise InputError(f"{control} must be one number, or one for each of {time.size} instants, got {value.shape}.")

@@ -4,26 +4,29 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .._runtime import numpy_unless_traced
+from .._runtime import numpy_unless_traced, only_one
 from ..errors import InputError
 from ..mapping.shapes import AbstractShape
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import HalfSpace, Line
 from ..solve.heat import Heat
 from ..solve.plan import Plan
-from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
+from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
 from .on_layer import is_on_layer, on_layer
+from .several import over_materials
 from .steady import set_up
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Material, ModelLike, Motion, Surface
+    from .._types import ArrayLike, Indenter, Materials, ModelLike, Motion, Surface
     from ..solve.periodic_plan import RoughPlan
+    from .several import Plans
     from .surface import SurfacePlan
 
 
+@over_materials
 @numpy_unless_traced
 def plan(
-    material: Material,
+    material: Materials,
     shape: Indenter | Surface,
     *,
     velocity: ArrayLike,
@@ -36,10 +39,11 @@ def plan(
     skip: bool = True,
     quantity: Motion = "friction",
     heat: Heat | None = None,
-) -> "Plan | RoughPlan | SurfacePlan | str":
+) -> "Plan | RoughPlan | SurfacePlan | Plans | str":
     """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it says what is skipped and why.
 
-    Arguments and errors as for `friction`. With `em.HalfSpace` on a smooth body it is a line of text.
+    Arguments and errors as for `friction`. With `em.HalfSpace` on a smooth body it is a line of text. Of a list of
+    materials it is a tuple of plans, one for each.
     """
     if quantity not in ("friction", "rolling"):
         raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
@@ -57,7 +61,7 @@ def plan(
         from .surface import surface_plan
 
         assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
-        only_one(load, depth, pressure)
+        only_one(pressure=pressure, load=load, depth=depth)
         return surface_plan(
             material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol, heat=heat
         )

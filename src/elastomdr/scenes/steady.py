@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .._runtime import Array, is_traced, nan_unless, require
+from ..arguments import check_rtol, steady_scene
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.direction import BARE_LINE
@@ -17,13 +18,12 @@ from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch, PowerLaw
 from ..material.relaxation import Relaxation
 from ..models import Averaged, HalfSpace
 from ..results.curve import Contact
-from ..results.words import brief, describe
+from ..results.words import describe
 from ..solve.passage import Control
 from ..solve.plan import Plan, make_plan
 from ..solve.sweep import run
 from .beyond import steady_beyond
 from .choice import of_smooth
-from .points import check_rtol, steady_points
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -34,8 +34,8 @@ BARE = "bare MDR line (textbook; overstates the losses of a half-space by up to 
 LAYER = "independent springs (textbook; for the layer itself use em.layer)"
 
 
-class Scene(NamedTuple):
-    """A steady scene, checked and with its point arrays broadcast and flattened."""
+class SmoothScene(NamedTuple):
+    """A steady scene of a smooth body: its points, broadcast and flattened, its lines and its plan."""
 
     foundation: Foundation
     law: Relaxation
@@ -78,21 +78,18 @@ class OnLayer(NamedTuple):
 def set_up(
     quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
     model: Any, rtol: float, skip: bool,
-) -> Scene:  # fmt: skip
+) -> SmoothScene:  # fmt: skip
     """Checks the arguments and plans the scene. Raises `InputError` for whatever has no meaning."""
     lines, foundation = contact(material, shape)
     no_pressure(shape, pressure)
-    if (load is None) == (depth is None):
-        given = "neither" if load is None else f"load={load} and depth={depth}"
-        raise InputError(f"load or depth must be given, and only one of them, got {given}.")
     chosen = of_smooth(model, quantity, shape.label)
     if isinstance(chosen, HalfSpace):
         raise InputError(f"model must be em.Averaged() or em.Line() on the line of a {shape.label}, got {chosen!r}.")
     check_rtol(rtol)
-    control: Control = "load" if depth is None else "depth"
-    law, given = foundation.law(), {control: load if depth is None else depth}
-    points = steady_points(foundation, lines, velocity=velocity, temperature=temperature, **given)
-    kelvin, value, reduced = points.kelvin, points.full(points.value).reshape(-1), points.reduced.reshape(-1)
+    points = steady_scene(foundation, lines, velocity=velocity, load=load, depth=depth, temperature=temperature)
+    control: Control = "load" if points.name == "load" else "depth"
+    law, kelvin = foundation.law(), points.kelvin
+    value, reduced = points.full(points.value).reshape(-1), points.reduced.reshape(-1)
     if not points.traced:
         _check_size(lines, control, value)
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
@@ -106,13 +103,8 @@ def set_up(
         averaged, float(rtol), skip,
     )  # fmt: skip
     plan = dataclasses.replace(plan, range=foundation.range, corrected=corrected)
-    inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
-    inputs.append((control, brief(points.value, "N" if control == "load" else "m")))
-    inputs.append(("velocity", brief(points.velocity, "m/s")))
-    if kelvin is not None:
-        inputs.append(("temperature", brief(kelvin, "K")))
-    inputs.append(("relative tolerance", f"{rtol:g}"))
-    return Scene(
+    inputs = [*points.inputs(("shape", describe(shape))), ("relative tolerance", f"{rtol:g}")]
+    return SmoothScene(
         foundation,
         law,
         lines,
@@ -135,7 +127,7 @@ def no_pressure(shape: AbstractShape, pressure: Any) -> None:
         )
 
 
-def solve(scene: Scene) -> Steady:
+def solve(scene: SmoothScene) -> Steady:
     """Runs the plan; points that failed are NaN, and one warning counts them."""
     result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
     traced = is_traced(result.mu)
@@ -178,7 +170,7 @@ def solve(scene: Scene) -> Steady:
     )
 
 
-def _sunk(scene: Scene) -> str:
+def _sunk(scene: SmoothScene) -> str:
     """Why a load was not carried, and what to do."""
     radius = float(np.asarray(scene.lines.shape.largest_contact))
     text = f"The load would need a contact wider than the {scene.lines.shape.label} has ({radius:.4g} m)"

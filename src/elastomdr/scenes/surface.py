@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._runtime import is_traced, nan_unless
+from ..arguments import Scene, rough_scene
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import surface_foundation
 from ..mapping.spectrum import AbstractSpectrum
@@ -15,11 +16,10 @@ from ..material.tabulated import LEFT_OUT
 from ..material.validity import misfit
 from ..models import HalfSpace, Model, Persson, seeds_of
 from ..results.curve import FrictionCurve
-from ..results.words import brief
 from ..solve import multiscale
 from ..solve.heat import Heat
 from .beyond import NOT_KNOWN, excited_outside, rough_beyond
-from .points import Mean, Points, check_carries, check_heat, check_rtol, steady_points
+from .mean import Mean
 
 _LEAST = 1e-6  # share of real contact below which a pressure is taken for one in the wrong unit
 _HOT = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
@@ -82,12 +82,8 @@ def surface_friction(
 
     outside = None if traced else excited_outside(foundation.range, surface, reduced)
     series = np.zeros(()) if traced else _misfit(foundation, surface, reduced.ravel())
-    name = foundation.name or "given directly"
     label = surface.label if is_traced(surface) else f"{surface.label}, {surface.words()}"
-    inputs = [("material", name), ("surface", label)]
-    inputs += [("as read", text) for text in getattr(surface, "report", ())]
-    inputs += [("pressure", brief(scene.value, "Pa")), ("velocity", brief(scene.velocity, "m/s"))]
-    inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
+    inputs = scene.inputs(("surface", label), *(("as read", text) for text in getattr(surface, "report", ())))
     inputs += [] if heat is None else [("heat", heat.words())]
     inputs += [] if not found.said else [("maps", found.said)]
     if np.any(series):
@@ -129,7 +125,7 @@ def surface_plan(
     return _plan(*_set_up(material, surface, velocity, pressure, temperature, rtol, heat), surface, model, heat)
 
 
-def _plan(foundation: Any, scene: Points, surface: AbstractSpectrum, model: Model, heat: Heat | None) -> SurfacePlan:
+def _plan(foundation: Any, scene: Scene, surface: AbstractSpectrum, model: Model, heat: Heat | None) -> SurfacePlan:
     name = foundation.name or "a foundation given directly"
     if isinstance(model, HalfSpace):
         from ..solve import maps
@@ -156,14 +152,12 @@ def _name(model: Model) -> str:
 
 def _set_up(
     material: Any, surface: Any, velocity: Any, pressure: Any, temperature: Any, rtol: Any, heat: Any
-) -> tuple[Any, Points]:
+) -> tuple[Any, Scene]:
     """The foundation and its points, checked. Raises `InputError`."""
     foundation = surface_foundation(material)
-    check_carries(foundation)
-    check_rtol(rtol)
-    points = steady_points(foundation, surface, velocity=velocity, pressure=pressure, temperature=temperature)
-    check_heat(heat, temperature, points.traced)
-    return foundation, points
+    return foundation, rough_scene(
+        foundation, surface, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol, heat=heat
+    )
 
 
 class _Found(NamedTuple):

@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import Array, as_float64, is_traced, known, nan_unless, numpy_unless_traced, positive, require
+from .._runtime import (
+    Array,
+    as_float64,
+    is_traced,
+    known,
+    nan_unless,
+    numpy_unless_traced,
+    only_one,
+    positive,
+    require,
+)  # fmt: skip
 from .._trees import replaced
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation, same_shift
@@ -177,9 +187,7 @@ def traction(
 
 def _kinematics(velocity: Any, creepage: Any, slip: Any) -> tuple[Array, Array, Array | None, Array | None]:
     """Rolling velocity and creepage, and where a slip was given that slip and the velocity of the road, else None."""
-    if (creepage is None) == (slip is None):
-        got = "neither" if creepage is None else "both"
-        raise InputError(f"creepage or slip must be given, and only one of them, got {got}.")
+    only_one(creepage=creepage, slip=slip)
     velocity = as_float64("velocity", velocity)
     if slip is None:
         creepage = as_float64("creepage", creepage)

@@ -1,4 +1,4 @@
-"""The points of a steady scene, checked and broadcast: for smooth bodies, rough lines and surfaces alike."""
+"""The arguments of a steady call, checked and broadcast once: for bodies, rough lines, surfaces and the references."""
 
 from __future__ import annotations
 
@@ -6,18 +6,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import xp
-from .._runtime import Array, as_float64, is_traced, positive
-from ..errors import InputError
-from ..results.words import brief
-from ..solve.heat import Heat
+from ._arrays import xp
+from ._runtime import as_float64, is_traced, only_one, positive
+from .errors import InputError
+from .results.words import brief
+from .solve.heat import Heat
 
 _FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
+_UNITS = {"depth": "m", "pressure": "Pa"}
 
 
-class Points(NamedTuple):
-    """Arguments as float64; JAX arrays where traced, else NumPy's."""
+class Scene(NamedTuple):
+    """The points of a steady call as float64; JAX arrays where traced, else NumPy's."""
 
+    foundation: Any
+    name: str  # of what is given: load, depth or pressure
     shape: tuple[int, ...]  # of all of them, broadcast
     velocity: Any  # as given [m/s]
     value: Any  # load, depth or pressure as given
@@ -29,26 +32,21 @@ class Points(NamedTuple):
         """`array` in the broadcast shape; None stays None."""
         return None if array is None else (xp if self.traced else np).broadcast_to(array, self.shape) + 0.0
 
-
-class Mean(NamedTuple):
-    """The answer at each point, a mean over lines or maps where there are several."""
-
-    mu: Array
-    error: Array
-    load: Array
-    depth: Array
-    share: Array
-    good: Array
-    scatter: Array | None  # standard error of mu
+    def inputs(self, *body: tuple[str, str], load: str = "N") -> list[tuple[str, str]]:
+        """For results: the material, the `body`, and the points; `load` is its unit."""
+        rows = [("material", self.foundation.name or "given directly"), *body]
+        rows.append((self.name, brief(self.value, _UNITS.get(self.name, load))))
+        rows.append(("velocity", brief(self.velocity, "m/s")))
+        return rows if self.kelvin is None else [*rows, ("temperature", brief(self.kelvin, "K"))]
 
 
-def steady_points(foundation: Any, body: Any, *, velocity: Any, temperature: Any, **control: Any) -> Points:
-    """Checks and broadcasts; `control` is load, depth or pressure by its name. Raises `InputError`.
+def steady_scene(foundation: Any, body: Any, *, velocity: Any, temperature: Any, **given: Any) -> Scene:
+    """Checks and broadcasts; `given` are load, depth and pressure, of which one is not None. Raises `InputError`.
 
     The points are traced if `foundation` or `body`, on which they are solved, are.
     """
-    ((name, value),) = control.items()
-    velocity, value = as_float64("velocity", velocity), as_float64(name, value)
+    name = only_one(**given)
+    velocity, value = as_float64("velocity", velocity), as_float64(name, given[name])
     positive("velocity", velocity)
     positive(name, value)
     kelvin = None if temperature is None else as_float64("temperature", temperature)
@@ -68,8 +66,18 @@ def steady_points(foundation: Any, body: Any, *, velocity: Any, temperature: Any
     factor = 1.0 if kelvin is None else foundation.shift.a(kelvin)
     if kelvin is not None and not is_traced(velocity, factor):
         _check_shift(kelvin, velocity, factor)
-    points = Points(shape, velocity, value, kelvin, None, is_traced(foundation, body, velocity, value, kelvin))
-    return points._replace(reduced=points.full(velocity * factor))
+    traced = is_traced(foundation, body, velocity, value, kelvin)
+    scene = Scene(foundation, name, shape, velocity, value, kelvin, None, traced)
+    return scene._replace(reduced=scene.full(velocity * factor))
+
+
+def rough_scene(foundation: Any, surface: Any, *, rtol: Any, heat: Any = None, temperature: Any, **given: Any) -> Scene:
+    """The scene of a rough line or surface, which has a few conditions more. Raises `InputError`."""
+    check_carries(foundation)
+    check_rtol(rtol)
+    scene = steady_scene(foundation, surface, temperature=temperature, **given)
+    check_heat(heat, temperature, scene.traced)
+    return scene
 
 
 def check_rtol(rtol: Any) -> None:
