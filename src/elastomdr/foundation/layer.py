@@ -32,6 +32,7 @@ from .law import same_shift
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, ComplexArray, Number
+    from ..material.shift import AbstractShift
 
 _SERIES = 0.5  # below this kh the numerator of the bonded layer, which cancels as its third power, is a series
 
@@ -91,7 +92,7 @@ class Layer(Tree):
         return names[0] if len(names) == 1 else " on ".join(name or "material" for name in names)
 
     @property
-    def shift(self) -> Any:
+    def shift(self) -> AbstractShift | None:
         """The shift law of the material."""
         return self.material.shift
 
@@ -121,7 +122,7 @@ class Layer(Tree):
         return self.normal().complex_modulus(omega)
 
     @numpy_unless_traced
-    def squeeze(self, omega: ArrayLike | None = None) -> Any:
+    def squeeze(self, omega: ArrayLike | None = None) -> Array:
         """1 - 2 nu: a number, or with a constant bulk modulus 3G/(3K + G) at omega [rad/s], complex."""
         if self.constant:
             poisson: Any = self.material.poisson
@@ -133,17 +134,17 @@ class Layer(Tree):
         return 3 * shear / (3 * bulk + shear)
 
     @numpy_unless_traced
-    def kernel(self, z: ArrayLike, omega: ArrayLike | None = None) -> Any:
+    def kernel(self, z: ArrayLike, omega: ArrayLike | None = None) -> Array:
         """W at z = kh, any shape; `omega` [rad/s], broadcast with it, where the bulk modulus is constant."""
         return layer_kernel(as_float64("z", z), self.squeeze(omega), self.bonded)
 
     @numpy_unless_traced
-    def compliance(self, z: ArrayLike, omega: ArrayLike) -> Any:
+    def compliance(self, z: ArrayLike, omega: ArrayLike) -> Array:
         """W(kh)/E*(omega) [1/Pa] at z = kh and omega [rad/s], which broadcast."""
         return self.kernel(z, omega) / self.modulus(omega)
 
     @numpy_unless_traced
-    def deficit(self, z: ArrayLike, omega: ArrayLike) -> Any:
+    def deficit(self, z: ArrayLike, omega: ArrayLike) -> Array:
         """(1 - W(kh))/E*(omega) [1/Pa]: by how much a half-space is more compliant than this layer."""
         return layer_deficit(as_float64("z", z), self.squeeze(omega), self.bonded) / self.modulus(omega)
 
