@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ParamSpec
 
 from .._runtime import needs_64_bit_types, numpy_unless_traced, only_one
+from ..foundation.layer import Layer
 from ..mapping.shapes import AbstractShape
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import HalfSpace, Line
@@ -134,10 +135,11 @@ def friction(
         model = of_smooth(model, "friction", shape.label)
         if isinstance(model, HalfSpace):
             no_pressure(shape, pressure)
-            from ..reference.half_space import half_space_sliding
+            from ..reference import half_space_sliding, layer_sliding
 
             one: Any = material  # `over_materials` has taken lists apart
-            curve: Any = half_space_sliding(
+            solver = layer_sliding if isinstance(material, Layer) else half_space_sliding
+            curve: Any = solver(
                 one, shape, velocity=velocity, load=load, depth=depth, temperature=temperature,
                 points=model.cells or CELLS,
             )  # fmt: skip

@@ -47,7 +47,12 @@ def on_layer(
             quantity, material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
             rtol=rtol, solved=solved,
         )  # fmt: skip
-    raise InputError(f"shape must be an em.Cylinder on an em.layer, got {shape!r}.")
+    from .ball_on_layer import ball_on_layer
+
+    return ball_on_layer(
+        quantity, material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
+        rtol=rtol, solved=solved,
+    )  # fmt: skip
 
 
 def beside_layer(found: Steady, material: Any, shape: Any, *, load: Any, depth: Any, temperature: Any) -> Steady:
@@ -58,7 +63,12 @@ def beside_layer(found: Steady, material: Any, shape: Any, *, load: Any, depth: 
     if not isinstance(material, Foundation) or material.slab is None:
         return found
     apart = found.mu * np.nan
-    if isinstance(shape, Cylinder) and not is_traced(material, shape, found.velocity, load, depth, temperature):
+    linear = found.strain is None
+    if (
+        linear
+        and isinstance(shape, Cylinder)
+        and not is_traced(material, shape, found.velocity, load, depth, temperature)
+    ):
         slab = material.slab
         from .cylinder import cylinder_on_layer
 
