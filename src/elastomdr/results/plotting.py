@@ -383,6 +383,43 @@ def draw_bands(result: Any, ask: Ask, colour: Any = None) -> Any:
     return sketch.finish()
 
 
+def draw_rough_contact(result: Any, ask: Ask, x: str = "", y: str = "") -> Any:
+    """Draws a field of a rough contact, both axes logarithmic where they are spread widely, its error as a band."""
+    known = {"conductance": "error", "thermal": "error", "electrical": "error", "approach": "approach_error",
+             "separation": "approach_error"}  # fmt: skip
+    relative = known.get(y) == "error"
+
+    def band(sketch: Sketch, line: Line) -> None:
+        if y not in known:
+            return
+        error = sketch.values(known[y], line.curve)[line.order]
+        half = error * line.y if relative else in_unit(error, sketch.about[y].shown)
+        low = np.maximum(line.y - half, 1e-3 * line.y)
+        sketch.ax.fill_between(line.x, low, line.y + half, color=line.colour, alpha=_LIGHT, linewidth=0)
+
+    ax = draw(result, ask, x, y, band)
+    values = np.asarray(getattr(result, y or result.shows))
+    values = values[np.isfinite(values) & (values > 0)]
+    if values.size and values.max() > _LOG / 4 * values.min():
+        ax.set_yscale("log")
+    return ax
+
+
+def draw_force_spectrum(result: Any, ask: Ask) -> Any:
+    """Draws the amplitudes of a force as a spectrum of lines, or its density as a curve."""
+    if result.shows_density:
+        ax = draw(result, ask, "frequency", "density")
+        ax.set_yscale("log")
+        return ax
+    sketch = Sketch(result, ask)
+    for line in sketch.lines():
+        low = np.nanmax(line.y, initial=0.0) * 1e-4 or 1e-300
+        sketch.ax.vlines(line.x, low, np.maximum(line.y, low), color=line.colour, linewidth=0.6 * sketch.style.line)
+        sketch.draw(line._replace(y=np.maximum(line.y, low)), marker="o")
+    sketch.ax.set_yscale("log")
+    return sketch.finish()
+
+
 def draw_impact(result: Any, ask: Ask) -> Any:
     """Draws the force of one impact against time."""
     from scipy.interpolate import CubicSpline
