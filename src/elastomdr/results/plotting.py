@@ -415,7 +415,8 @@ def draw_force_spectrum(result: Any, ask: Ask) -> Any:
     for line in sketch.lines():
         low = np.nanmax(line.y, initial=0.0) * 1e-4 or 1e-300
         sketch.ax.vlines(line.x, low, np.maximum(line.y, low), color=line.colour, linewidth=0.6 * sketch.style.line)
-        sketch.draw(line._replace(y=np.maximum(line.y, low)), marker="o")
+        (tips,) = sketch.ax.plot(line.x, np.maximum(line.y, low), "o", color=line.colour, markersize=4.5)
+        sketch.entry.lines.append((tips, line.curve.label, ""))
     sketch.ax.set_yscale("log")
     return sketch.finish()
 
