@@ -64,6 +64,11 @@ def elastic(omega: np.ndarray) -> np.ndarray:
     return np.full(np.shape(omega), MODULUS + 0j)
 
 
+def filled(ratio: float) -> float | None:
+    """None where the book's line is in full contact and has no stiffness of an interface."""
+    return ratio if 0 < ratio < 1e3 else None
+
+
 def row(name: str, spectrum, truth, line, book, level: float, velocity: float | None) -> dict:
     gap, stiffness, area, low, high = truth
     rms = spectrum.rms_height
@@ -71,7 +76,7 @@ def row(name: str, spectrum, truth, line, book, level: float, velocity: float | 
         "surface": name, "p/(E* slope)": level, "velocity": velocity, "area": area.mean(),
         "stiffness of maps": stiffness.mean(), "scatter of maps": stiffness.std(ddof=1) / stiffness.mean() / SEEDS**0.5,
         "line over maps": float(line.stiffness) / stiffness.mean(), "error of line": float(line.error),
-        "book over maps": float(book.stiffness) / stiffness.mean(),
+        "book over maps": filled(float(book.stiffness) / stiffness.mean()),
         "gap of maps over rms": gap.mean() / rms, "gap of line less maps over rms": (float(line.separation) - gap.mean()) / rms,
         "within bounds": bool(((stiffness > low) & (stiffness < high)).all()) if velocity is None else None,
         "lower bound over maps": float((low / stiffness).max()) if velocity is None else None,
