@@ -108,7 +108,13 @@ def main() -> None:
             rows.append(row(name, spectrum, truth, line, by_book, level, float(velocity)))
     keys = ["surface", "velocity", "p/(E* slope)", "area", "line over maps", "book over maps",
             "gap of maps over rms", "gap of line less maps over rms", "lower bound over maps", "within bounds"]  # fmt: skip
-    table(keys, [[r[k] if isinstance(r[k], str) else str(r[k] if r[k] is None else round(r[k], 3)) for k in keys] for r in rows])
+    table(
+        keys,
+        [
+            [r[k] if isinstance(r[k], str) else str(r[k] if r[k] is None else round(r[k], 3)) for k in keys]
+            for r in rows
+        ],
+    )
     rest = [r for r in rows if r["velocity"] is None]
     off = np.array([abs(np.log(r["line over maps"])) for r in rest])
     print(f"at rest: stiffness within a factor of {np.exp(off.max()):.2f}, rms {off.std():.2f}")

@@ -9,7 +9,12 @@ import elastomdr as em
 
 TIME = np.linspace(0, 0.4, 401)  # 1 ms
 SLIDE = em.slide(
-    em.Foundation(1e6, [1e6], [0.01]), em.Paraboloid(0.01), time=TIME[:9], position=0.1 * TIME[:9], depth=1e-4, rtol=1e-2
+    em.Foundation(1e6, [1e6], [0.01]),
+    em.Paraboloid(0.01),
+    time=TIME[:9],
+    position=0.1 * TIME[:9],
+    depth=1e-4,
+    rtol=1e-2,
 )
 FORCE = 5 + 2 * np.cos(2 * np.pi * 20 * TIME) + 0.3 * np.sin(2 * np.pi * 70 * TIME)
 

@@ -89,7 +89,9 @@ def test_bounds_hold_for_maps_and_the_line_is_near_them():
     for level in (0.01, 0.05, 0.2):
         p = level * 0.3 * 1e6
         gaps = [
-            solve(lambda w: np.full(np.shape(w), 1e6 + 0j), heights, (side, side), velocity=1.0, pressure=p * f).separation
+            solve(
+                lambda w: np.full(np.shape(w), 1e6 + 0j), heights, (side, side), velocity=1.0, pressure=p * f
+            ).separation
             for f in (0.95, 1.0, 1.05)
         ]
         stiffness = 0.1 * p / (gaps[0] - gaps[2])

@@ -91,5 +91,8 @@ class RoughContact(Result):
             low = np.asarray(self.conductance_low)[good]
             if np.isfinite(low).any():
                 high = np.asarray(self.conductance_high)[good]
-                yield "bounds", f"conductance from {span(low, '1/m')}, to {significant(float(np.max(high)))} 1/m at most"
+                yield (
+                    "bounds",
+                    f"conductance from {span(low, '1/m')}, to {significant(float(np.max(high)))} 1/m at most",
+                )
             yield "real contact area", "does not follow from lines: em.friction with em.Multiscale() or em.HalfSpace()"

@@ -78,9 +78,13 @@ def press(
         raise InputError(f"surface must be a rough line or a surface by its spectrum, got {surface!r}.")
     foundation, model = as_foundation(material), of_line(_USUAL if model is None else model, "press")
     if model.average:
-        raise InputError("model must be em.Line() without average in em.press: directions have no approach of their own.")
+        raise InputError(
+            "model must be em.Line() without average in em.press: directions have no approach of their own."
+        )
     if time is not None and velocity is not None:
-        raise InputError("time or velocity must be given, not both: in sliding the contact is that of the steady state.")
+        raise InputError(
+            "time or velocity must be given, not both: in sliding the contact is that of the steady state."
+        )
     check_rtol(rtol)
     if foundation.per_area:
         raise InputError("material must be a half-space under a rough surface, got a layer.")
@@ -89,7 +93,9 @@ def press(
     points = _points(foundation, pressure, time, velocity, temperature)
     traced = is_traced(foundation, surface, pressure, time, velocity, temperature)
     if traced and velocity is not None:
-        raise InputError("velocity cannot be given to em.press under jax.jit, grad or vmap, where only rest is computed.")
+        raise InputError(
+            "velocity cannot be given to em.press under jax.jit, grad or vmap, where only rest is computed."
+        )
     length, rule = _length(surface, model)
     lines = _lines(surface, model)
     found = _at_rest(points, lines, length) if velocity is None else _sliding(points, lines, length, foundation, rtol)
@@ -107,7 +113,10 @@ def press(
     known = traced or not isinstance(surface, AbstractSpectrum)
     inputs = [
         ("material", foundation.name or "given directly"),
-        ("surface", surface.label if traced or isinstance(surface, RoughLine) else f"{surface.label}, {surface.words()}"),
+        (
+            "surface",
+            surface.label if traced or isinstance(surface, RoughLine) else f"{surface.label}, {surface.words()}",
+        ),
         ("pressure", brief(pressure, "Pa")),
         *([] if time is None else [("time", brief(time, "s"))]),
         *([] if velocity is None else [("velocity", brief(velocity, "m/s"))]),
@@ -241,9 +250,7 @@ def _steady(points: _Points, lines: list[RoughLine], length: float, foundation: 
     reduced = (points.velocity * points.factor).ravel()
     load = (points.carried * length).ravel()
     loads = np.concatenate([load, load * (1 - _STEP), load * (1 + _STEP)])
-    jobs = [
-        Job(np.asarray(line.height), float(line.spacing), np.tile(reduced, 3), loads, "load") for line in lines
-    ]
+    jobs = [Job(np.asarray(line.height), float(line.spacing), np.tile(reduced, 3), loads, "load") for line in lines]
     relaxed = float(foundation.equilibrium)
     approaches, gaps, conductances, stiffnesses = [], [], [], []
     for line, own in zip(lines, solve_lines(jobs, foundation.law(), float(rtol)), strict=True):
