@@ -77,7 +77,8 @@ def row(name: str, spectrum, truth, line, book, level: float, velocity: float | 
         "stiffness of maps": stiffness.mean(), "scatter of maps": stiffness.std(ddof=1) / stiffness.mean() / SEEDS**0.5,
         "line over maps": float(line.stiffness) / stiffness.mean(), "error of line": float(line.error),
         "book over maps": filled(float(book.stiffness) / stiffness.mean()),
-        "gap of maps over rms": gap.mean() / rms, "gap of line less maps over rms": (float(line.separation) - gap.mean()) / rms,
+        "gap of maps over rms": gap.mean() / rms,
+        "gap of line less maps over rms": (float(line.separation) - gap.mean()) / rms,
         "within bounds": bool(((stiffness > low) & (stiffness < high)).all()) if velocity is None else None,
         "lower bound over maps": float((low / stiffness).max()) if velocity is None else None,
     }  # fmt: skip
@@ -107,7 +108,8 @@ def main() -> None:
             by_book = em.press(RUBBER, spectrum, pressure=p, velocity=velocity, model=book)
             rows.append(row(name, spectrum, truth, line, by_book, level, float(velocity)))
     keys = ["surface", "velocity", "p/(E* slope)", "area", "line over maps", "book over maps",
-            "gap of maps over rms", "gap of line less maps over rms", "lower bound over maps", "within bounds"]  # fmt: skip
+            "gap of maps over rms", "gap of line less maps over rms",
+            "lower bound over maps", "within bounds"]  # fmt: skip
     table(
         keys,
         [

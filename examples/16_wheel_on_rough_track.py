@@ -1,9 +1,9 @@
 """16: a wheel over a rough track, and the spectrum of its force.
 
 Teaches: `em.drive` solves bodies and contact together, and `spectrum` of its result is what the wheel puts into its
-axle. A ball that rolls over rubber with a rough surface is shaken by it: the roughness is filtered by the contact, which
-is longer than the short waves, and amplified near the resonance of the mass on the contact's stiffness. `track` is the
-roughness of the rubber, `normal` the mass that moves up and down.
+axle. A ball that rolls over rubber with a rough surface is shaken by it: the roughness is filtered by the contact,
+which is longer than the short waves, and amplified near the resonance of the mass on the contact's stiffness. `track`
+is the roughness of the rubber, `normal` the mass that moves up and down.
 
 Inputs: a standard solid with E* = 4 MPa relaxed, 8 MPa glassy, tau = 1 ms; a ball (paraboloid) of R = 20 mm under 20 N,
 once with 50 g and once without mass, at 1 m/s; a track of ten waves, 2 mm to 20 mm long, each of 10 um amplitude.

@@ -19,13 +19,13 @@ WIDE = em.Line(equivalent_length=LENGTH)
 
 
 def test_one_wave():
-    """h = A cos(kx), in contact over an angle 2 a: p L/E* = (A/pi)(sin a - a cos a), share a/pi, depth A (1 - cos a)."""
+    """h = A cos(kx), in contact up to kx = a: p L/E* = (A/pi)(sin a - a cos a), share a/pi, depth A (1 - cos a)."""
     angle = np.linspace(0.2, 3.0, 8)
     p = 1e6 * AMPLITUDE / np.pi * (np.sin(angle) - angle * np.cos(angle)) / LENGTH
     found = em.press(SOLID, LINE, pressure=p, model=WIDE)
     share, depth = angle / np.pi, AMPLITUDE * (1 - np.cos(angle))
     np.testing.assert_allclose(found.approach, depth - p * LENGTH / 1e6, rtol=2e-5)
-    np.testing.assert_allclose(found.separation, AMPLITUDE - found.approach, rtol=1e-9)
+    np.testing.assert_allclose(found.separation, AMPLITUDE - found.approach, rtol=0, atol=1e-8 * AMPLITUDE)
     np.testing.assert_allclose(found.conductance, 2 / LENGTH * share / (1 - share), rtol=3e-5)
     np.testing.assert_allclose(found.stiffness, 1e6 / 2 * found.conductance, rtol=1e-12)
     up, down = (em.press(SOLID, LINE, pressure=p * f, model=WIDE).approach for f in (1.001, 0.999))
@@ -79,7 +79,7 @@ def test_sliding_goes_from_the_relaxed_to_the_glassy_contact():
 
 
 def test_bounds_hold_for_maps_and_the_line_is_near_them():
-    """Stiffness of a map in three dimensions: within the bounds of its own peak, and that of the line, at three loads."""
+    """Stiffness of a map in three dimensions at three loads: within the bounds of its own peak, near the line."""
     spectrum = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=4e3)
     heights, side = rough_map(spectrum, 1, periods=6, points=96)
     k = 2 * np.pi / side * np.hypot(*np.meshgrid(np.fft.fftfreq(96, 1 / 96), np.fft.fftfreq(96, 1 / 96)))
@@ -166,5 +166,5 @@ def test_bad_input(text):
 
 
 def test_sliding_is_not_traced():
-    with pytest.raises(em.InputError, match="velocity cannot be given to em.press under jax.jit"):
+    with pytest.raises(em.InputError, match="velocity cannot be given"):
         jax.jit(lambda v: em.press(RUBBER, SURFACE, pressure=3e3, velocity=v).conductance)(1.0)

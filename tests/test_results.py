@@ -355,7 +355,8 @@ UNITS = {  # of each quantity, whatever the result
     "K": "ambient contact_rise steady temperature temperature_rise",
     "N": "amplitude mean force friction_force max_force normal_force pull resistance",
     "W": "power slip_power",
-    "m": "approach approach_error contact_radius depth diameter displacement drive height leading max_depth position separation stick_radius "
+    "m": "approach approach_error contact_radius "
+    "depth diameter displacement drive height leading max_depth position separation stick_radius "
     "surface trailing width x",
     "s": "duration settling time",
     "Pa": "pressure",
@@ -378,7 +379,8 @@ UNITS = {  # of each quantity, whatever the result
     "J/K": "capacity",
 }
 OTHERS = {
-    "Shear.error": "N", "ForceSpectrum.error": "N", "SqueezedCord.error": "N/m", "Warming.error": "K", "Warming.load": "N",
+    "Shear.error": "N", "ForceSpectrum.error": "N",
+    "SqueezedCord.error": "N/m", "Warming.error": "K", "Warming.load": "N",
     "RoughContact.conductance": "1/m",
     "LineContact.force": "N/m", "Conveyor.resistance": "N/m", "Conveyor.power": "W/m",
 }  # fmt: skip

@@ -62,8 +62,8 @@ from .results.curve import RollingCurve as RollingCurve
 from .results.friction_law import FrictionLaw as FrictionLaw
 from .results.friction_law import load_friction as load_friction
 from .results.history import Drive as Drive
-from .results.history import Shear as Shear
 from .results.history import ForceSpectrum as ForceSpectrum
+from .results.history import Shear as Shear
 from .results.history import Slide as Slide
 from .results.impact import Impact as Impact
 from .results.indentation import Indentation as Indentation

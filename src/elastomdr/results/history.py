@@ -149,8 +149,8 @@ def force_spectrum(motion: Any, force: str, since: float | None, period: float |
         count = int((time.size - 1) // each) if each else 0
         if each < 4 or count < 1 or abs(each * step / length - 1) > 1e-6:
             raise InputError(
-                f"period must be four steps of the time ({step:g} s) or more, a whole number of them, and fit into what is left "
-                f"after since ({np.ptp(time):g} s), got {length:g} s."
+                f"period must be four steps of the time ({step:g} s) or more, a whole number of them, and fit into "
+                f"what is left after since ({np.ptp(time):g} s), got {length:g} s."
             )
         values = values[values.size - 1 - count * each : -1]
         window = np.ones(values.size)

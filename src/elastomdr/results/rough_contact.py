@@ -64,9 +64,10 @@ class RoughContact(Result):
         show: str = "conductance",
         against: str | None = None,
     ) -> Axes:
-        """Draws one field `against` pressure, time or velocity, by default the conductance against what has most values.
+        """Draws one field `against` pressure, time or velocity.
 
-        The rest as of every result, `Result.plot`. Raises `InputError`.
+        By default the conductance against what has most values. The rest as of every
+        result, `Result.plot`. Raises `InputError`.
         """
         fields = [q.path for q in self.quantities() if q.unit and q.path not in self.coordinates]
         if show not in fields:

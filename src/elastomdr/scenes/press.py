@@ -110,7 +110,7 @@ def press(
     def field(values: Any) -> Any:
         return nan_unless(found.good, values)
 
-    known = traced or not isinstance(surface, AbstractSpectrum)
+    known = not traced and isinstance(surface, AbstractSpectrum) and model.equivalent_length is None
     inputs = [
         ("material", foundation.name or "given directly"),
         (
@@ -131,7 +131,7 @@ def press(
         thermal=_times(found.conductance, conductivity, "conductivity", False, field),
         electrical=_times(found.conductance, resistivity, "resistivity", True, field),
         error=field(found.error), approach_error=field(found.approach_error),
-        model_error=xp.full(points.shape, np.nan) if known or model.equivalent_length is not None else _model_error(surface, points),
+        model_error=_model_error(surface, points) if known else xp.full(points.shape, np.nan),
         converged=found.good, extrapolated=beyond.points, model="MDR line of the interface" + rule,
         plan="closed form of the sorted heights of each line" if velocity is None else "periodic states of each line",
         inputs=(*inputs, *beyond.said),
