@@ -134,7 +134,7 @@ def force_spectrum(motion: Any, force: str, since: float | None, period: float |
     time, values = time[later], values[later]
     if time.size < 8:
         raise InputError(f"since must leave eight instants or more, got {since:g} s with {time.size} after it.")
-    step = np.ptp(time) / (time.size - 1)
+    step, each, count = np.ptp(time) / (time.size - 1), 0, 0
     if np.abs(np.diff(time) - step).max() > 1e-6 * step:
         raise InputError("spectrum needs evenly spaced instants: give em.slide or em.drive np.linspace(...) as time.")
     if not np.isfinite(values).all():
@@ -156,7 +156,7 @@ def force_spectrum(motion: Any, force: str, since: float | None, period: float |
         window = np.ones(values.size)
     amplitude, density = _waves(values, window, step)
     error = np.full(amplitude.shape, np.nan)
-    if period is not None and count > 1:
+    if count > 1:
         half = (count // 2) * each
         parts = [_waves(part, np.ones(half), step)[0] for part in (values[:half], values[-half:])]
         stride = values.size / half  # of the frequencies that the halves have
