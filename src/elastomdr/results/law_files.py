@@ -124,10 +124,13 @@ def _fric_coef(law: FrictionLaw, units: str) -> Iterator[str]:
             yield from _data(f"gm(i,{j + 1},{k + 1})", cube[k, j])
     yield "C"
     yield "      do k = 1, nBlock"
-    yield "         call emdrax(gv, nv, log(max(slipRate(k), 1.d-30)), i1, i2, a, da)"
-    for name, place, value in (("p", "j", "log(max(pressure(k), 1.d-30))"), ("t", "l", "tempAvg(k)")):
+    places = (
+        ("v", "i", "a", "log(max(slipRate(k), 1.d-30))"),
+        ("p", "j", "b", "log(max(pressure(k), 1.d-30))"),
+        ("t", "l", "c", "tempAvg(k)"),
+    )
+    for name, place, letter, value in places:
         value = value if sizes[name] > 1 else "0.d0"
-        letter = {"p": "b", "t": "c"}[name]
         yield f"         call emdrax(g{name}, n{name}, {value},"
         yield f"     *      {place}1, {place}2, {letter}, d{letter})"
     yield _BODY.format(by_p="\n     *      /max(pressure(k), 1.d-30)" if sizes["p"] > 1 else "")
