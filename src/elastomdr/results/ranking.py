@@ -107,6 +107,9 @@ def ranked(
     laws = {name: _laws(curve.select(name)) for name in curve.materials}
     first = next(iter(laws.values()))[0]
     asked = {"velocity": velocity, "temperature": temperature, "pressure": pressure}
+    for name, value in asked.items():
+        if value is not None and name not in first.axes():
+            raise InputError(f"{name} must be left out: the curve was computed without one.")
     at = {name: _middle(name, axis) if asked[name] is None else asked[name] for name, axis in first.axes().items()}
     found = []
     for name, (law, error, known) in laws.items():
