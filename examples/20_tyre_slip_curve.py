@@ -79,7 +79,12 @@ def main(out: Path, table: Path) -> None:
 
     sheared = em.springs(rubber(None), THICKNESS, tangential=True)
     found = em.traction(
-        STRUCTURE, TYRE, friction=em.load_friction(table), temperature=KELVIN[:, None, None], tangential=sheared, **WHEEL
+        STRUCTURE,
+        TYRE,
+        friction=em.load_friction(table),
+        temperature=KELVIN[:, None, None],
+        tangential=sheared,
+        **WHEEL,
     )
     draw(curve, found, parts).savefig(out / "20_tyre_slip_curve.png", dpi=130)
     plt.close("all")
@@ -116,7 +121,14 @@ def sources(tread: em.Prony) -> dict[str, em.FrictionCurve]:
 def draw(curve: em.FrictionCurve, found: em.Traction, parts: dict[str, em.FrictionCurve]) -> plt.Figure:
     figure, axes = plt.subplots(2, 2, figsize=(10.8, 8.0), layout="constrained")
     first, second, third, last = axes.flat
-    styles = (("#888888", ":"), ("#888888", "--"), ("#888888", "-"), ("#c8702a", "--"), ("#a03030", "-"), ("#3a8a4d", "-."))
+    styles = (
+        ("#888888", ":"),
+        ("#888888", "--"),
+        ("#888888", "-"),
+        ("#c8702a", "--"),
+        ("#a03030", "-"),
+        ("#3a8a4d", "-."),
+    )
     for (name, part), (colour, line) in zip(parts.items(), styles, strict=True):
         first.semilogx(VELOCITY, part.mu, line, color=colour, label=name)
     first.set_title("Which part comes from what, 20 °C, 0.21 MPa", fontsize=10, loc="left")
@@ -179,5 +191,5 @@ if __name__ == "__main__":
     parser.add_argument("--table", type=Path, help="where to keep the table mu(v, T, p), a CSV file")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch, warnings.catch_warnings():
-        warnings.simplefilter("ignore", em.ExtrapolationWarning)  # flash temperatures and fine waves lie beyond the data
+        warnings.simplefilter("ignore", em.ExtrapolationWarning)  # flash temperatures, fine waves
         main(given.out, given.table or Path(scratch) / "mu.csv")

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,7 +64,7 @@ def _abaqus(law: FrictionLaw, units: str) -> Iterator[str]:
 def _filled(axis: np.ndarray) -> np.ndarray:
     """An axis with as many logarithmic steps between its values as make neighbours differ by `_STEP` at most."""
     parts = [axis[:1]]
-    for low, high in zip(axis[:-1], axis[1:], strict=True):
+    for low, high in itertools.pairwise(axis):
         parts.append(np.geomspace(low, high, int(np.ceil(np.log(high / low) / np.log(_STEP))) + 1)[1:])
     return np.concatenate(parts)
 

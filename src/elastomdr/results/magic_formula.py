@@ -105,9 +105,12 @@ def write(curve: Traction, path: str | os.PathLike[str], radius: float, width: f
     }
     lines = [
         f"$ elastomdr {__version__}: Magic Formula (PAC2002) of longitudinal force, fitted to a slip curve in braking",
-        f"$ residual of F_x/F_z: {one.residual:.4f} rms, {one.worst:.4f} at worst; driving is taken as its mirror image",
+        f"$ residual of F_x/F_z: {one.residual:.4f} rms, {one.worst:.4f} at worst; driving is its mirror image",
         "$ lateral force, moments, vertical stiffness and rim are not in it: the program's own have to be added",
     ]
     for name, values in tables.items():
-        lines += [f"[{name}]", *(f"{key:<24} = {x if isinstance(x, str) else f'{x:.10g}'}" for key, x in values.items())]
+        lines += [
+            f"[{name}]",
+            *(f"{key:<24} = {x if isinstance(x, str) else f'{x:.10g}'}" for key, x in values.items()),
+        ]
     write_files({Path(path): ("\n".join(lines) + "\n").encode()})

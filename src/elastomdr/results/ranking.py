@@ -98,9 +98,7 @@ class Ranking:
         return self.summary()
 
 
-def ranked(
-    curve: FrictionCurve, velocity: float | None, temperature: float | None, pressure: float | None
-) -> Ranking:
+def ranked(curve: FrictionCurve, velocity: float | None, temperature: float | None, pressure: float | None) -> Ranking:
     """The ranking of the materials of a curve; see `FrictionCurve.ranking`."""
     if not curve.origins:
         raise InputError("material must be a list for a ranking: em.friction([a, b], ...).")
