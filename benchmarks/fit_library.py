@@ -94,7 +94,7 @@ def softened(data: Path, fit: em.fit.MaterialFit) -> tuple[em.Prony, dict[str, A
     text = "Strain sweep at 10 Hz and 22 degC, run sd_10hz, github.com/MarcusNi96/dma-prony-validation (GPL-3.0)"
     note = (
         "Factors on the moduli at 0.15 %, at which the isotherms were measured. The sweep ends at 1.14 %, where "
-        "neither modulus levels off: beyond it the factors are held, and rubber on a rough surface is softer than they say."
+        "neither modulus levels off: beyond it the factors are held, and rubber on a rough surface is softer still."
     )
     source = {"citation": f"{text}, divided by the point at 0.15 % by benchmarks/fit_library.py", "grade": "measured"}
     info = fit.info()
