@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -108,7 +108,9 @@ def ranked(curve: FrictionCurve, velocity: float | None, temperature: float | No
     for name, value in asked.items():
         if value is not None and name not in first.axes():
             raise InputError(f"{name} must be left out: the curve was computed without one.")
-    at = {name: _middle(name, axis) if asked[name] is None else asked[name] for name, axis in first.axes().items()}
+    at: dict[str, Any] = {}
+    for name, axis in first.axes().items():
+        at[name] = _middle(name, axis) if asked[name] is None else asked[name]
     found = []
     for name, (law, error, known) in laws.items():
         mu = float(law(**at))
