@@ -43,7 +43,7 @@ def write(law: FrictionLaw, path: str | os.PathLike[str], form: str, units: str 
 def _abaqus(law: FrictionLaw, units: str) -> Iterator[str]:
     """*FRICTION with mu, slip rate, pressure, temperature; the slip rate changes fastest."""
     of_v, of_p, v_unit, p_unit = _UNITS[units]
-    fine = {name: axis if name == "temperature" else _filled(axis) for name, axis in law.axes().items()}
+    fine = {name: axis if name == "temperature" else _filled(np.asarray(axis)) for name, axis in law.axes().items()}
     yield f"** elastomdr {__version__}: friction law for *SURFACE INTERACTION"
     yield f"** units: slip rate {v_unit}, contact pressure {p_unit}, temperature K"
     yield "** between the rows Abaqus interpolates linearly, beyond them it holds the last value: rows are dense in"

@@ -110,7 +110,7 @@ def ranked(curve: FrictionCurve, velocity: float | None, temperature: float | No
             raise InputError(f"{name} must be left out: the curve was computed without one.")
     at: dict[str, Any] = {}
     for name, axis in first.axes().items():
-        at[name] = _middle(name, axis) if asked[name] is None else asked[name]
+        at[name] = _middle(name, np.asarray(axis)) if asked[name] is None else asked[name]
     found = []
     for name, (law, error, known) in laws.items():
         mu = float(law(**at))
