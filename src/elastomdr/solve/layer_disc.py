@@ -244,8 +244,9 @@ def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool)
     )
     places = numpy.minimum(places * thickness, 0.999 * shape.largest_contact)
     disc = LayerDisc(
-        shape, "half-space", numpy.asarray(thickness), stiffness, edge, pull, held, places, places, places, squeeze, bonded
-    )
+        shape, "half-space", numpy.asarray(thickness), stiffness, edge, pull, held, places, places, places, squeeze,
+        bonded,
+    )  # fmt: skip
     if disc.flat:
         return disc
     depths, areas = fixed((disc.profile(numpy.asarray(places)), disc.area(numpy.asarray(places))))
