@@ -66,8 +66,8 @@ def dissipation(
         InputError: as `friction`, and for a profile that is not convex.
 
     Exact for the line, and for a cylinder on an `em.layer` or a half-space, in numbers only; bodies of revolution on an
-    `em.layer` are refused. With the direction average F_k is averaged as the friction is, exact to first order in the loss.
-    Differentiable as `friction` is.
+    `em.layer` are refused. With the direction average F_k is averaged as the friction is, exact to first order in the
+    loss. Differentiable as `friction` is.
 
     Source: derived in `docs/theory.md`, section 22.
     """

@@ -100,9 +100,10 @@ def traction(
     friction law taken at one sliding velocity leaves out that elements near the leading edge slide more slowly than the
     body, and those near the trailing edge faster.
 
-    On an `em.layer`, in numbers only, the normal problem is exact and the tangential one a brush whose elements have the
-    stiffness of the layer at one wave (`elastomdr.solve.brush_layer`): exact in a contact much wider than the layer is
-    thick; on a thick elastic layer right for small and large creepage, and up to 8 % of mu F_N below Carter's in between.
+    On an `em.layer`, in numbers only, the normal problem is exact and the tangential one a brush whose elements have
+    the stiffness of the layer at one wave (`elastomdr.solve.brush_layer`): exact in a contact much wider than the layer
+    is thick; on a thick elastic layer right for small and large creepage, and up to 8 % of mu F_N below Carter's in
+    between.
 
     Source: Popov & Hess 2015, ch. 5; Carter 1926.
     """
