@@ -13,7 +13,8 @@ them, dotted, the textbook's springs, 4 G/h, free to slip on the carcass.
 
 Check, on springs: pressure behind the leading edge of a Winkler cover in closed form, forces by quadrature, for three
 parameters (Lodewijks 1995) and for the whole spectrum (Rudolphi & Reicks 2006, Rubber Chem. Technol. 79), one roll
-and the sum over all rolls of the belt; the limit of small damping by an integral over the autocorrelation of the elastic contact; and for a constant tan(delta) the formula above.
+and the sum over all rolls of the belt; the limit of small damping by an integral over the autocorrelation of the
+elastic contact; and for a constant tan(delta) the formula above.
 
     python examples/23_belt_conveyor.py [--out DIR]
 """
