@@ -121,9 +121,9 @@ def traction(
         raise InputError(f"velocity, creepage and friction must broadcast, got shapes {shapes}.") from error
     velocity = xp.broadcast_to(velocity, together)
     if isinstance(foundation, Layer):
+        rubbing = friction if law is None else law
         found = _on_layer(
-            foundation, shape, velocity, creepage, friction if law is None else law, load, depth, temperature, tangential,
-            model, rtol,
+            foundation, shape, velocity, creepage, rubbing, load, depth, temperature, tangential, model, rtol
         )  # fmt: skip
         return _braked(found, slip, road)
     if isinstance(shape, Cylinder) and foundation.per_area is False:
