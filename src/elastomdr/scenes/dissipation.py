@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Indenter, Materials, ModelLike
 
 _BATCH = 4096  # passages at once
-_LAYER_SHARE = 1e-4  # of the work that the branches may miss on a layer
+_LAYER_SHARE = 1e-3  # of the work that the branches may miss on a layer
 
 
 @over_materials

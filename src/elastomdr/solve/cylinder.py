@@ -434,7 +434,7 @@ def losses(velocity: np.ndarray, law: Relaxation, cover: Cover, solution: Soluti
     return np.array(found)
 
 
-_LOSS_END = 1600.0  # kL of the last wave that is summed
+_LOSS_END = 4097.0  # kL of the last wave that is summed: where every term falls as it does for good
 
 
 @functools.lru_cache(maxsize=4)
@@ -443,6 +443,6 @@ def _loss_waves(order: int) -> tuple[np.ndarray, ...]:
     from scipy.special import jv
 
     ends = np.concatenate([_SHRINKING, np.arange(5.0, _LOSS_END + 1, 4.0)])
-    y, weight = _panels(ends, 10)
+    y, weight = _panels(ends, 8)
     terms = math.pi * np.arange(1, order + 1)[:, None] * jv(np.arange(1, order + 1)[:, None], y) / y
     return y, weight, terms[::2], terms[1::2]
