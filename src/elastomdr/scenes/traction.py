@@ -314,22 +314,23 @@ def _on_layer(
         friction = _at_contact(
             law, shape, creepage, found.velocity, done.temperature, found.normal_force, found.contact, found.converged
         )
-    friction, slipping = (np.broadcast_to(x, points.shape) for x in (friction, creepage))
-    softness = shear_compliance(typical_wave(contacts.half), float(layer.thickness), float(solid.poisson))
+    rubbing: Any = friction
+    rubbing, slipping = (np.broadcast_to(x, points.shape) for x in (rubbing, creepage))
+    softness = shear_compliance(typical_wave(contacts.half), float(layer.thickness), float(1 - layer.squeeze()) / 2)
     pulled = pull(
         sheared, 1 / softness, np.asarray(points.reduced).reshape(-1), contacts.half, contacts.terms,
-        friction.reshape(-1), np.abs(slipping).reshape(-1),
+        rubbing.reshape(-1), np.abs(slipping).reshape(-1),
     )  # fmt: skip
     scale = float(shape.length) * np.asarray(points.vertical).reshape(-1)
     size, stick, off = (x.reshape(points.shape) for x in (pulled.force * scale, pulled.stick, pulled.error * scale))
     force = nan_unless(found.converged, np.sign(slipping) * size)
     inputs = list(found.inputs)
     place = [name for name, _ in inputs].index("relative tolerance")
-    inputs[place:place] = _said(creepage, friction, law)
+    inputs[place:place] = _said(creepage, rubbing, law)
     return Traction(
         velocity=found.velocity,
         creepage=slipping,
-        friction=friction,
+        friction=rubbing,
         coefficient=force / found.normal_force,
         force=force,
         stick=nan_unless(found.converged, stick),
