@@ -1,19 +1,20 @@
 """23: what the indentation of its covers costs a belt conveyor: resistance, and power per kilometre.
 
 Teaches: `em.conveyor` counts the idlers of both sides, each roll at its own load, over speeds, temperatures and goods,
-for covers with a whole spectrum; `em.rolling` is one roll of it. A small loss tangent gives the formula of the conveyor
-literature, f = (3/pi) tan(delta) a/D, in `em.reference.small_damping`, shown beside it. One idler in detail is example
+for covers with a whole spectrum; `em.rolling` is one roll of it. On springs a small loss tangent gives a formula with
+the powers of the conveyor literature, f = (3/pi) tan(delta) a/D. One idler in detail is example
 04.
 
 Inputs: `epdm-70` of the library, fitted to shear DMA at 0.15 % strain (EPDM is used for hot goods; by the Payne effect
 a cover at 3 % is softer than this). Covers 6 mm below and 8 mm above, steel idlers of 159 mm, troughs of three rolls
 every 1.2 m with 20, 60 and 20 % of the load, return rolls every 3 m, 28 kg/m of belt 1.2 m wide, 120 kg/m of goods:
-chosen here, of the usual size. The covers are springs side by side, 4 G/h, free to slip on the carcass: an assumption.
+chosen here, of the usual size. The covers are layers bonded to the carcass (`em.layer`), exact in plane strain. Beside
+them, dotted, the textbook's springs, 4 G/h, free to slip on the carcass.
 
-Check: pressure behind the leading edge of a Winkler cover in closed form, forces by quadrature, for three parameters
-(Lodewijks 1995) and for the whole spectrum (Rudolphi & Reicks 2006, Rubber Chem. Technol. 79), one roll and the sum
-over all rolls of the belt; the limit of small
-damping by an integral over the autocorrelation of the elastic contact; and for a constant tan(delta) the formula above.
+Check, on springs: pressure behind the leading edge of a Winkler cover in closed form, forces by quadrature, for three
+parameters (Lodewijks 1995) and for the whole spectrum (Rudolphi & Reicks 2006, Rubber Chem. Technol. 79), one roll
+and the sum over all rolls of the belt; the limit of small damping by an integral over the autocorrelation of the
+elastic contact; and for a constant tan(delta) the formula above.
 
     python examples/23_belt_conveyor.py [--out DIR]
 """
@@ -29,13 +30,15 @@ from scipy.optimize import brentq
 import elastomdr as em
 
 RUBBER = em.load_material("epdm-70")
-BELOW, ABOVE = (
-    em.springs(RUBBER, h, bonded=False) for h in (6e-3, 8e-3)
-)  # the covers that meet carry and return rolls
+BELOW, ABOVE = (em.layer(RUBBER, h) for h in (6e-3, 8e-3))  # the covers that meet carry and return rolls
+SPRINGS = [em.springs(RUBBER, h, bonded=False) for h in (6e-3, 8e-3)]  # the textbook's
 DIAMETER, WIDTH = 0.159, 1.2  # m
 TROUGH, SINGLE = em.Cylinder(DIAMETER / 2, WIDTH / 3), em.Cylinder(DIAMETER / 2, WIDTH)
 CARRY = em.Idlers(BELOW, TROUGH, spacing=1.2, shares=[0.2, 0.6, 0.2])
 RETURN = em.Idlers(ABOVE, SINGLE, spacing=3.0)
+ON_SPRINGS = [
+    em.Idlers(SPRINGS[0], TROUGH, spacing=1.2, shares=[0.2, 0.6, 0.2]), em.Idlers(SPRINGS[1], SINGLE, spacing=3.0)
+]  # fmt: skip
 BELT, GOODS = 28.0, np.array([0.0, 120.0, 240.0])  # kg/m
 VELOCITY = np.geomspace(0.5, 10.0, 13)  # m/s
 KELVIN = 273.15 + np.array([0.0, 10.0, 20.0, 40.0])
@@ -45,23 +48,24 @@ AT = 10  # of the velocities, for the table
 
 def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    cost = em.conveyor(
-        CARRY, RETURN, velocity=VELOCITY, belt=BELT, goods=GOODS[:, None, None], temperature=KELVIN[:, None]
-    )
+    run = {"velocity": VELOCITY, "belt": BELT, "goods": GOODS[:, None, None], "temperature": KELVIN[:, None]}
+    cost, textbook = em.conveyor(CARRY, RETURN, rtol=1e-5, **run), em.conveyor(*ON_SPRINGS, **run)
     print(cost.summary())
-    table(cost)
+    table(cost, textbook)
     at = {"velocity": VELOCITY, "load": MIDDLE, "temperature": KELVIN[:, None]}
-    roll, small = em.rolling(BELOW, TROUGH, **at), em.reference.small_damping(BELOW, TROUGH, **at)
+    roll, springs = em.rolling(BELOW, TROUGH, rtol=1e-5, **at), em.rolling(SPRINGS[0], TROUGH, **at)
+    wide = (roll.contact.leading + roll.contact.trailing)[:, AT] / 6e-3
+    print(f"middle roll: contact {wide.min():.2f} to {wide.max():.2f} times as wide as the cover is thick")
 
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(12.6, 4.3), layout="constrained")
     for i, (kelvin, colour) in enumerate(zip(KELVIN, ("#1f3d7a", "#3a7fb5", "#d08a2e", "#a03030"), strict=True)):
         label = f"{kelvin - 273.15:g} °C"
         left.semilogx(VELOCITY, roll.coefficient[i], color=colour, label=label)
-        left.semilogx(VELOCITY, small[i], "--", color=colour, linewidth=1)
+        left.semilogx(VELOCITY, springs.coefficient[i], ":", color=colour, linewidth=1.3)
         middle.plot(VELOCITY, cost.power[1, i], color=colour, label=label)  # W/m is kW/km
         right.plot(BELT + GOODS, cost.power[:, i, AT], "o-", color=colour, label=label)
     left.set(xlabel="Belt speed [m/s]", ylabel="Resistance of the middle roll / its load [-]", ylim=(0, None))
-    left.set_title(f"One roll, {MIDDLE / TROUGH.length:.0f} N/m (dashed: small damping)", fontsize=10)
+    left.set_title(f"One roll, {MIDDLE / TROUGH.length:.0f} N/m (dotted: springs)", fontsize=10)
     middle.set(xlabel="Belt speed [m/s]", ylabel="Power per kilometre [kW]", xlim=(0, None), ylim=(0, None))
     middle.set_title(f"Carry and return side, {GOODS[1]:g} kg/m of goods", fontsize=10)
     right.set(xlabel="Mass of belt and goods [kg/m]", ylabel="Power per kilometre [kW]", xlim=(0, None), ylim=(0, None))
@@ -73,16 +77,17 @@ def main(out: Path) -> None:
     figure.savefig(out / "23_belt_conveyor.png", dpi=150)
     plt.close(figure)
 
-    check(roll, cost)
+    check(springs, textbook)
 
 
-def table(cost: em.Conveyor) -> None:
+def table(cost: em.Conveyor, textbook: em.Conveyor) -> None:
     print(f"at {VELOCITY[AT]:.2f} m/s with {GOODS[1]:g} kg/m of goods; f of the whole belt: resistance over weight")
-    print("T [degC]   carry [kW/km]   return [kW/km]   f [-]")
+    print("T [degC]   carry [kW/km]   return [kW/km]   f [-]   springs over layer")
     for i, kelvin in enumerate(KELVIN):
         there = (1, i, AT)
         sides = f"{VELOCITY[AT] * cost.carry[there]:13.3f}   {VELOCITY[AT] * cost.back[there]:14.3f}"
-        print(f"{kelvin - 273.15:8.0f}   {sides}   {cost.coefficient[there]:.5f}")
+        over = textbook.power[there] / cost.power[there]
+        print(f"{kelvin - 273.15:8.0f}   {sides}   {cost.coefficient[there]:.5f}   {over:.2f}")
 
 
 def winkler(cover: em.Foundation, velocity: float, load_per_width: float) -> float:

@@ -80,7 +80,6 @@ length = "50 mm"
 
 [layer]
 thickness = "15 mm"
-bonded = false
 
 [contact]
 load = "800 N"
@@ -125,7 +124,6 @@ length = "400 mm"
 
 [layer]
 thickness = "6 mm"
-bonded = false
 
 [contact]
 velocity = ["1 m/s", "5 m/s"]
@@ -147,7 +145,7 @@ BAD_BELTS = {
     "shares that are not one": (("0.6", "0.5"), "[conveyor] sum of the shares must be 1"),
     "shares as a text": (("[0.2, 0.6, 0.2]", '"a fifth"'), "list of numbers"),
     "a load": (("velocity =", 'load = "1 kN"\nvelocity ='), "'load'"),
-    "no layer": (('[layer]\nthickness = "6 mm"\nbonded = false', ""), "[layer]"),
+    "no layer": (('[layer]\nthickness = "6 mm"', ""), "[layer]"),
     "a ball": (
         ('shape = "cylinder"\nradius = "80 mm"\nlength = "400 mm"', 'shape = "sphere"\nradius = "1 mm"'),
         "cylinder",

@@ -101,8 +101,10 @@ BAD_SCENES = {
     "rtol as text": (("rtol = 1e-4", 'rtol = "1e-4"'), "rtol"),
     "rtol NaN": (("rtol = 1e-4", "rtol = nan"), "rtol"),
     "a flat punch": (('"paraboloid"', '"flat_punch"'), "edge"),
-    "a cylinder without a layer": (('shape = "paraboloid"', 'shape = "cylinder"\nlength = "1 m"'), "[layer]"),
-    "a bonded incompressible layer": (("[contact]", '[layer]\nthickness = "8 mm"\n[contact]'), "bonded=False"),
+    "springs of a bonded incompressible layer": (
+        ("[contact]", '[layer]\nthickness = "8 mm"\nsprings = true\n[contact]'),
+        "bonded springs",
+    ),
     "layer without thickness": (("[contact]", "[layer]\nbonded = false\n[contact]"), "thickness is missing"),
     "bonded as text": (("[contact]", '[layer]\nthickness = "8 mm"\nbonded = "no"\n[contact]'), "true or false"),
     "two bodies and a layer": (

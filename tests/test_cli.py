@@ -245,6 +245,10 @@ def test_bad_line_in_a_profile(place, capsys):
 def test_layer_and_two_bodies(place):
     name = write(place, ("[contact]", '[layer]\nthickness = "8 mm"\nbonded = false\n[contact]'))
     layer = arguments("friction", name)["material"]
+    assert isinstance(layer, em.Layer)
+    assert (float(layer.thickness), layer.bonded) == (8e-3, False)
+    name = write(place, ("[contact]", '[layer]\nthickness = "8 mm"\nbonded = false\nsprings = true\n[contact]'))
+    layer = arguments("friction", name)["material"]
     rubber = em.load_material("rubber.toml")
     np.testing.assert_allclose(layer.moduli, em.springs(rubber, 8e-3, bonded=False).moduli)
     both = arguments("friction", write(place, ("temperature", 'other = "rubber.toml"\ntemperature')))["material"]

@@ -61,7 +61,7 @@ def written(capsys, verb: str, scene: str, stem: str, title: str) -> pd.DataFram
 
 
 def tyre():
-    return em.springs(em.load_material("rubber.toml"), 15e-3, bonded=False)
+    return em.layer(em.load_material("rubber.toml"), 15e-3)
 
 
 def test_impact(capsys):
@@ -90,7 +90,7 @@ def test_warming_over_time(capsys):
 
 def test_conveyor(capsys):
     table = written(capsys, "rolling", write(BELT), "scene-conveyor", "Belt")
-    below, above = (em.springs(em.load_material("rubber.toml"), h, bonded=False) for h in (6e-3, 8e-3))
+    below, above = (em.layer(em.load_material("rubber.toml"), h) for h in (6e-3, 8e-3))
     carry = em.Idlers(below, em.Cylinder(0.08, 0.4), spacing=1.2, shares=[0.2, 0.6, 0.2])
     back = em.Idlers(above, em.Cylinder(0.08, 1.2), spacing=3.0)  # as long as three rolls
     found = em.conveyor(carry, back, velocity=[1.0, 5.0], belt=28.0, goods=np.array([[0.0], [120.0]]),

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import elastomdr as em
 
 from ..errors import InputError
-from .indenter import AnyShape, Cylinder
+from .indenter import AnyShape
 from .schema import Count, One, Positive, Several, Sweep, Table, Text, given, keys_of, named, only_one
 from .surface import equivalent_length
 from .units import Length, Temperature, Velocity
@@ -23,10 +23,16 @@ ModelName = Literal["averaged", "line", "multiscale", "persson", "half-space"]
 
 
 class Layer(Table):
-    """The rubber is a thin layer on a rigid base."""
+    """The rubber is a layer of any thickness on a rigid base."""
 
     thickness: Annotated[Length, "thickness"]
     bonded: Annotated[bool, "whether it is bonded to its base; false where it can slip"] = True
+    springs: Annotated[bool, "independent springs, the textbook's, in place of the layer itself"] = False
+
+    def on_base(self, rubber: Any, thickness: float | None = None) -> Any:
+        """The layer of a rubber, or its springs; of another thickness if one is given."""
+        kind = em.springs if self.springs else em.layer
+        return kind(rubber, self.thickness if thickness is None else thickness, bonded=self.bonded)
 
 
 class Numerics(Table):
@@ -131,13 +137,11 @@ class OfBodies(Scene):
         Several[Text], "the rubber: a name in the library, or a material file beside the scene; a list compares several"
     ]
     other: Annotated[Text | None, "the second body, where it is no rigid one: two half-spaces in contact"] = None
-    layer: Annotated[Layer | None, "the rubber is a thin layer"] = None
+    layer: Annotated[Layer | None, "the rubber is a layer on a rigid base"] = None
 
     def __post_init__(self) -> None:
         if self.other is not None and self.layer is not None:
             raise InputError("other and [layer] exclude each other: two bodies are two half-spaces in contact.")
-        if self.layer is None and isinstance(getattr(self, "indenter", None), Cylinder):
-            raise InputError("[layer] is missing: a cylinder acts on a layer, with its thickness.")
 
     def common(self, folder: Path) -> dict[str, Any]:
         """`material`, `rtol` and, unless it has been applied to the material already, `temperature`."""
@@ -146,7 +150,7 @@ class OfBodies(Scene):
         several = len(rubbers) > 1
         if self.layer is not None:
             with named("[layer]"):
-                rubbers = [em.springs(each, self.layer.thickness, bonded=self.layer.bonded) for each in rubbers]
+                rubbers = [self.layer.on_base(each) for each in rubbers]
         if self.other is None or self.layer is not None:
             return found | {"material": rubbers if several else rubbers[0]}
         if several:

@@ -192,10 +192,8 @@ class ConveyorScene(Scene):
     def arguments(self, folder: Path) -> dict[str, Any]:
         belt, roll, layer = self.conveyor, self.indenter, self.layer
         material = load(folder, "material", self.material[0])
-        carried, back = (
-            em.springs(material, thickness, bonded=layer.bonded)
-            for thickness in (layer.thickness, belt.return_thickness or layer.thickness)
-        )
+        with named("[layer]"):
+            carried, back = layer.on_base(material), layer.on_base(material, belt.return_thickness)
         shares = belt.shares or [1.0]
         length = belt.return_length or len(shares) * roll.length
         with named("[conveyor]"):

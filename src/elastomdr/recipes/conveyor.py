@@ -6,7 +6,7 @@ the resistance F of one roll from `em.rolling`:
     w = (1/l_c) sum F_c(s_i (m_b + m_g) g l_c) + (1/l_r) sum F_r(s_j m_b g l_r),       P/L = v w
 
 m_b belt and m_g goods per length; c the carry side, on the lower cover, r the return side, on the upper one. F grows
-with about the power 4/3 of the load on a roll, so that the roll with most of the load costs more than its share.
+with about the power 1.3 of the load on a roll, so that the roll with most of the load costs more than its share.
 """
 
 from __future__ import annotations

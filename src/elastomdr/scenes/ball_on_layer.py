@@ -80,6 +80,7 @@ class _Lines(NamedTuple):
     modulus: Any  # |E*| at a frequency
     curve: tuple[Array, Array, Array]  # radius, load and depth of the relaxed layer
     rtol: float
+    misfit: float  # of a table of moduli to the series that stands for it, relatively
 
 
 class _Mean(NamedTuple):
@@ -121,7 +122,7 @@ def ball_on_layer(
         return OnLayer(None, kelvin, label, plan)
     force = value if control == "load" else _load_of_depth(lines, reduced, value, averaged, thick)
     found = _mean(lines, reduced, force, averaged, points.traced)
-    mu, error = found.mu, found.error
+    mu, error = found.mu, found.error + lines.misfit * xp.abs(found.mu)
     bound = BARE_LINE * mu
     if averaged:
         exponent = found.line.leading * shape._slope(found.line.leading) / shape._profile(found.line.leading)
@@ -176,7 +177,8 @@ def _lines(material: Layer, shape: AbstractShape, points: Scene, control: str, r
     for cover in material.covers:
         solid: Any = cover.material
         if isinstance(solid, TabulatedModulus):
-            chain, off = to_chain(surface_foundation(solid))
+            table: Any = surface_foundation(solid)
+            chain, off = to_chain(table)
             misfit = max(misfit, off)
         else:
             law = cover.normal()
@@ -191,8 +193,8 @@ def _lines(material: Layer, shape: AbstractShape, points: Scene, control: str, r
         chains.append(chain)
     chain = chains[0]
     if len(chains) > 1:
-        join = [xp.concatenate([getattr(c, name) for c in chains]) for name in ("compliances", "times")]
-        chain = KelvinChain(sum(c.instantaneous for c in chains), *join, xp.zeros(()))
+        compliances, times = (xp.concatenate([getattr(c, name) for c in chains]) for name in ("compliances", "times"))
+        chain = KelvinChain(chains[0].instantaneous + chains[1].instantaneous, compliances, times, xp.zeros(()))
     h = material.covers[0].thickness
 
     def deficit(z: Array, omega: Array) -> Array:
@@ -221,7 +223,7 @@ def _lines(material: Layer, shape: AbstractShape, points: Scene, control: str, r
         reach = 2.6 * float(widest) / float(h)
     order = _TRACED if points.traced else _ORDERS[0]
     on = on._replace(reach=1.3 ** math.ceil(math.log(max(reach, 1.0)) / math.log(1.3)), order=order)
-    return _Lines(on, fixed(rest), modulus, (places, *curve), float(rtol))
+    return _Lines(on, fixed(rest), modulus, (places, *curve), float(rtol), misfit)
 
 
 def _solve(lines: _Lines, velocity: Array, load: Array, weights: Array | None = None) -> tuple[Slid, Array]:
@@ -298,6 +300,7 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: b
         table = Slid(*(field.reshape(count, -1) for field in found))
         own = Slid(*(field[:, 0] for field in table))
         return _Mean(table.mu @ rule.weights, table.depth @ flat, own, xp.zeros(count), xp.all(table.converged, axis=1))
+    velocity, load = np.asarray(velocity), np.asarray(load)
     out = [np.full(velocity.shape, np.nan) for _ in range(3)]
     lines_own = Slid(*(np.full(velocity.shape, np.nan) for _ in Slid._fields))
     good = np.zeros(velocity.shape, bool)
@@ -312,7 +315,7 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: b
             missed = rest + np.abs(grid.weights) @ (off * np.abs(solved.mu)) + rule.tail * mu
             depth = _between(grid.velocity, solved.depth, velocity[at, None] * rule.cosines) @ flat
             fine = (grid.weights != 0) @ ~solved.converged == 0
-            own = Slid(*(_between(grid.velocity, field, velocity[at]) for field in solved[:5]), fine, fine)
+            own = [*(_between(grid.velocity, field, velocity[at]) for field in solved[:5]), fine, fine]
         else:
             slowed = (velocity[at, None] * rule.cosines).reshape(-1)
             solved, off = _solve(lines, slowed, np.full(slowed.size, each))
@@ -322,7 +325,7 @@ def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: b
             rest = np.minimum(gap**2 / np.maximum(mu, 1e-300), gap)
             missed = rest + (off.reshape(at.size, -1) * table.mu) @ rule.weights + rule.tail * mu
             fine = table.converged.all(axis=1)
-            own = Slid(*(field[:, 0] for field in table))
+            own = [field[:, 0] for field in table]
         for field, values in zip(out, (mu, depth, missed), strict=True):
             field[at] = values
         for field, values in zip(lines_own, own, strict=True):
@@ -372,7 +375,7 @@ def _count(velocity: Array, load: Array, averaged: bool, rtol: float, traced: bo
     each = directions(rtol).cosines.size
     if traced or np.unique(load).size > 1:
         return velocity.size * each
-    return min(velocity.size * each, velocity.size + shared_grid(velocity, rtol).velocity.size)
+    return min(velocity.size * each, velocity.size + shared_grid(np.asarray(velocity), rtol).velocity.size)
 
 
 def _in_words(body: Layer) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from ..material.tabulated import TabulatedModulus
 from ..models import HalfSpace
 from ..results.curve import Contact
 from ..results.words import describe, significant
-from ..solve.cylinder import Cover, Cylinders, depth, half_of, layer_waves, least_gap, least_pressure, solve_at
+from ..solve.cylinder import Cover, Cylinders, depth, half_of, layer_waves, least_gap, least_pressure, losses, solve_at
 from .beyond import steady_beyond
 from .choice import of_smooth
 from .softened import LINEAR
@@ -36,6 +36,7 @@ ON_HALF_SPACE = "cylinder on a half-space, plane strain (exact but for the ends 
 _ORDERS = ((32, 48), (48, 64), (64, 96), (96, 128), (128, 192))  # terms of the pressure, to be compared
 _FLOOR = 1e-5  # relative error below which a point counts whatever `rtol` asks: `error` says what was reached
 _TRACED = (32, 48)
+_LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
 _TRACED_RATIO = 12.0  # half-length over thickness served under a JAX transformation
 _SHARE = 0.3  # of what the lower order changes, at most, that is left of it in the higher one
 _NOTHING = 1e-12  # of the width of the contact over the radius
@@ -318,3 +319,56 @@ def _say(points: Scene, found: _Found, sunk: Any, body: Any, shape: Cylinder, rt
             ModelWarning,
             stacklevel=5,
         )
+
+
+def cylinder_losses(
+    material: Any, shape: Cylinder, *, velocity: Any, load: Any, depth: Any, temperature: Any, model: Any, rtol: float
+) -> tuple[OnLayer, Any, Any]:
+    """The rolling cylinder, the resistance [N/m] of each branch at each point, and the times of the branches [s].
+
+    Raises `InputError` for what `losses` does not separate.
+    """
+    body = material if isinstance(material, Layer) else surface_foundation(material)
+    if is_traced(body, shape, velocity, load, depth, temperature):
+        raise InputError("material must not be traced: the losses of a layer by branch are known for numbers only.")
+    if isinstance(body, TabulatedFoundation) or isinstance(getattr(body, "material", None), TabulatedModulus):
+        raise InputError("material must be a series, em.Prony, to tell its branches from each other, got a table.")
+    if isinstance(body, Layer) and (body.other is not None or not body.constant):
+        raise InputError(
+            "material must be one layer with a constant Poisson's ratio, whose branches lose in proportion to their "
+            "loss moduli, got two layers or a constant bulk modulus."
+        )
+    law = body.normal() if isinstance(body, Layer) else body.law()
+    if float(law.viscosity) > 0 or not float(law.equilibrium) > 0:
+        raise InputError("material must be a solid without a parallel dashpot to separate its branches on a layer.")
+    if not law.moduli.size:
+        raise InputError("material must have a relaxation time: an elastic one dissipates nothing.")
+    done, points, solution = cylinder_pressure(
+        body, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model, rtol=rtol
+    )
+    cover, _ = _covers(body, points)[0]
+    speed, there = np.asarray(points.reduced).reshape(-1), np.ravel(done.found.converged)
+    each = np.where(there, losses(speed, law, cover, solution) * np.asarray(points.vertical).reshape(-1), np.nan)
+    factor = np.asarray(points.reduced) / np.asarray(points.full(points.velocity)).reshape(np.shape(points.reduced))
+    return done, each.reshape(-1, *points.shape), law.times * factor.reshape(*points.shape, 1)
+
+
+def cylinder_pressure(
+    material: Any, shape: Cylinder, *, velocity: Any, load: Any, depth: Any, temperature: Any, model: Any, rtol: float
+) -> tuple[OnLayer, Scene, Any]:
+    """The rolling cylinder, its points, and the contact of each with the terms of its pressure; numbers."""
+    done = cylinder_on_layer(
+        "rolling", material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model,
+        rtol=rtol,
+    )  # fmt: skip
+    control = "load" if depth is None else "depth"
+    given: dict[str, Any] = {control: load if depth is None else depth}
+    points = steady_scene(material, shape, velocity=velocity, temperature=temperature, **given)
+    covers = tuple(cover for cover, _ in _covers(material, points))
+    contact = done.found.contact
+    half = np.nan_to_num(0.5 * np.ravel(contact.leading + contact.trailing), nan=1e-3)
+    flat = Cylinders(np.asarray(shape.radius), covers, np.asarray(points.reduced).reshape(-1))
+    ratio = 0.0
+    if flat.on_layers:
+        ratio = _ladder(float(half.max() / min(float(np.asarray(cover.thickness)) for cover in covers)))
+    return done, points, solve_at(flat, half, _LOSS_ORDER, layer_waves(flat, ratio), False)

@@ -11,9 +11,12 @@ from .._arrays import xp
 from .._runtime import Array, is_traced, nan_unless, numpy_unless_traced
 from ..errors import ConvergenceWarning, InputError
 from ..mapping.direction import directions
+from ..mapping.shapes import Cylinder
 from ..material.relaxation import Relaxation
 from ..results.spectrum import Dissipation
 from ..solve.passage import Losses, solve_losses
+from .cylinder import cylinder_losses
+from .on_layer import is_on_layer
 from .several import over_materials
 from .steady import SmoothScene, set_up, solve
 
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Indenter, Materials, ModelLike
 
 _BATCH = 4096  # passages at once
+_LAYER_SHARE = 1e-3  # of the work that the branches may miss on a layer
 
 
 @over_materials
@@ -61,11 +65,14 @@ def dissipation(
     Raises:
         InputError: as `friction`, and for a profile that is not convex.
 
-    Exact for the line. With the direction average F_k is averaged as the friction is, exact to first order in the loss.
-    Differentiable as `friction` is.
+    Exact for the line, and for a cylinder on an `em.layer` or a half-space, in numbers only; bodies of revolution on an
+    `em.layer` are refused. With the direction average F_k is averaged as the friction is, exact to first order in the
+    loss. Differentiable as `friction` is.
 
     Source: derived in `docs/theory.md`, section 22.
     """
+    if is_on_layer(material, shape):
+        return _on_layer(material, shape, velocity, load, depth, temperature, model, rtol)
     scene = set_up(
         "dissipation", material, shape, velocity=velocity, load=load, depth=depth, pressure=None,
         temperature=temperature, model=model, rtol=rtol, skip=True, softens=False,
@@ -107,6 +114,51 @@ def dissipation(
         converged=spread(good),
         model=scene.plan.model,
         plan=scene.plan,
+        inputs=found.inputs,
+    )
+
+
+def _on_layer(
+    material: Any, shape: Any, velocity: Any, load: Any, depth: Any, temperature: Any, model: Any, rtol: float
+) -> Dissipation:
+    """Of a cylinder on rubber of finite thickness, or on a half-space."""
+    if not isinstance(shape, Cylinder):
+        raise InputError(
+            f"shape must be an em.Cylinder for the losses of an em.layer by branch, got {shape!r}: give a ball the "
+            "material itself, a half-space."
+        )
+    if (load is None) == (depth is None):
+        raise InputError("load or depth must be given, and only one of them.")
+    done, each, times = cylinder_losses(
+        material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model, rtol=rtol
+    )
+    found = done.found
+    total = np.sum(each, axis=0)
+    missing = np.abs(total * np.asarray(shape.length) / found.friction_force - 1)
+    good = found.converged & (missing <= max(rtol, _LAYER_SHARE))
+    if lost := int(np.sum(found.converged & ~good)):
+        text = (
+            f"the losses of {lost} of {good.size} points did not converge to {max(rtol, _LAYER_SHARE):g}; they are NaN."
+        )
+        warnings.warn(text, ConvergenceWarning, stacklevel=4)
+    share = nan_unless(good[..., None], np.moveaxis(each / total, 0, -1))
+
+    def spread(field: Any) -> Any:
+        return np.broadcast_to(np.asarray(field)[..., None], share.shape)
+
+    force = share * found.friction_force[..., None]
+    return Dissipation(
+        velocity=spread(found.velocity),
+        temperature=None if done.temperature is None else spread(done.temperature),
+        time=np.broadcast_to(times, share.shape),
+        share=share,
+        resistance=force,
+        power=force * found.velocity[..., None],
+        normal_force=spread(found.normal_force),
+        error=spread(nan_unless(good, missing)),
+        converged=spread(good),
+        model=done.model,
+        plan=done.plan,
         inputs=found.inputs,
     )
 

@@ -108,7 +108,8 @@ def indent(
     numpy = xp if traced else np
     if isinstance(disc, LayerDisc):
         found = _within(found, disc)
-        incompressible_enough(material, disc, found.radius, found.force)
+        layer: Any = material
+        incompressible_enough(layer, disc, found.radius, found.force)
     if not traced and not found.converged.all():
         failed = int((~found.converged).sum())
         text = f"{failed} of {found.converged.size} instants did not converge to rtol={rtol:g}; they are NaN."

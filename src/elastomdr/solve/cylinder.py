@@ -403,3 +403,46 @@ def _depth_terms(order: int) -> tuple[np.ndarray, np.ndarray]:
     s, terms = _pressure_rule(order, _LAST)
     wave = s[:, None] * y
     return 2 / math.pi * terms.T @ np.cos(wave), -2 / math.pi * terms.T @ np.sin(wave)
+
+
+def losses(velocity: np.ndarray, law: Relaxation, cover: Cover, solution: Solution) -> np.ndarray:
+    """Resistance [N/m] of each relaxation time at each point: branches x points; numbers only, one cover, no dashpot.
+
+    Every wave strains the cover as it does an elastic one, so that of its loss the branch k has the part
+    E_k''(kv)/E''(kv):  F_k = (2/pi) int W |p(k)|^2 E_k''/|E*|^2 dk, p(k) a sum of Bessel functions.
+    """
+    order = solution.terms.shape[1]
+    y, weight, even, odd = _loss_waves(order)
+    sign = np.array([1.0, -1.0])[(np.arange(order) // 2) % 2]
+    power = (solution.terms * sign)[:, ::2] @ even, (solution.terms * sign)[:, 1::2] @ odd
+    spread = power[0] ** 2 + power[1] ** 2  # |p|^2 over L^2
+    late = y > 0.75 * _LOSS_END  # |p|^2 falls as y^-3 behind its last wave
+    edge = np.sum(spread[:, late] * y[late] ** 3 * weight[late], axis=1) / np.sum(weight[late])
+    far, far_weight = _panels(_LOSS_END * 2.0 ** np.arange(0, 31), 8)
+    y, weight = np.concatenate([y, far]), np.concatenate([weight, far_weight])
+    spread = np.concatenate([spread, edge[:, None] / far**3], axis=1)
+    k = y / solution.half[:, None]
+    omega = k * velocity[:, None]
+    size = np.abs(law.complex_modulus(omega)) ** -2
+    if cover.thickness is not None:
+        size = size * layer_kernel(k * cover.thickness, cover.squeeze, cover.bonded)
+    each = 2 / math.pi * solution.half[:, None] * spread * size * weight
+    found = []
+    for modulus, time in zip(law.moduli, law.times, strict=True):
+        x = omega * time
+        found.append(np.sum(each * modulus * x / (1 + x**2), axis=1))
+    return np.array(found)
+
+
+_LOSS_END = 4097.0  # kL of the last wave that is summed: where every term falls as it does for good
+
+
+@functools.lru_cache(maxsize=4)
+def _loss_waves(order: int) -> tuple[np.ndarray, ...]:
+    """kL, its weights, and the transforms of the even and the odd terms there, but for signs."""
+    from scipy.special import jv
+
+    ends = np.concatenate([_SHRINKING, np.arange(5.0, _LOSS_END + 1, 4.0)])
+    y, weight = _panels(ends, 8)
+    terms = math.pi * np.arange(1, order + 1)[:, None] * jv(np.arange(1, order + 1)[:, None], y) / y
+    return y, weight, terms[::2], terms[1::2]

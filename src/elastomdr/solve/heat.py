@@ -217,4 +217,4 @@ def rise(heat: Heat, at: Scales, velocity: Float[np.ndarray, " m"]) -> Float[np.
         whole = np.hypot(w, k)[:, None]
         kernel = i0e(w * r) * k0e(whole * r) * np.exp(-(k[:, None] ** 2) / (whole + w) * r)
         found[i] = np.einsum("nk,kr,nr->n", sampled, kernel * r**2 * step, excess, optimize=True)
-    return 2 / (np.pi * heat.conductivity) * found
+    return np.asarray(2 / (np.pi * heat.conductivity) * found)

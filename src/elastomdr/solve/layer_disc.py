@@ -238,12 +238,15 @@ def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool)
         if at.alpha[-1] > top:
             columns += [columns[-1]] * (_ENDS.size - 2 - panel)
             break
-    tables = (numpy.stack(list(column)) for column in zip(*columns, strict=True))
+    stiffness, edge, pull, held = (numpy.stack(list(column)) for column in zip(*columns, strict=True))
     places = np.minimum(
         np.concatenate([0.5 * (l + h) + 0.5 * (h - l) * _places() for l, h in itertools.pairwise(_ENDS)]), 0.999 * top
     )
     places = numpy.minimum(places * thickness, 0.999 * shape.largest_contact)
-    disc = LayerDisc(shape, "half-space", numpy.asarray(thickness), *tables, places, places, places, squeeze, bonded)
+    disc = LayerDisc(
+        shape, "half-space", numpy.asarray(thickness), stiffness, edge, pull, held, places, places, places, squeeze,
+        bonded,
+    )  # fmt: skip
     if disc.flat:
         return disc
     depths, areas = fixed((disc.profile(numpy.asarray(places)), disc.area(numpy.asarray(places))))
@@ -283,9 +286,9 @@ class ElasticLine(NamedTuple):
     """The kernel M of a layer in numbers, lengths in m."""
 
     z: np.ndarray
-    weight: np.ndarray  # -(2/pi)(1 - W) dz
+    weight: Any  # -(2/pi)(1 - W) dz
     thickness: float
-    count: int
+    nodes: int
 
     def kernel(self, x: np.ndarray, s: np.ndarray) -> np.ndarray:
         """(2/pi) M(x, s) [1/m]."""
@@ -294,9 +297,9 @@ class ElasticLine(NamedTuple):
 
     def of_unit(self, x: np.ndarray, a: float) -> np.ndarray:
         """q_1(x; a) at places x <= a: the force density under a flat punch of radius a."""
-        node, share = np.polynomial.legendre.leggauss(self.count)
+        node, share = np.polynomial.legendre.leggauss(self.nodes)
         s, ds = 0.5 * a * (1 + node), 0.5 * a * share
-        unit = np.linalg.solve(np.eye(self.count) + self.kernel(s, s) * ds, np.ones(self.count))
+        unit = np.linalg.solve(np.eye(self.nodes) + self.kernel(s, s) * ds, np.ones(self.nodes))
         return (1 - self.kernel(x.ravel(), s) @ (ds * unit)).reshape(x.shape)
 
 

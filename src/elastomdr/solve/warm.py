@@ -94,6 +94,8 @@ def warmed(problem: Problem, model: Any, highest: float) -> Warm:
         return _of_traced(problem, model, highest)
     log_q, rise, seen, several = _first(problem, model, _LEVELS[0][1], highest)
     found: list[Warmed] = []
+    of: Any = None
+    good: Any = True
     for cells, stations in _LEVELS:
         own = _stations(problem.spectrum, stations)
         rise = np.clip(rise @ basis(log_q, own).T, 0.0, highest)

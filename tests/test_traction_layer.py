@@ -1,0 +1,54 @@
+"""Traction of a cylinder on rubber of finite thickness: limits, and what is refused."""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+
+ROLL = em.Cylinder(0.05, 0.5)
+CREEP = np.geomspace(1e-4, 1.0, 9)
+
+
+def test_thick_elastic_layer_begins_and_ends_as_carter_and_is_near_it_between():
+    rubber = em.Prony(1e6, [], [])
+    given = {"velocity": 1.0, "creepage": CREEP, "friction": 0.5, "load": 300.0}
+    layer, exact = em.traction(em.layer(rubber, 2.0), ROLL, **given), em.traction(rubber, ROLL, **given)
+    np.testing.assert_allclose(layer.coefficient[:2], exact.coefficient[:2], rtol=1e-2)
+    np.testing.assert_allclose(layer.coefficient[-1], 0.5, rtol=1e-2)
+    assert np.abs(layer.coefficient - exact.coefficient).max() < 0.08 * 0.5
+
+
+def test_thin_layer_is_the_brush_of_its_shear():
+    """Without slip a layer much thinner than its contact carries xi G int r dr/h; branches their ramps."""
+    rubber = em.Prony(1e6, [4e6], [2e-2], poisson=0.3)
+    thin = em.traction(em.layer(rubber, 2e-4), ROLL, velocity=0.5, creepage=1e-3, friction=np.inf, load=2e4)
+    length = float(thin.contact.leading + thin.contact.trailing)
+    r = np.linspace(0, length, 20001)
+    s = 0.5 * 2e-2
+    expected = 1e-3 * 0.5 * np.trapezoid(1e6 * r + 4e6 * s * -np.expm1(-r / s), r) / 2e-4
+    np.testing.assert_allclose(thin.force, expected, rtol=1e-2)  # the contact is 50 times as wide as thick
+    assert float(thin.stick) == 1
+
+
+def test_full_slip_no_creepage_and_sign():
+    layer = em.layer(em.Prony(1e6, [4e6], [2e-2]), 5e-3)
+    given = {"velocity": 0.5, "friction": 0.3, "load": 300.0}
+    found = em.traction(layer, ROLL, creepage=[-0.05, 0.0, 0.05, 50.0], **given)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.coefficient[0], -found.coefficient[2], rtol=1e-12)
+    assert found.coefficient[1] == 0
+    np.testing.assert_allclose(found.coefficient[3], 0.3, rtol=1e-3)
+    rolled = em.rolling(layer, ROLL, velocity=0.5, load=300.0)
+    np.testing.assert_allclose(found.rolling, float(rolled.coefficient), rtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("layer", "body", "match"),
+    [
+        (em.layer(em.Prony(1e6, [], []), 5e-3), em.Sphere(0.05), "Cylinder"),
+        (em.layer(em.Prony(1e6, [], []), 5e-3, bonded=False), ROLL, "bonded"),
+    ],
+)
+def test_refused(layer, body, match):
+    with pytest.raises(em.InputError, match=match):
+        em.traction(layer, body, velocity=1.0, creepage=0.1, friction=0.5, load=1.0)
