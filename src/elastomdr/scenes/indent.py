@@ -23,6 +23,7 @@ from ..solve.control import Course, Found, indent_under, indent_with_adhesion
 from ..solve.layer_disc import LayerDisc
 from ..solve.surface import Elements
 from .ages import history_beyond
+from .metres import hint_at_metres
 from .normal_layer import incompressible_enough, of_layer
 from .several import over_materials
 
@@ -182,6 +183,7 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
     if isinstance(material, Layer):
         return of_layer(material, shape)
+    hint_at_metres(shape)
     foundation = as_foundation(material)
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
