@@ -378,7 +378,6 @@ def _check_contact(found: _Found, pressure: np.ndarray) -> None:
         )
 
 
-
 def _misfit(foundation: Any, surface: AbstractSpectrum, reduced: np.ndarray) -> np.ndarray:
     """Relative change of mu for what a material misses of the data that it was fitted to; 0 where that is not known.
 
