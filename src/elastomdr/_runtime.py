@@ -122,6 +122,11 @@ def as_float64(name: str, value: Any) -> Array:
 
         with jax.enable_x64(True):
             return jax.numpy.asarray(value, dtype=jax.numpy.float64)
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise InputError(
+            f"{name} must have no masked entries, got {np.ma.count_masked(value)} of {value.size}: leave them out, or "
+            "put numbers in their place with `.filled(...)`."
+        )
     try:
         array = np.asarray(value)
     except ValueError as error:
@@ -143,12 +148,44 @@ def require(name: str, value: Any, accepted: str, test: Callable[[np.ndarray], A
         raise InputError(f"{name} must be {accepted}, got {float(first):g}.")
 
 
+_LEAST, _MOST = 1e-100, 1e100  # beyond them products of a few numbers leave the range of float64
+
+
 def positive(name: str, value: Any) -> None:
     require(name, value, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
+    representable(name, value)
 
 
 def not_negative(name: str, value: Any) -> None:
     require(name, value, "zero or positive and finite", lambda x: (x >= 0) & np.isfinite(x))
+    representable(name, value)
+
+
+def finite(name: str, value: Any) -> None:
+    """Raises `InputError` unless every entry is finite, of either sign, and not beyond what can be computed with."""
+    require(name, value, "finite", np.isfinite)
+    require(name, value, "between -1e100 and 1e100 in SI units", lambda x: abs(x) < _MOST)
+
+
+_COLDEST = 60.0  # no rubber is used below it: a smaller number is one in degrees Celsius [K]
+
+
+def in_kelvin(name: str, value: Any) -> None:
+    """Raises `InputError` for what is no temperature of rubber in kelvin, and says what may have been meant."""
+    if not is_traced(value):
+        array = np.asarray(value)
+        cold = array[array < _COLDEST]
+        if cold.size:
+            first = float(cold.flat[0])
+            meant = f"; {first:g} degC is {first + 273.15:g} K" if first > -273.15 else ""
+            raise InputError(f"{name} must be positive and in kelvin, {_COLDEST:g} K or more, got {first:g}{meant}.")
+    positive(name, value)
+
+
+def representable(name: str, value: Any) -> None:
+    """Refuses numbers whose products would leave the range of float64."""
+    accepted = "zero or between 1e-100 and 1e100 in SI units"
+    require(name, value, accepted, lambda x: (x == 0) | ((x > _LEAST) & (x < _MOST)))
 
 
 def ascending(name: str, values: Any) -> None:

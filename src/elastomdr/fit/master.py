@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._runtime import not_negative, positive, scalar, significant
+from .._runtime import in_kelvin, not_negative, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, without_copies
 from ..material.tabulated import TabulatedModulus
@@ -136,7 +136,7 @@ class MasterCurve(AbstractFindings):
     def at_reference(self, temperature: float) -> "MasterCurve":
         """The same master curve about another reference temperature [K]."""
         temperature = float(scalar("temperature", temperature))
-        positive("temperature", temperature)
+        in_kelvin("temperature", temperature)
         return _assemble(self.dma, self.joint, temperature, self.ambiguous)
 
     @one_thread
@@ -239,7 +239,7 @@ def master_curve(
         not_negative("temperature_error", temperature_error)
     if reference is not None:
         reference = float(scalar("reference", reference))
-        positive("reference", reference)
+        in_kelvin("reference", reference)
     sorted_dma = isotherms(dma, tolerance)
     refuse_swapped(dma)
     if (once := without_copies(dma)) is not dma:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import as_float64, positive
+from .._runtime import as_float64, in_kelvin, positive
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -186,6 +186,7 @@ def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None
 
 def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
     array = _positive("temperature", value)
+    in_kelvin("temperature", array)
     if array.size == 1:
         return np.full(like.size, array[0])
     _same("temperature", array, "omega", like)

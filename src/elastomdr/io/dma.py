@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._runtime import plain, positive
+from .._runtime import in_kelvin, plain
 from ..errors import InputError
 from .columns import Column, Quantity, choose, left_out, measured, missing, named, taken, understand
 from .data import KINDS, Dma, FitWarning, describe_list, join, untold
@@ -392,7 +392,7 @@ def _with_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
         return parts
     given = [float(plain("temperature", one)) for one in (temperature if np.ndim(temperature) else [temperature])]
     for kelvin in given:
-        positive("temperature", kelvin)
+        in_kelvin("temperature", kelvin)
     if not without:
         celsius = np.unique(np.concatenate([[*one.temperature, *one.time_temperature] for one in parts]) - 273.15)
         raise InputError(
