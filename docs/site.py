@@ -29,7 +29,7 @@ GROUPS = {
         "materials", "load_material", "save_material",
     ),
     "Files of others": ("read_dma", "read_friction", "read_shifts", "read_spectrum", "read_surface"),
-    "From three dimensions to one": ("half_space", "springs", "Foundation", "ContactStep"),
+    "From three dimensions to one": ("half_space", "layer", "Layer", "springs", "Foundation", "ContactStep"),
     "Shapes and surfaces": (
         "Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Profile", "Cylinder", "RoughLine", "SelfAffine",
         "Spectrum",

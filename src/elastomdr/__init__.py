@@ -22,6 +22,7 @@ _HOMES = {
     "mapping.rough_line": ("RoughLine",),
     "mapping.spectrum": ("SelfAffine", "Spectrum"),
     "foundation.law": ("Foundation", "half_space", "springs"),
+    "foundation.layer": ("Layer", "layer"),
     "foundation.solver": ("ContactStep",),
     "solve.adhesive_shear": ("AdhesiveShear",),
     "solve.heat": ("Heat",),

@@ -9,6 +9,8 @@ from .errors import ModelWarning as ModelWarning
 from .foundation.law import Foundation as Foundation
 from .foundation.law import half_space as half_space
 from .foundation.law import springs as springs
+from .foundation.layer import Layer as Layer
+from .foundation.layer import layer as layer
 from .foundation.solver import ContactStep as ContactStep
 from .io.dma import read_dma as read_dma
 from .io.friction import MeasuredFriction as MeasuredFriction

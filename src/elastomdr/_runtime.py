@@ -167,18 +167,17 @@ def finite(name: str, value: Any) -> None:
     require(name, value, "between -1e100 and 1e100 in SI units", lambda x: abs(x) < _MOST)
 
 
-_COLDEST = 60.0  # no rubber is used below it: a smaller number is one in degrees Celsius [K]
-
-
-def in_kelvin(name: str, value: Any) -> None:
-    """Raises `InputError` for what is no temperature of rubber in kelvin, and says what may have been meant."""
-    if not is_traced(value):
-        array = np.asarray(value)
-        cold = array[array < _COLDEST]
-        if cold.size:
-            first = float(cold.flat[0])
-            meant = f"; {first:g} degC is {first + 273.15:g} K" if first > -273.15 else ""
-            raise InputError(f"{name} must be positive and in kelvin, {_COLDEST:g} K or more, got {first:g}{meant}.")
+def in_kelvin(name: str, value: Any, coldest: float = 60.0) -> None:
+    """Raises `InputError` for temperatures that are not positive, or can only be meant in degrees Celsius."""
+    if is_traced(value):
+        return
+    array = np.asarray(value, dtype=float)
+    low = float(array[np.isfinite(array)].min(initial=np.inf))
+    if -273.15 < low < coldest:
+        raise InputError(
+            f"{name} must be in kelvin, {coldest:g} at least, got {low:g}: {low:g} degC is "
+            f"{low + 273.15:.6g} K ({low:g}degC on the command line)."
+        )
     positive(name, value)
 
 

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from .foundation.law import Foundation, TabulatedFoundation
+    from .foundation.layer import Layer
     from .mapping.rough_line import RoughLine
     from .mapping.shapes import AbstractShape
     from .mapping.spectrum import AbstractSpectrum
@@ -36,7 +37,7 @@ ArrayLike: TypeAlias = "Number | HasArray | Sequence[Number] | Sequence[Sequence
 
 Kind: TypeAlias = Literal["shear", "tensile"]
 Solid: TypeAlias = "Prony | TabulatedModulus"  # of which a file or the library may hold either
-Material: TypeAlias = "Prony | TabulatedModulus | Foundation | TabulatedFoundation"
+Material: TypeAlias = "Prony | TabulatedModulus | Foundation | TabulatedFoundation | Layer"
 Materials: TypeAlias = "Material | Sequence[Material]"  # one, or several along the first axis of the result
 RangeLike: TypeAlias = "Range | dict[str, tuple[float, float]] | dict[str, list[float]]"
 
@@ -47,6 +48,7 @@ ModelLike: TypeAlias = "Model | ModelName"
 
 Convention: TypeAlias = Literal["2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"]
 Motion: TypeAlias = Literal["friction", "rolling"]
+Response: TypeAlias = Literal["relaxation", "creep", "storage"]
 LawName: TypeAlias = Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"]
 Style: TypeAlias = Literal["paper"]  # of a figure
 

@@ -12,6 +12,7 @@ from .cards import ansys_card as ansys_card
 from .cards import plain_card as plain_card
 from .grosch import FrictionMaster as FrictionMaster
 from .grosch import friction_master as friction_master
+from .hardness import from_hardness as from_hardness
 from .master import MasterCurve as MasterCurve
 from .master import master_curve as master_curve
 from .payne import SofteningFit as SofteningFit

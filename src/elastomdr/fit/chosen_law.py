@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import InputError
 from ..material.shift import ShiftTable
 from ..material.vertical import AbstractVertical, EntropicVertical, VerticalTable
+from .given_law import about
 
 if TYPE_CHECKING:
     from .master import MasterCurve
@@ -26,6 +27,8 @@ def check_law(law: Any) -> None:
 
 def shift_law(master: "MasterCurve", law: str) -> tuple[str, Any]:
     """The name of a law and the law itself, None for "none"; `law` is one of `LAWS`."""
+    if master.joint.law is not None and law == "auto":
+        return "given", about(master.joint.law, master.reference, master.measured_at)
     chosen = _choose(master) if law == "auto" else law
     return chosen, None if chosen == "none" else _table(master) if chosen == "table" else _law(master, chosen)
 

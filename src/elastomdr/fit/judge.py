@@ -69,6 +69,8 @@ def _ambiguous(master: "MasterCurve") -> Iterator[str]:
 
 
 def _choice(master: "MasterCurve") -> Iterator[str]:
+    if master.joint.law is not None:
+        return
     choice = master.joint.doubts[0].by_isotherm
     moved = np.abs(choice - np.interp(master.reference, master.temperature, choice))
     if moved.max() > _CHOICE:
@@ -80,6 +82,8 @@ def _choice(master: "MasterCurve") -> Iterator[str]:
 
 
 def _gaps(master: "MasterCurve") -> Iterator[str]:
+    if master.joint.law is not None:
+        return
     rates = np.concatenate([master.omega, 1 / master.time])
     number = np.concatenate([master.isotherm, master.time_isotherm])
     celsius = master.temperature - 273.15

@@ -8,12 +8,13 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from .. import __version__
-from ..io.data import Dma
+from ..errors import InputError
+from ..io.data import Dma, strains
 from ..material.library import save_material
 from ..material.prony import Prony
 from ..material.tabulated import TabulatedModulus
@@ -30,6 +31,7 @@ from .tabulate import tabulate
 
 if TYPE_CHECKING:
     from .._types import LawName
+    from ..material.shift import AbstractShift
 
 _OPEN = 0.05  # chance that there are no vertical shifts above which the material has none
 _MISSED = 0.1  # misfit of the data as measured that is worth a warning
@@ -56,7 +58,7 @@ class MaterialFit(AbstractFindings):
         yield "material", self.material.name
         yield from (("columns", text) for text in self.master.dma.columns)
         yield from ((name, text) for name, text in self.master.findings() if name != "warning")
-        yield "shift law", f"{self.law} in the material" if self.law != "none" else "none in the material"
+        yield "shift law", "none in the material" if self.law == "none" else f"{self.law} in the material"
         yield "vertical shift", _lifted(self.material.vertical)
         yield from ((name, text) for name, text in self.prony.findings() if name != "warning")
         if self.misfit:
@@ -88,7 +90,7 @@ class MaterialFit(AbstractFindings):
             moduli[f"{name}_residual"] = rounded(self.misfit.get(f"{of} modulus", own[of]), 2)
         sources = {
             "moduli": moduli,
-            "shift": fitted | {"note": self._shift_note()},
+            "shift": (fitted if not self.master.given else self._given()) | {"note": self._shift_note()},
             "poisson": {"citation": "Assumed, not measured", "grade": "illustrative"},
             "range": {"citation": f"Span of the data: {self.citation}", "grade": "measured"},
         }
@@ -106,6 +108,8 @@ class MaterialFit(AbstractFindings):
     def _note(self) -> str:
         fit = self.prony
         parts = [f"{fit.terms} terms over {np.log10(fit.window[1] / fit.window[0]):.1f} decades."]
+        if amplitude := strains(self.master.dma.strain):
+            parts.append(f"Measured at a strain amplitude of {amplitude}.")
         if not fit.storage.size:
             parts.append(f"From relaxation; both residuals are of the relaxation modulus. Loss: {fit.loss_known}.")
         if self.misfit:
@@ -119,8 +123,14 @@ class MaterialFit(AbstractFindings):
         met = ", ".join(f"{name} {100 * size:.2g} %" for name, size in sizes.items() if np.isfinite(size))
         return f"the master curve is met to: {met} rms"
 
+    def _given(self) -> dict[str, str]:
+        estimated = "estimated" in self.master.given
+        return {"citation": "Given with the data", "grade": "estimated" if estimated else "published fit"}
+
     def _shift_note(self) -> str:
         master = self.master
+        if master.given:
+            return f"{master.given}."
         worst = TWO_SIGMA * float(master.log10_a_std.max())
         parts = [f"{master.temperature.size} isotherms shifted jointly, log10 a_T to +- {worst:.2g} (95 %) at worst."]
         if self.law in master.laws:
@@ -160,6 +170,7 @@ def material(
     dma: Dma,
     reference: float | None = None,
     *,
+    shift: AbstractShift | Literal["universal"] | None = None,
     vertical: bool | None = None,
     terms: int | None = None,
     equilibrium: bool | None = None,
@@ -180,6 +191,7 @@ def material(
     Args:
         dma: the measurement, with temperatures.
         reference: reference temperature [K]; by default the measured temperature nearest to 20 degC.
+        shift: a shift law that is known, as for `master_curve`; the material carries it.
         vertical: True or False with or without vertical shifts; None lets the data choose.
         terms: number of terms of the series, as for `prony`.
         equilibrium: whether there is an equilibrium modulus, as for `prony`.
@@ -199,18 +211,21 @@ def material(
         InputError: as `master_curve` and `prony`, and for a law that is none of these.
     """
     check_law(law)
+    if shift is not None and law != "auto":
+        raise InputError(f"law must be left out where shift is given, got {law!r}.")
     name = name or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem).strip("-.").lower() or "rubber"
     citation = citation or f"Measured data: {dma.source or 'arrays'}"
 
     def fitted(master: MasterCurve) -> MaterialFit:
-        chosen, shift = shift_law(master, law)
+        dma = master.dma  # of one strain
+        chosen, own = shift_law(master, law)
         fit = prony(
             master,
             terms=terms,
             equilibrium=equilibrium,
             balance=balance,
             poisson=poisson,
-            shift=shift,
+            shift=own,
             vertical=vertical_law(master),
             name=name,
             citation=citation,
@@ -221,13 +236,13 @@ def material(
             with_misfit(fit.material, dma), master, fit, chosen, misfit(fit.material, dma), texts, citation, about
         )
 
-    found = fitted(_shifted(dma, reference, vertical, temperature_error))
+    free = master_curve(dma, reference, vertical is not False, shift=shift, temperature_error=temperature_error)
+    found = fitted(_shifted(free, vertical))
     return replace(found, warnings=(*found.warnings, *_misses(found)))
 
 
-def _shifted(dma: Dma, reference: float | None, vertical: bool | None, error: float | None) -> MasterCurve:
+def _shifted(free: MasterCurve, vertical: bool | None) -> MasterCurve:
     """The master curve with the vertical shifts that the data ask for, by their evidence: none, entropic, or free."""
-    free = master_curve(dma, reference, vertical is not False, temperature_error=error)
     if vertical is False or free.temperature.size < 2:
         return free
     if vertical is None and free.joint.weight > _OPEN:

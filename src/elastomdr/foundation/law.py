@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, overload
 import numpy as np
 
 from .._runtime import Array, as_float64, is_traced, numpy_unless_traced, positive, scalar
-from .._trees import fill, replaced, static
+from .._trees import Tree, fill, replaced, static
 from ..errors import InputError, ModelWarning
 from ..mapping.radok import layer_operator, normal_operator, tangential_operator
 from ..material.prony import Prony
@@ -23,6 +23,14 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
     from .._types import ArrayLike, Number, RangeLike, Solid
+
+
+class Slab(Tree):
+    """The layer that springs stand for, to be compared with it."""
+
+    material: Prony
+    thickness: Array  # [m]
+    bonded: bool = static()
 
 
 class Foundation(AbstractRelaxation):
@@ -44,6 +52,7 @@ class Foundation(AbstractRelaxation):
     per_area: bool | None = static()
     name: str = static()
     range: Range | None = static()  # where the numbers hold; None: not known
+    slab: Slab | None = None  # of `em.springs`
 
     def __init__(
         self,
@@ -64,7 +73,7 @@ class Foundation(AbstractRelaxation):
         check_vertical(vertical)
         fill(self, **vars(law), shift=shift, vertical=vertical, softening=as_softening(softening), per_area=per_area)
         fill(self, name=name, range=as_range(range))
-        fill(self, thickness=None if thickness is None else scalar("thickness", thickness))
+        fill(self, thickness=None if thickness is None else scalar("thickness", thickness), slab=None)
 
     @classmethod
     def kelvin(cls, stiffness: Number, viscosity: Number) -> "Foundation":
@@ -157,11 +166,13 @@ def half_space(
 
 @numpy_unless_traced
 def springs(material: Solid, thickness: Number, *, bonded: bool = True, tangential: bool = False) -> Foundation:
-    """The foundation of a thin layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
+    """Independent springs in place of a layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
 
-    Holds where the contact is much wider than the layer is thick. `tangential` gives that of simple shear, G(t) over
-    the thickness, as of the tread in the brush model of a tyre. Raises `InputError` for a bonded incompressible
-    layer, which does not act as a row of springs, and for one that is sheared without being bonded.
+    The textbook's; `em.layer` is the layer itself. Springs hold where the contact is much wider than the layer is
+    thick: the `model_error` of `em.friction` and `em.rolling` says how far they are from it under a cylinder.
+    `tangential` gives the stiffness of simple shear, G(t) over the thickness, as of the tread in the brush model of a
+    tyre. Raises `InputError` for a bonded incompressible layer, which does not act as a row of springs, and for one
+    that is sheared without being bonded.
     Source: Johnson 1985, section 5.8.
     """
     thickness = scalar("thickness", thickness)
@@ -170,7 +181,9 @@ def springs(material: Solid, thickness: Number, *, bonded: bool = True, tangenti
         raise InputError("bonded must be True with tangential: a layer that slips on its base is not sheared.")
     own = _material("material", material)
     law = scaled(own.shear().law() if tangential else layer_operator(own, bonded), 1 / thickness)
-    return replaced(_foundation(law, material, True, material.name, material.range), thickness=thickness)
+    slab = None if tangential else Slab(own, thickness, bool(bonded))
+    found = _foundation(law, material, True, material.name, material.range)
+    return replaced(found, thickness=thickness, slab=slab)
 
 
 def surface_foundation(material: Any) -> Foundation | TabulatedFoundation:
@@ -190,6 +203,12 @@ def as_foundation(material: Any) -> Foundation:
         return material
     if isinstance(material, Prony):
         return half_space(material)
+    if type(material).__name__ == "Layer":  # solved by its own means where a verb knows it
+        raise InputError(
+            "material must be a half-space or independent springs here, got an em.layer, which this call does not "
+            "take: use em.springs(material, thickness) for a contact much wider than the layer is thick, em.half_space "
+            "for one much narrower."
+        )
     raise InputError(
         f"material must be a material (em.Prony, em.load_material(...)) or an em.Foundation, got {material!r}."
     )
@@ -200,7 +219,7 @@ def _foundation(law: Relaxation, material: Any, per_area: bool, name: str, known
         law = Relaxation(*(np.asarray(x) for x in (law.equilibrium, law.moduli, law.times, law.viscosity)))
     foundation = object.__new__(Foundation)  # its numbers were checked when the material was made
     fill(foundation, **vars(law), shift=material.shift, vertical=material.vertical, softening=material.softening)
-    fill(foundation, thickness=None, per_area=per_area, name=name, range=known)
+    fill(foundation, thickness=None, slab=None, per_area=per_area, name=name, range=known)
     return foundation
 
 

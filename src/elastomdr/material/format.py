@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import InputError, closest
 from ..files import read_bytes, write_files
 
-GRADES = ("measured", "published fit", "fitted here", "illustrative")
+GRADES = ("measured", "published fit", "fitted here", "estimated", "illustrative")
 
 _TEXT, _NUMBER, _NUMBERS, _PAIR, _PAIR_OR_NONE, _TABLE = (
     "a text in quotes",

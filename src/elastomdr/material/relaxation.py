@@ -130,6 +130,7 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
     return Relaxation(equilibrium, moduli, times, viscosity)
 
 
+@numpy_unless_traced
 def in_order(moduli: Array, times: Array) -> tuple[Array, Array]:
     """Branches by ascending time, those of one time as one; times under a transformation of JAX as they are."""
     if is_traced(times) or (np.diff(times) > 0).all():

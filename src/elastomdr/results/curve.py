@@ -106,7 +106,8 @@ class AbstractCurve(Result):
         if bound[worst] == 0:
             return "none, the model is exact by definition"
         share = significant(100 * float(bound[worst] / value[worst]), 2)
-        return f"{self.symbol} is off the half-space's by {significant(float(bound[worst]), 2)} ({share} %) at most"
+        whose = "that of a layer of this thickness" if "springs" in self.model else "the half-space's"
+        return f"{self.symbol} is off {whose} by {significant(float(bound[worst]), 2)} ({share} %) at most"
 
     def _extremes(self, velocity: np.ndarray, value: np.ndarray, beyond: np.ndarray) -> str:
         order = np.argsort(velocity, kind="stable")
@@ -135,8 +136,9 @@ class FrictionCurve(AbstractCurve):
 
     `mu` is the friction force over the normal force, `error` its estimated numerical error, on a surface computed on
     random lines with twice the standard error of their mean (NaN for a single line), `model_error` a bound on how far
-    the model is from the half-space (empirical: `docs/accuracy.md`). It is 0 where the model is exact by definition:
-    layers, and the bare line of a `Foundation` given directly. A point that did not converge is NaN with
+    the model is from the half-space (empirical: `docs/accuracy.md`). On `em.springs` it is
+    the distance from the layer they stand for. It is 0 where the model is exact by definition: a `Foundation` given
+    directly. A point that did not converge is NaN with
     `converged=False`.
     """
 

@@ -11,7 +11,6 @@ from ..mapping.shapes import Cylinder
 from ..results.curve import FrictionCurve
 
 if TYPE_CHECKING:
-    from ..mapping.lines import AbstractLines
     from ..solve.adhesive_shear import AdhesiveShear
 
 _SKEWED = 0.2  # of 1 - b/a: against 56 contacts in three dimensions (docs/accuracy.md)
@@ -54,7 +53,7 @@ def sheared(
     )
 
 
-def on_contact(curve: FrictionCurve, adhesion: AdhesiveShear, lines: AbstractLines, layer: bool) -> FrictionCurve:
+def on_contact(curve: FrictionCurve, adhesion: AdhesiveShear, shape: Any, layer: bool) -> FrictionCurve:
     """`sheared` under a smooth body, on an area from its leading edge a and its trailing edge b on the central line.
 
     A cylinder touches over (a + b) times its length, exactly. Under a body of revolution the contact is half a disc
@@ -62,8 +61,8 @@ def on_contact(curve: FrictionCurve, adhesion: AdhesiveShear, lines: AbstractLin
     """
     assert curve.contact is not None
     ahead, behind = curve.contact.leading, curve.contact.trailing
-    if isinstance(lines.shape, Cylinder):
-        area, bound, words = (ahead + behind) * lines.shape.length, 0.0, "area between its edges"
+    if isinstance(shape, Cylinder):
+        area, bound, words = (ahead + behind) * shape.length, 0.0, "area between its edges"
     else:
         area, words = 0.5 * xp.pi * ahead * (ahead + behind), "area (pi/2) a (a + b) from its edges"
         bound = xp.nan if layer else _SKEWED * abs(1 - behind / ahead)

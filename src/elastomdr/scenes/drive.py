@@ -22,7 +22,7 @@ from ..solve.dynamics import History, Scene, run
 from ..solve.mount import Mount
 from ..solve.over_line import AbstractOverLine, Indenter, rough
 from ..solve.refine import Levels, finest, refine
-from ..solve.sizes import contact_sizes, shared_level
+from ..solve.sizes import check_path, contact_sizes, shared_level
 from .ages import sliding_beyond
 from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
 from .several import over_materials
@@ -186,6 +186,7 @@ def _within(
         count = history.elements
         spacing = (high - low) / count
     else:
+        check_path(float(high - low), float(spacing))
         count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
     samples = 8 if traced else _samples(history, spacing, mounts, law)
     shortest, early = _early(history)

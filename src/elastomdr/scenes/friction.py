@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ParamSpec
 
 from .._runtime import needs_64_bit_types, numpy_unless_traced, only_one
+from ..foundation.layer import Layer
 from ..mapping.shapes import AbstractShape
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import HalfSpace, Line
@@ -16,6 +17,7 @@ from ..solve.adhesive_shear import AdhesiveShear, check_adhesion
 from ..solve.heat import Heat
 from .adhesion import no_area, on_cells, on_contact
 from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
+from .on_layer import beside_layer, is_on_layer, on_layer
 from .several import over_materials
 from .softened import LINEAR, SOFTENED
 from .steady import no_pressure, set_up, solve
@@ -27,12 +29,13 @@ P = ParamSpec("P")
 
 
 def _surfaces_in_64_bits(function: Callable[P, FrictionCurve]) -> Callable[P, FrictionCurve]:
-    """Refuses closed integrals over a surface under jit, grad or vmap without 64-bit types: JAX would mix both."""
+    """Refuses surfaces and layers under jit, grad or vmap without 64-bit types: JAX would mix both."""
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> FrictionCurve:
         shape = args[1] if len(args) > 1 else kwargs.get("shape")
-        if isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None:
+        surface = isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None
+        if surface or is_on_layer(args[0] if args else kwargs.get("material"), shape):
             return needs_64_bit_types(function)(*args, **kwargs)
         return function(*args, **kwargs)
 
@@ -132,21 +135,31 @@ def friction(
         model = of_smooth(model, "friction", shape.label)
         if isinstance(model, HalfSpace):
             no_pressure(shape, pressure)
-            from ..reference.half_space import half_space_sliding
+            from ..reference import half_space_sliding, layer_sliding
 
             one: Any = material  # `over_materials` has taken lists apart
-            curve: Any = half_space_sliding(
+            solver = layer_sliding if isinstance(material, Layer) else half_space_sliding
+            curve: Any = solver(
                 one, shape, velocity=velocity, load=load, depth=depth, temperature=temperature,
                 points=model.cells or CELLS,
             )  # fmt: skip
             if getattr(one, "softening", None) is not None:
                 curve = dataclasses.replace(curve, model=curve.model + LINEAR)
             return curve if adhesion is None else on_cells(curve, adhesion)
-    scene = set_up(
-        "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-        temperature=temperature, model=model, rtol=rtol, skip=skip,
-    )  # fmt: skip
-    found = solve(scene)
+    if is_on_layer(material, shape):
+        found, kelvin, name, plan = on_layer(
+            "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol,
+        )  # fmt: skip
+        layer = True
+    else:
+        scene = set_up(
+            "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol, skip=skip,
+        )  # fmt: skip
+        found, kelvin, name, plan = solve(scene), scene.temperature, scene.plan.model, scene.plan
+        found = beside_layer(found, material, shape, load=load, depth=depth, temperature=temperature)
+        layer = bool(scene.foundation.per_area)
     curve = FrictionCurve(
         velocity=found.velocity,
         mu=found.mu,
@@ -158,11 +171,11 @@ def friction(
         model_error=found.model_error,
         converged=found.converged,
         extrapolated=found.extrapolated,
-        temperature=scene.temperature,
+        temperature=kelvin,
         strain=found.strain,
         linear=found.linear,
-        model=scene.plan.model + ("" if found.strain is None else SOFTENED),
-        plan=scene.plan,
+        model=name + ("" if found.strain is None else SOFTENED),
+        plan=plan,
         inputs=found.inputs,
     )
-    return curve if adhesion is None else on_contact(curve, adhesion, scene.lines, bool(scene.foundation.per_area))
+    return curve if adhesion is None else on_contact(curve, adhesion, shape, layer)

@@ -14,6 +14,7 @@ from ..solve.heat import Heat
 from ..solve.plan import Plan
 from .adhesion import no_area
 from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
+from .on_layer import is_on_layer, on_layer
 from .several import over_materials
 from .steady import set_up
 
@@ -76,6 +77,11 @@ def plan(
             from ..reference.half_space import grid_words
 
             return grid_words(model.cells or CELLS)
+    if is_on_layer(material, shape):
+        return on_layer(
+            quantity, material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol, solved=False,
+        ).plan  # fmt: skip
     return set_up(
         quantity, material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
         temperature=temperature, model=model, rtol=rtol, skip=skip,

@@ -21,7 +21,7 @@ from ..results.history import Slide
 from ..results.words import describe
 from ..solve.over_line import indenter, rough
 from ..solve.refine import Levels, finest, refine
-from ..solve.sizes import contact_sizes, shared_level
+from ..solve.sizes import check_path, contact_sizes, shared_level
 from ..solve.slide import Forces, march, padded
 from ..solve.timeline import cut, timeline
 from .ages import sliding_beyond
@@ -159,6 +159,7 @@ def _within(
         line = timeline(history.time, history.position, history.value, None, history.shortest, even)
     else:
         spacing = float(2 * math.sqrt(glassy * widest) / _ACROSS)
+        check_path(float(length), spacing)
         count = 32 * math.ceil(float(length) / spacing / 32)
         line = timeline(history.time, history.position, history.value, spacing, history.shortest, 0)
     size, outside = [0, 0], [False]

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
 CORRECTED = "MDR line averaged over directions, corrected for an asymmetric contact (estimate for the half-space)"
 BARE = "bare MDR line (textbook; overstates the losses of a half-space by up to a factor of 2)"
-LAYER = "thin layer of independent elements (exact for the layer; no direction average needed)"
+LAYER = "independent springs (textbook; for the layer itself use em.layer)"
 
 
 class SmoothScene(NamedTuple):
@@ -69,6 +69,15 @@ class Steady(NamedTuple):
     inputs: tuple[tuple[str, str], ...]
     strain: Float[Array, "..."] | None = None  # effective strain of the contact, where the material softens
     linear: Float[Array, "..."] | None = None  # mu without softening
+
+
+class OnLayer(NamedTuple):
+    """What a curve is made of, of a body on an `em.layer`."""
+
+    found: Any  # `Steady`, or None where only the plan was asked for
+    temperature: Any  # broadcast to the points, or None
+    model: str
+    plan: Any
 
 
 def set_up(
@@ -225,8 +234,8 @@ def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
             raise InputError(
-                "material must be a layer under a Cylinder, got a half-space: use em.springs(material, thickness). "
-                "A cylinder on a half-space is no MDR problem."
+                "material must be independent springs under a Cylinder here, got a half-space: use "
+                "em.springs(material, thickness). A cylinder on a half-space is no MDR problem."
             )
         return SingleLine(shape), foundation
     if foundation.per_area:
