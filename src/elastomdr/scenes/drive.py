@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import in_float64, is_traced, nan_unless, needs_64_bit_types, not_negative, positive, scalar
+from .._runtime import in_float64, is_traced, nan_unless, not_negative, positive, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import AbstractLines, SingleLine
@@ -41,7 +41,6 @@ _PERIOD = 12  # steps per period of a mass on its spring and the contact, on the
 
 
 @over_materials
-@needs_64_bit_types
 @in_float64
 def drive(
     material: Materials,
@@ -285,7 +284,7 @@ def _pack(
         warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
 
     def shown(field: Any) -> Any:
-        return nan_unless(found.good, field)
+        return nan_unless(found.shown, field)
 
     seen: Any = found.forces
     tangential = mounts[0]

@@ -141,7 +141,7 @@ def _apart(history: GivenHistory) -> tuple[Levels, SlidePlan]:
     """A body that is never pressed down: no contact, hence no size of it either, by which to choose elements."""
     none = np.zeros(history.time.shape)
     depth = np.asarray(history.value) if history.control == "depth" else none
-    found = Levels(Forces(depth, none, none, none, none), none * np.nan, none * np.nan, none == 0, 0)
+    found = Levels(Forces(depth, none, none, none, none), none * np.nan, none * np.nan, none == 0, 0, none == 0)
     return found, SlidePlan(0, 0, int(history.law.times.size), 0, "the body touches no element")
 
 
@@ -205,7 +205,7 @@ def _pack(
         warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
 
     def shown(field: Any) -> Any:
-        return nan_unless(found.good, field)
+        return nan_unless(found.shown, field)
 
     forces = found.forces
     gone = np.diff(history.time)
