@@ -150,7 +150,9 @@ def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
     whole.defvjp(forth, back)
     arrays = iter(whole(*(leaves[i] for i in places)))
     shape, others, kept = rest
-    return jax.tree.unflatten(shape, [next(arrays) if array else leaf for leaf, array in zip(others, kept, strict=True)])
+    return jax.tree.unflatten(
+        shape, [next(arrays) if array else leaf for leaf, array in zip(others, kept, strict=True)]
+    )
 
 
 def as_numpy(leaf: Any) -> Any:

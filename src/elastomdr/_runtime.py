@@ -21,8 +21,8 @@ R = TypeVar("R")
 
 
 def needs_64_bit_types(function: Callable[P, R]) -> Callable[P, R]:
-    """Refuses arguments that JAX traces without 64-bit types: for what contains a loop of diffrax's, which JAX compiles
-    when `function` has returned, under the caller's setting, and fails."""
+    """Refuses arguments that JAX traces without 64-bit types: for programs in which JAX would mix both widths when
+    `function` has returned, under the caller's setting."""
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
