@@ -191,9 +191,9 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
     """The elements of a contact, and what they are made of. Raises `InputError` for a pair that does not fit."""
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    hint_at_metres(shape)
     if isinstance(material, Layer):
         return of_layer(material, shape)
-    hint_at_metres(shape)
     foundation = as_foundation(material)
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
