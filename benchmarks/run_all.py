@@ -20,6 +20,7 @@ MINUTES = 20
 SCRIPTS = (
     "steady_sliding", "sharp", "skipping", "cold_start", "half_space", "validity_map", "robustness/extremes",
     "indentation", "creep_tamaas", "sliding_tamaas", "energy", "impacts", "transient", "rough_sliding", "rough_fit",
+    "rough_press",
     "robustness/rough_scenes", "topography", "fit_coverage --sets 50",
     "robustness/stress --scenes 100 --family paraboloid --family cone",
     "robustness/stress_motion --scenes 200 --family traction --family impact", "robustness/fuzz --files 500",

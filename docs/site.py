@@ -36,6 +36,7 @@ GROUPS = {
     ),
     "Applications": (
         "conveyor", "Idlers", "warming", "dissipation", "stability", "squeezed_cord", "friction_bands", "line_contact",
+        "press",
         "load_friction",
     ),
 }  # fmt: skip

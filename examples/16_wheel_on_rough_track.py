@@ -1,8 +1,9 @@
 """16: a wheel over a rough track, and the spectrum of its force.
 
-Teaches: `em.drive` solves bodies and contact together. A ball that rolls over rubber with a rough surface is shaken by
-it: the roughness is filtered by the contact, which is longer than the short waves, and amplified near the resonance of
-the mass on the contact's stiffness. `track` is the roughness of the rubber, `normal` the mass that moves up and down.
+Teaches: `em.drive` solves bodies and contact together, and `spectrum` of its result is what the wheel puts into its
+axle. A ball that rolls over rubber with a rough surface is shaken by it: the roughness is filtered by the contact,
+which is longer than the short waves, and amplified near the resonance of the mass on the contact's stiffness. `track`
+is the roughness of the rubber, `normal` the mass that moves up and down.
 
 Inputs: a standard solid with E* = 4 MPa relaxed, 8 MPa glassy, tau = 1 ms; a ball (paraboloid) of R = 20 mm under 20 N,
 once with 50 g and once without mass, at 1 m/s; a track of ten waves, 2 mm to 20 mm long, each of 10 um amplitude.
@@ -42,30 +43,30 @@ def main(out: Path) -> None:
     top.text(2.2, 15.2, "put down", fontsize=9)
     top.set(xlabel="Time [ms]", ylabel="Normal force [N]")
     top.set_title("Ball of 20 mm radius rolling at 1 m/s over a rough track, bare MDR line", fontsize=10)
-    frequency, force = spectrum(time, heavy.normal_force)
-    _, dip = spectrum(time, light.depth)
-    bottom.bar(frequency - 6, force, width=10, color="#1f5a94", label="normal force, 50 g [N]")
-    bottom.bar(frequency + 6, 1e6 * dip, width=10, color="#c08a30", label="depth, without mass [µm]")
-    bottom.set(xlabel="Frequency [Hz]", ylabel="Amplitude [N], [µm]", yscale="log", xlim=(0, 525))
+    force = heavy.spectrum(since=2 * PERIOD / VELOCITY, period=PERIOD / VELOCITY)
+    force.plot(ax=bottom, title="Normal force, 50 g, last period of the track")
+    resonance = np.sqrt(stiffness() / MASS) / (2 * np.pi)
+    bottom.axvline(resonance, color="#a03030", linestyle="--", linewidth=1)
+    bottom.text(resonance + 40, 0.33, "mass on the glassy contact", fontsize=9, va="top")
+    bottom.set(xlim=(0, 825), ylim=(1e-3, 0.4), ylabel="Normal force [N]")
     for ax in (top, bottom):
         ax.grid(color="#dddddd")
         ax.set_axisbelow(True)
-        ax.legend(frameon=False)
+    top.legend(frameon=False)
     figure.savefig(out / "16_wheel_on_rough_track.png", dpi=150)
     plt.close(figure)
 
-    check(heavy, light)
+    print(force.summary())
+    check(heavy, light, force)
 
 
-def spectrum(time: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes at the ten frequencies of the track, over the last of its periods."""
-    last = signal[-65:-1]
-    amplitude = 2 * np.abs(np.fft.rfft(last - last.mean())) / last.size
-    frequency = np.fft.rfftfreq(last.size, time[1] - time[0])
-    return frequency[1:11], amplitude[1:11]
+def stiffness() -> float:
+    """Of the contact under the load, for a fast small motion: 2 E* a, with the glassy modulus and the mean radius."""
+    radius = float(em.friction(RUBBER, BALL, velocity=VELOCITY, load=LOAD, model=em.Line()).contact.leading)
+    return 2 * float(RUBBER.instantaneous) * radius
 
 
-def check(heavy: em.Drive, light: em.Drive) -> None:
+def check(heavy: em.Drive, light: em.Drive, force: em.ForceSpectrum) -> None:
     assert heavy.converged.all()
     assert light.converged.all()
     assert np.allclose(light.normal_force, LOAD, rtol=1e-10), "without mass the force is the load"
@@ -76,7 +77,10 @@ def check(heavy: em.Drive, light: em.Drive) -> None:
     rough = light.friction_force[-65:-1].mean()
     print(f"mean resistance {rough:.4f} N, on a smooth track {smooth:.4f} N")
     assert abs(rough / smooth - 1) < 0.05, "low waves change the mean resistance little"
-    assert heavy.normal_force[-65:-1].std() > 0.005 * LOAD, "the mass makes the force fluctuate"
+    last = heavy.normal_force[-65:-1]
+    assert np.isclose(force.rms, last.std(), rtol=1e-12), "the spectrum holds the mean square of the force"
+    assert force.rms > 0.005 * LOAD, "the mass makes the force fluctuate"
+    assert force.amplitude[:10].max() > 10 * force.amplitude[15:].max(), "the track has ten waves"
 
 
 if __name__ == "__main__":

@@ -4,8 +4,8 @@ Teaches: on a road the loss tangent in the band of frequencies from v q_low to v
 a laboratory's 10 Hz and 20 degC. `em.friction` gives the friction; `em.friction_bands` splits that of a line of the
 same road by the frequency at which the rubber is strained, and its `central()` is the band in which most of it arises.
 
-Inputs: five compounds of the library, all illustrative, at 20 degC; the road is assumed here, of no measurement and
-steeper than that of example 20: self-affine, H = 0.8, rms slope 1.3, wavelengths 5 mm to 0.1 mm; 0.2 MPa, sliding at
+Inputs: five compounds of the library, all illustrative, at 20 degC; the road is assumed here, of no
+measurement: self-affine, H = 0.8, rms slope 1.3, wavelengths 5 mm to 0.1 mm; 0.2 MPa, sliding at
 1 m/s. Contact is light, a few per cent. Hysteresis only, no flash temperature.
 
 Check: the band against 10 Hz by trial, the band taken from the road, not from the engine. The compound that rubs least

@@ -204,3 +204,16 @@ def test_a_scene_has_a_table_for_it(tmp_path, capsys):
     path.write_text(SCENE_FILE.format(more='energy = "80 kJ/mol"'), encoding="utf-8")
     assert main(["friction", str(path), "--out", str(tmp_path)]) == 2
     assert "energy and reference belong together" in capsys.readouterr().err
+
+
+def test_with_heat_a_point_without_an_answer_is_nan():
+    """Its temperature, NaN, is none that a shift law takes; other points keep theirs."""
+    rubber = em.load_material("epdm-70")  # shift factors up to 53 degC only, beyond which heat has no answer
+    heat, road = em.Heat(0.25, 2e6), em.SelfAffine(0.8, rms_slope=1.0, q_low=1.2e3, q_high=3e5)
+    with pytest.warns(em.ConvergenceWarning):
+        found = em.friction(
+            rubber, road, velocity=[1e-4, 10.0], pressure=3e5, temperature=293.15, heat=heat, adhesion=LAW
+        )
+    assert list(found.converged) == [True, False]
+    assert np.isfinite(found.mu[0])
+    assert np.isnan([found.mu[1], found.adhesion[1]]).all()

@@ -353,9 +353,10 @@ UNITS = {  # of each quantity, whatever the result
     "": "converged extrapolated follows stuck touching",
     "m/s": "road slowest velocity",
     "K": "ambient contact_rise steady temperature temperature_rise",
-    "N": "force friction_force max_force normal_force pull resistance",
+    "N": "amplitude mean force friction_force max_force normal_force pull resistance",
     "W": "power slip_power",
-    "m": "contact_radius depth diameter displacement drive height leading max_depth position separation stick_radius "
+    "m": "approach approach_error contact_radius "
+    "depth diameter displacement drive height leading max_depth position separation stick_radius "
     "surface trailing width x",
     "s": "duration settling time",
     "Pa": "pressure",
@@ -369,10 +370,18 @@ UNITS = {  # of each quantity, whatever the result
     "N s/m": "slope",
     "kg/m": "belt goods",
     "W/K": "conductance",
+    "1/m": "conductance_low conductance_high",
+    "Pa/m": "stiffness",
+    "W/(m^2 K)": "thermal",
+    "S/m^2": "electrical",
+    "Hz": "frequency",
+    "N^2/Hz": "density",
     "J/K": "capacity",
 }
 OTHERS = {
-    "Shear.error": "N", "SqueezedCord.error": "N/m", "Warming.error": "K", "Warming.load": "N",
+    "Shear.error": "N", "ForceSpectrum.error": "N",
+    "SqueezedCord.error": "N/m", "Warming.error": "K", "Warming.load": "N",
+    "RoughContact.conductance": "1/m",
     "LineContact.force": "N/m", "Conveyor.resistance": "N/m", "Conveyor.power": "W/m",
 }  # fmt: skip
 

@@ -62,11 +62,13 @@ from .results.curve import RollingCurve as RollingCurve
 from .results.friction_law import FrictionLaw as FrictionLaw
 from .results.friction_law import load_friction as load_friction
 from .results.history import Drive as Drive
+from .results.history import ForceSpectrum as ForceSpectrum
 from .results.history import Shear as Shear
 from .results.history import Slide as Slide
 from .results.impact import Impact as Impact
 from .results.indentation import Indentation as Indentation
 from .results.line_contact import LineContact as LineContact
+from .results.rough_contact import RoughContact as RoughContact
 from .results.spectrum import Dissipation as Dissipation
 from .results.spectrum import FrictionBands as FrictionBands
 from .results.traction import Traction as Traction
@@ -78,6 +80,7 @@ from .scenes.impact import impact as impact
 from .scenes.indent import indent as indent
 from .scenes.line_contact import line_contact as line_contact
 from .scenes.plan import plan as plan
+from .scenes.press import press as press
 from .scenes.rolling import rolling as rolling
 from .scenes.shear import shear as shear
 from .scenes.slide import slide as slide

@@ -10,7 +10,15 @@ from .history import Impact, Indentation, IndentationByPoints
 from .scene import Scene
 from .schema import decode, keys_of
 from .stages import BodySlide, SurfaceSlide
-from .steady import BodyFriction, ConveyorScene, Rolling, SurfaceFriction, WarmingScene
+from .steady import (
+    BodyComparison,
+    BodyFriction,
+    ConveyorScene,
+    Rolling,
+    SurfaceComparison,
+    SurfaceFriction,
+    WarmingScene,
+)
 from .wheel import Traction, WheelTraction
 
 _MOST_BYTES = 10_000_000  # a scene is a page of text; what is larger is some other file
@@ -23,6 +31,7 @@ KINDS: dict[str, tuple[type[Scene], ...]] = {
     "impact": (Impact,),
     "slide": (SurfaceSlide, BodySlide),
     "traction": (WheelTraction, Traction),
+    "compare": (SurfaceComparison, BodyComparison),
 }
 
 

@@ -19,6 +19,7 @@ _SCENES = {
     "impact": "impact and rebound",
     "slide": "sliding through stages of rest, speed and load; with [drive] through a spring: stick-slip",
     "traction": "traction of a wheel or ball against slip or creepage",
+    "compare": "materials ranked by friction at one velocity and temperature",
 }
 
 
@@ -81,7 +82,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"elastomdr {__version__}")
     commands = parser.add_subparsers(dest="verb", metavar="COMMAND", required=True, parser_class=_Parser)
     for verb, words in _SCENES.items():
-        command = _added(commands, verb, "compute", words, f"Writes NAME-{verb}.csv and NAME-{verb}.png: {words}.")
+        command = _added(
+            commands,
+            verb,
+            "compare" if verb == "compare" else "compute",
+            words,
+            f"Writes NAME-{verb}.csv and NAME-{verb}.png: {words}.",
+        )
         command.add_argument("scene", metavar="SCENE.toml", help="the scene to compute; its keys are listed below")
         command.add_argument("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
     words = "a scene with comments to start from"

@@ -96,6 +96,30 @@ class SurfaceFriction(OfBodies):
         return on_axes({"shape": surface} | self.common(folder) | self.contact.arguments() | heat | shear)
 
 
+class Compare(Table):
+    """Where the materials are ranked."""
+
+    velocity: Annotated[Velocity | None, "sliding velocity; by default the middle, on a logarithmic scale"] = None
+    temperature: Annotated[Temperature | None, "by default the middle"] = None
+    pressure: Annotated[Pressure | None, "nominal; by default the middle, on a logarithmic scale"] = None
+
+    def place(self) -> dict[str, Any]:
+        """The place, in SI units."""
+        return given(self, "velocity", "temperature", "pressure")
+
+
+class SurfaceComparison(SurfaceFriction):
+    """Materials ranked by friction on a rough surface."""
+
+    compare: Annotated[Compare, "where they are ranked"] = Compare()
+
+
+class BodyComparison(BodyFriction):
+    """Materials ranked by friction under a body."""
+
+    compare: Annotated[Compare, "where they are ranked"] = Compare()
+
+
 class WarmingContact(Contact):
     """How the body is pressed on and how fast it rolls."""
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style
+    from .ranking import Ranking
 
 _SHOWN = 6  # curves that a summary lists one by one
 
@@ -201,6 +202,22 @@ class FrictionCurve(AbstractCurve):
             raise InputError("cold must be False: this curve was computed without heat, and is the cold one.")
         points = {name: fields[name] for name in ("velocity", "temperature", "pressure") if name in fields}
         return gridded({**points, "mu": fields["cold" if cold else "mu"]})
+
+    def ranking(
+        self, velocity: float | None = None, temperature: float | None = None, pressure: float | None = None
+    ) -> Ranking:
+        """The materials of a list in the order of their friction, and which differences are significant.
+
+        Args:
+            velocity: [m/s], within the curve; by default the middle of it, on a logarithmic scale.
+            temperature: [K], by default the middle.
+            pressure: nominal [Pa], by default the middle, on a logarithmic scale.
+
+        Raises `InputError` for a single material, and a place outside of the curve.
+        """
+        from .ranking import ranked
+
+        return ranked(self, velocity, temperature, pressure)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """As of every curve; where its parts are known, what they are at the largest mu; with flash heating also the

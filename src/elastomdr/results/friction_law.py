@@ -12,7 +12,7 @@ import itertools
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -141,6 +141,37 @@ class FrictionLaw(Tree):
         ]
         columns = {_TITLES[name][0]: values.ravel() for name, values in zip(axes, points, strict=True)}
         write_files({Path(path): csv_text(header, columns | {_TITLES["mu"][0]: self.mu.ravel()}).encode()})
+
+    def to_abaqus(self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m") -> None:
+        """Writes the table of an Abaqus *FRICTION: friction coefficient, slip rate, contact pressure, temperature [K].
+
+        `units` is the length in its units: "m" for m/s and Pa, "mm" for mm/s and MPa. Abaqus interpolates linearly, so
+        rows are added until that is within 1 % of what the law changes over a factor of e. Raises `InputError` where
+        mu is not known at a point.
+        """
+        from .law_files import write
+
+        write(self, path, "abaqus", units)
+
+    def to_fric_coef(self, path: str | os.PathLike[str], *, units: Literal["m", "mm"] = "m") -> None:
+        """Writes the source of Abaqus' user subroutine FRIC_COEF, Fortran in fixed form: the law with its derivatives.
+
+        Interpolated as the law itself, held at the ends of its axes. `units` as in `to_abaqus`, temperature in K.
+        Raises `InputError` where mu is not known at a point.
+        """
+        from .law_files import write
+
+        write(self, path, "fric_coef", units)
+
+    def to_modelica(self, path: str | os.PathLike[str]) -> None:
+        """Writes tables for CombiTable1Ds or CombiTable2Ds of Modelica, in ln(v/(m/s)) and ln(p/Pa) or T/K.
+
+        In these a linear interpolation is that of the law. With temperature and pressure there is a table for each
+        temperature, "mu_1" and so on, else one, "mu". Raises `InputError` where mu is not known at a point.
+        """
+        from .law_files import write
+
+        write(self, path, "modelica")
 
     def __repr__(self) -> str:
         if is_traced(self):

@@ -45,6 +45,140 @@ class _OverSurface(AbstractHistory):
         """Forces and energies of a rough line are per metre of it."""
         return q._replace(unit=f"{q.unit}/m") if self.per_length and q.unit in ("N", "J") else q
 
+    def spectrum(
+        self,
+        force: Literal["normal_force", "friction_force", "pull"] = "normal_force",
+        *,
+        since: float | None = None,
+        period: float | None = None,
+    ) -> "ForceSpectrum":
+        """The spectrum of a force, such as a wheel puts into its axle when it rolls over a rough track.
+
+        Args:
+            force: which one; "pull" of `em.drive` only.
+            since: time [s] from which on the motion counts, so that its start is left out; by default all of it.
+            period: of the motion [s], such as the length of a periodic track over the velocity. The spectrum is then of
+                as many whole periods as there are after `since`, and its lines have the amplitudes of the force's
+                waves. Without it the force is multiplied by a Hann window, and its density is the quantity to read.
+
+        Returns:
+            An `em.ForceSpectrum`. Its `error` is the difference of the amplitudes between the first and the second half
+            of that time, with a period, where it has two or more; NaN else.
+
+        Raises:
+            InputError: unless the instants are evenly spaced, divide the period into whole steps and all converged.
+
+        Source: Bendat and Piersol, Random Data, ch. 11.
+        """
+        return force_spectrum(self, force, since, period)
+
+
+@record
+class ForceSpectrum(Result):
+    """Amplitude and power of a force over frequency: `Slide.spectrum`, `Drive.spectrum`.
+
+    `density` is one-sided: its sum over the frequencies times their step is the mean square of the force about its mean
+    (with a window, divided by the window's mean square).
+    """
+
+    frequency: Array = quantity("frequency", "Hz")
+    amplitude: Array = quantity("amplitude", "N", "of a wave of this frequency")
+    density: Array = quantity("power density", "N^2/Hz", "one-sided")
+    error: Array = quantity("estimated error of the amplitude", "N")
+    mean: float | Array = quantity("mean force", "N", dims="")
+    per_length: bool = setting(default=False)
+    shows_density: bool = setting(default=False)  # whether a window was used
+
+    title: ClassVar[str] = "Spectrum of a force"
+    figure: ClassVar[str] = "draw_force_spectrum"
+    across: ClassVar[str] = "frequency"
+    shows: ClassVar[str] = "amplitude"
+    error_of: ClassVar[str] = "the amplitude"
+    each: ClassVar[str] = "frequencies"
+    last: ClassVar[str] = "frequency"
+    from_zero: ClassVar[bool] = False
+    coordinates: ClassVar[tuple[str, ...]] = ("frequency",)
+
+    def describe(self, q: Quantity) -> Quantity:
+        """Forces of a rough line are per metre of it."""
+        changed = {"N": "N/m", "N^2/Hz": "(N/m)^2/Hz"}
+        return q._replace(unit=changed.get(q.unit, q.unit)) if self.per_length else q
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean square of the force about its mean [N, or N/m]."""
+        frequency = np.asarray(self.frequency)
+        step = frequency[1] - frequency[0] if frequency.size > 1 else frequency[0]
+        return float(np.sqrt(np.sum(self.density) * step))
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Mean, rms and the largest amplitude."""
+        unit = "N/m" if self.per_length else "N"
+        largest = int(np.argmax(self.amplitude))
+        yield "force", f"mean {significant(float(self.mean))} {unit}, rms about it {significant(self.rms)} {unit}"
+        at = significant(float(self.frequency[largest]))
+        yield "largest amplitude", f"{significant(float(self.amplitude[largest]))} {unit} at {at} Hz"
+
+
+def force_spectrum(motion: Any, force: str, since: float | None, period: float | None) -> ForceSpectrum:
+    """`Slide.spectrum` and `Drive.spectrum`; see there."""
+    if is_traced(motion):
+        raise InputError("spectrum is for numbers: call it outside jit, grad and vmap.")
+    if motion.origins:
+        raise InputError("spectrum is of one material: take that of result.select(name).")
+    known = [name for name in ("normal_force", "friction_force", "pull") if hasattr(motion, name)]
+    if force not in known:
+        raise InputError(f"force must be one of {', '.join(known)}, got {force!r}.")
+    time, values = np.asarray(motion.time), np.asarray(getattr(motion, force))
+    since = float(time[0]) if since is None else plain("since", since)
+    later = time >= since - 1e-9 * np.ptp(time)
+    time, values = time[later], values[later]
+    if time.size < 8:
+        raise InputError(f"since must leave eight instants or more, got {since:g} s with {time.size} after it.")
+    step, each, count = np.ptp(time) / (time.size - 1), 0, 0
+    if np.abs(np.diff(time) - step).max() > 1e-6 * step:
+        raise InputError("spectrum needs evenly spaced instants: give em.slide or em.drive np.linspace(...) as time.")
+    if not np.isfinite(values).all():
+        raise InputError("spectrum needs a motion of which every instant after `since` has converged.")
+    if period is None:
+        values = values[:-1] if values.size % 2 else values
+        window = np.hanning(values.size + 1)[:-1]
+    else:
+        length = plain("period", period)
+        positive("period", length)
+        each = round(length / step)
+        count = int((time.size - 1) // each) if each else 0
+        if each < 4 or count < 1 or abs(each * step / length - 1) > 1e-6:
+            raise InputError(
+                f"period must be four steps of the time ({step:g} s) or more, a whole number of them, and fit into "
+                f"what is left after since ({np.ptp(time):g} s), got {length:g} s."
+            )
+        values = values[values.size - 1 - count * each : -1]
+        window = np.ones(values.size)
+    amplitude, density = _waves(values, window, step)
+    error = np.full(amplitude.shape, np.nan)
+    if count > 1:
+        half = (count // 2) * each
+        parts = [_waves(part, np.ones(half), step)[0] for part in (values[:half], values[-half:])]
+        stride = values.size / half  # of the frequencies that the halves have
+        near = np.arange(1, amplitude.size + 1) / stride
+        error = np.interp(near, np.arange(1, half // 2 + 1), abs(parts[1] - parts[0]))
+    kind = "of whole periods" if period is not None else "with a Hann window"
+    return ForceSpectrum(
+        frequency=np.fft.rfftfreq(values.size, step)[1:], amplitude=amplitude, density=density, error=error,
+        mean=np.asarray(values.mean()), converged=np.ones(amplitude.size, bool), per_length=motion.per_length,
+        shows_density=period is None, model=motion.model, plan=f"Fourier transform {kind}, {values.size} instants",
+        inputs=(*motion.inputs, ("force", force.replace("_", " ")), ("since", f"{significant(float(time[0]))} s")),
+    )  # fmt: skip
+
+
+def _waves(values: np.ndarray, window: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitudes, and the one-sided density, of all frequencies but zero."""
+    n = values.size
+    found = np.abs(np.fft.rfft(window * (values - values.mean())))[1:]
+    twice = np.where((np.arange(1, found.size + 1) * 2 == n), 1.0, 2.0)
+    return twice * found / window.sum(), twice * found**2 * step / (window**2).sum()
+
 
 @record
 class Slide(_OverSurface):

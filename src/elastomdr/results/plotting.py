@@ -383,6 +383,44 @@ def draw_bands(result: Any, ask: Ask, colour: Any = None) -> Any:
     return sketch.finish()
 
 
+def draw_rough_contact(result: Any, ask: Ask, x: str = "", y: str = "") -> Any:
+    """Draws a field of a rough contact, both axes logarithmic where they are spread widely, its error as a band."""
+    known = {"conductance": "error", "thermal": "error", "electrical": "error", "approach": "approach_error",
+             "separation": "approach_error"}  # fmt: skip
+    relative = known.get(y) == "error"
+
+    def band(sketch: Sketch, line: Line) -> None:
+        if y not in known:
+            return
+        error = sketch.values(known[y], line.curve)[line.order]
+        half = error * line.y if relative else in_unit(error, sketch.about[y].shown)
+        low = np.maximum(line.y - half, 1e-3 * line.y)
+        sketch.ax.fill_between(line.x, low, line.y + half, color=line.colour, alpha=_LIGHT, linewidth=0)
+
+    ax = draw(result, ask, x, y, band)
+    values = np.asarray(getattr(result, y or result.shows))
+    values = values[np.isfinite(values) & (values > 0)]
+    if values.size and values.max() > _LOG / 4 * values.min():
+        ax.set_yscale("log")
+    return ax
+
+
+def draw_force_spectrum(result: Any, ask: Ask) -> Any:
+    """Draws the amplitudes of a force as a spectrum of lines, or its density as a curve."""
+    if result.shows_density:
+        ax = draw(result, ask, "frequency", "density")
+        ax.set_yscale("log")
+        return ax
+    sketch = Sketch(result, ask)
+    for line in sketch.lines():
+        low = np.nanmax(line.y, initial=0.0) * 1e-4 or 1e-300
+        sketch.ax.vlines(line.x, low, np.maximum(line.y, low), color=line.colour, linewidth=0.6 * sketch.style.line)
+        (tips,) = sketch.ax.plot(line.x, np.maximum(line.y, low), "o", color=line.colour, markersize=4.5)
+        sketch.entry.lines.append((tips, line.curve.label, ""))
+    sketch.ax.set_yscale("log")
+    return sketch.finish()
+
+
 def draw_impact(result: Any, ask: Ask) -> Any:
     """Draws the force of one impact against time."""
     from scipy.interpolate import CubicSpline
@@ -790,3 +828,39 @@ def _together(labels: list[str]) -> str:
     words = [label.removesuffix(f" [{unit}]") for label in labels]
     words[1:] = [word[0].lower() + word[1:] for word in words[1:]]
     return ", ".join(words) + (f" [{unit}]" if unit else "")
+
+
+def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
+    """Friction of each material against velocity, at the temperature of a ranking, and the ranking as bars."""
+    import matplotlib.pyplot as plt
+
+    if style not in STYLES:
+        raise InputError(f"style must be None or 'paper', got {style!r}.")
+    look = STYLES[style]
+    figure, (left, right) = plt.subplots(
+        1, 2, figsize=(look.size[0] * 1.75, look.size[1]), width_ratios=(1.4, 1.0), layout="constrained"
+    )
+    at = {"temperature": ranking.temperature, "pressure": ranking.pressure}
+    at = {name: value for name, value in at.items() if value is not None}
+    for i, place in enumerate(ranking.places):
+        colour = PALETTE[i % len(PALETTE)]
+        law = ranking.curve.select(place.material).law()
+        left.semilogx(law.velocity, law(law.velocity, **at), color=colour, linewidth=look.line)
+        known = np.isfinite(place.uncertainty)
+        right.barh(i, place.mu, color=colour, alpha=0.85, xerr=place.uncertainty if known else None, capsize=3)
+        sure = {True: "", False: "not significant", None: "" if np.isnan(place.ahead) else "significance not known"}
+        right.text(0.02 * ranking.places[0].mu, i + 0.5, sure[place.significant], va="center", fontsize=look.text - 3,
+                   color=RED if place.significant is False else FAINT)  # fmt: skip
+    left.axvline(ranking.velocity, color=FAINT, linestyle=":")
+    left.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]", ylim=(0, None))
+    right.set(yticks=range(len(ranking.places)), yticklabels=[place.material for place in ranking.places])
+    right.set(xlabel="Friction coefficient [-]", xlim=(0, None))
+    right.invert_yaxis()
+    right.set_title(ranking.where(), fontsize=look.text - 1, loc="left", color=INK)
+    for ax in (left, right):
+        ax.grid(color=GRID)
+        ax.set_axisbelow(True)
+        ax.tick_params(labelsize=look.text - 1)
+    if title:
+        figure.suptitle(title, fontsize=look.text + 1, x=0.01, ha="left")
+    return left

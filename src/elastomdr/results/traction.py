@@ -1,13 +1,17 @@
 """Traction against creepage or slip: what `em.traction` returns."""
 
+import os
 from collections.abc import Iterator
-from typing import ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
 from .base import Array, Quantity, Result, quantity, record
 from .curve import Contact
 from .words import span
+
+if TYPE_CHECKING:
+    from .magic_formula import MagicFormula
 
 
 class TractionPeak(NamedTuple):
@@ -76,6 +80,25 @@ class Traction(Result):
         inside = np.asarray((known & (creepage < top)).any(axis=-1) & (known & (creepage > top)).any(axis=-1))
         coefficient = np.atleast_1d(np.asarray(self.coefficient))[index]
         return TractionPeak(creepage[index], np.where(pulled[index] >= 0, coefficient, np.nan), inside, index)
+
+    def magic_formula(self) -> "MagicFormula":
+        """The Magic Formula fitted to this slip curve, of one speed and temperature, over its loads.
+
+        Raises `InputError` for several speeds or temperatures, and fewer than eight points that brake.
+        """
+        from .magic_formula import fitted
+
+        return fitted(self)
+
+    def to_tir(self, path: str | os.PathLike[str], *, radius: float, width: float) -> None:
+        """Writes the Magic Formula as a property file (.tir, PAC2002) in SI units: the longitudinal part only.
+
+        `radius` and `width` of the tyre [m] go into the file; how far the fit is from the curve stands at its top.
+        Raises `InputError` as `magic_formula` does, and where the file cannot be written.
+        """
+        from .magic_formula import write
+
+        write(self, path, radius, width)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The largest traction and the rolling loss."""

@@ -33,7 +33,7 @@ def sheared(
     kelvin = curve.temperature
     rise = curve.temperature_rise if curve.contact_rise is None else curve.contact_rise
     if kelvin is not None and rise is not None:
-        kelvin = kelvin + rise
+        kelvin = kelvin + xp.where(xp.isnan(rise), 0.0, rise)  # of a point without an answer, whose area is NaN
     added = adhesion.shear_stress(curve.velocity, kelvin) * share
     mu = curve.mu + added
     model_error = curve.model_error
