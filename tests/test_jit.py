@@ -39,9 +39,56 @@ def test_a_march_under_jit():
     np.testing.assert_allclose(jax.jit(mu)(1.0), chosen, atol=0.1 * chosen.max())
 
 
-def test_what_diffrax_marches_asks_for_64_bit_types():
-    def mu(load):
-        return em.drive(RUBBER, BALL, time=TIME, position=1e-4 * TIME, load=load).mu
+def test_a_march_under_jit_that_misses_its_tolerance_has_numbers_and_says_so():
+    """Elements are given there: what two levels of them give is handed out with its error, and not as converged."""
 
-    with pytest.raises(em.InputError, match=r"em\.drive under jit, grad or vmap needs JAX's 64-bit types"):
-        jax.jit(mu)(1.0)
+    def found(load):
+        result = em.slide(RUBBER, BALL, time=TIME, position=1e-3 * TIME, load=load, rtol=1e-6, elements=64)
+        return result.mu, result.error, result.converged
+
+    mu, error, converged = jax.jit(found)(1.0)
+    exact = em.slide(RUBBER, BALL, time=TIME, position=1e-3 * TIME, load=1.0, rtol=1e-4).mu
+    assert not np.asarray(converged)[1:].any()
+    assert (np.abs(mu - exact) <= error + 1e-4 * exact.max()).all()
+
+
+SHORT = np.linspace(0, 1, 3)
+COARSE = {"rtol": 1e-1, "elements": 64}
+FEW = {"elements": 32, "steps": 8}
+VERBS = {
+    "indent": lambda k: em.indent(RUBBER, BALL, time=TIME, depth=k * 1e-4 * TIME).force[-1],
+    "slide": lambda k: em.slide(RUBBER, BALL, time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu[-1],
+    "drive": lambda k: em.drive(RUBBER, BALL, time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu[-1],
+    "shear": lambda k: em.shear(
+        RUBBER, BALL, time=SHORT, displacement=1e-5 * k * SHORT, friction=0.5, load=1.0, **FEW
+    ).force[-1],
+    "traction": lambda k: em.traction(CARCASS, em.Cylinder(0.3, 0.16), load=4e3 * k, **WHEEL).force,
+    "impact": lambda k: em.impact(RUBBER, BALL, mass=0.01 * k, velocity=1.0).restitution,
+    "rolling": lambda k: em.rolling(RUBBER, BALL, velocity=1.0, load=k).coefficient,
+    "friction": lambda k: em.friction(RUBBER, em.Cone(0.1 * k), velocity=0.01, load=1.0, model=em.Line()).mu,
+}
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")  # what JAX says of the way back
+@pytest.mark.parametrize("wide", [False, True], ids=["32-bit types", "64-bit types"])
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_under_every_transformation(verb, wide):
+    """The table of `docs/transient.md`: jit, vmap and grad against the plain call and its differences."""
+    call = VERBS[verb]
+    with jax.enable_x64(wide):
+        near = np.array([1.0, 1.001, 0.999])
+        exact = (
+            [float(jax.jit(call)(k)) for k in near] if verb in ("slide", "drive") else [float(call(k)) for k in near]
+        )
+        np.testing.assert_allclose(jax.jit(call)(1.0), exact[0], rtol=1e-5)
+        np.testing.assert_allclose(jax.vmap(call)(near), exact, rtol=1e-5)
+        np.testing.assert_allclose(jax.grad(call)(1.0), (exact[1] - exact[2]) / 2e-3, rtol=5e-2)
+
+
+@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")  # what JAX says of the way back
+def test_gradient_of_an_indentation_without_64_bit_types():
+    """F of a paraboloid at E(t) goes as d^(3/2): its derivative by a factor on the depth is 1.5 F."""
+    call = VERBS["indent"]
+    with jax.enable_x64(False):
+        np.testing.assert_allclose(jax.grad(call)(1.0), 1.5 * call(1.0), rtol=1e-6)

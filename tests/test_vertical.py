@@ -34,7 +34,7 @@ def test_entropic_and_table():
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda: em.EntropicVertical(-3.0), "reference must be positive"),
+        (lambda: em.EntropicVertical(-3.0), "reference must be in kelvin"),
         (lambda: em.VerticalTable([293.0], [1.0]), "two entries at least"),
         (lambda: em.VerticalTable([293.0, 280.0], [1.0, 1.1]), "temperature must be ascending"),
         (lambda: em.VerticalTable([273.0, 293.0], [1.0, 0.0]), "factor must be positive"),

@@ -92,12 +92,67 @@ def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
     import jax
 
     keep_compiled_code()
+    if not jax.config.read("jax_enable_x64") and _reversible(args, kwargs):
+        return _with_its_way_back(function, args, kwargs)
     before, _mode.numpy = _mode.numpy, False
     try:
         with jax.enable_x64(True):
             return jax.tree.map(as_numpy, function(*args, **kwargs))
     finally:
         _mode.numpy = before
+
+
+def _reversible(*trees: Any) -> bool:
+    """Whether JAX traces some of it, and none of that for forward derivatives, which a reverse rule would exclude."""
+    import jax
+    from jax.interpreters.ad import JVPTracer
+
+    def forward(tracer: Any) -> bool:
+        inner = getattr(tracer, "val", None)
+        return isinstance(tracer, JVPTracer) or (isinstance(inner, jax.core.Tracer) and forward(inner))
+
+    traced = [leaf for leaf in jax.tree.leaves(trees) if isinstance(leaf, jax.core.Tracer)]
+    return bool(traced) and not any(map(forward, traced))
+
+
+def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
+    """`on_jax` with a reverse derivative that has 64-bit types too: JAX transposes after the call has returned, under
+    the caller's setting, where 32-bit zeros would meet 64-bit numbers."""
+    import jax
+
+    leaves, tree = jax.tree.flatten((args, kwargs))
+    places = [i for i, leaf in enumerate(leaves) if isinstance(leaf, jax.core.Tracer)]
+    rest: list[Any] = []
+
+    def run(*given: Any) -> tuple[Any, ...]:
+        full = list(leaves)
+        for i, value in zip(places, given, strict=True):
+            full[i] = value
+        some, named = jax.tree.unflatten(tree, full)
+        with jax.enable_x64(True):
+            found, shape = jax.tree.flatten(on_jax(function, *some, **named))
+            kept = [isinstance(leaf, jax.Array) for leaf in found]
+            rest[:] = [shape, [None if array else leaf for leaf, array in zip(found, kept, strict=True)], kept]
+            return tuple(leaf for leaf, array in zip(found, kept, strict=True) if array)
+
+    @jax.custom_vjp
+    def whole(*given: Any) -> tuple[Any, ...]:
+        return run(*given)
+
+    def forth(*given: Any) -> tuple[Any, Any]:
+        with jax.enable_x64(True):
+            return jax.vjp(run, *given)
+
+    def back(pull: Any, slopes: Any) -> Any:
+        with jax.enable_x64(True):
+            return pull(slopes)
+
+    whole.defvjp(forth, back)
+    arrays = iter(whole(*(leaves[i] for i in places)))
+    shape, others, kept = rest
+    return jax.tree.unflatten(
+        shape, [next(arrays) if array else leaf for leaf, array in zip(others, kept, strict=True)]
+    )
 
 
 def as_numpy(leaf: Any) -> Any:

@@ -21,8 +21,8 @@ R = TypeVar("R")
 
 
 def needs_64_bit_types(function: Callable[P, R]) -> Callable[P, R]:
-    """Refuses arguments that JAX traces without 64-bit types: for what contains a loop of diffrax's, which JAX compiles
-    when `function` has returned, under the caller's setting, and fails."""
+    """Refuses arguments that JAX traces without 64-bit types: for programs in which JAX would mix both widths when
+    `function` has returned, under the caller's setting."""
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -122,6 +122,11 @@ def as_float64(name: str, value: Any) -> Array:
 
         with jax.enable_x64(True):
             return jax.numpy.asarray(value, dtype=jax.numpy.float64)
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise InputError(
+            f"{name} must have no masked entries, got {np.ma.count_masked(value)} of {value.size}: leave them out, or "
+            "put numbers in their place with `.filled(...)`."
+        )
     try:
         array = np.asarray(value)
     except ValueError as error:
@@ -143,12 +148,43 @@ def require(name: str, value: Any, accepted: str, test: Callable[[np.ndarray], A
         raise InputError(f"{name} must be {accepted}, got {float(first):g}.")
 
 
+_LEAST, _MOST = 1e-100, 1e100  # beyond them products of a few numbers leave the range of float64
+
+
 def positive(name: str, value: Any) -> None:
     require(name, value, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
+    representable(name, value)
 
 
 def not_negative(name: str, value: Any) -> None:
     require(name, value, "zero or positive and finite", lambda x: (x >= 0) & np.isfinite(x))
+    representable(name, value)
+
+
+def finite(name: str, value: Any) -> None:
+    """Raises `InputError` unless every entry is finite, of either sign, and not beyond what can be computed with."""
+    require(name, value, "finite", np.isfinite)
+    require(name, value, "between -1e100 and 1e100 in SI units", lambda x: abs(x) < _MOST)
+
+
+def in_kelvin(name: str, value: Any, coldest: float = 60.0) -> None:
+    """Raises `InputError` for temperatures that are not positive, or can only be meant in degrees Celsius."""
+    if is_traced(value):
+        return
+    array = np.asarray(value, dtype=float)
+    low = float(array[np.isfinite(array)].min(initial=np.inf))
+    if -273.15 < low < coldest:
+        raise InputError(
+            f"{name} must be in kelvin, {coldest:g} at least, got {low:g}: {low:g} degC is "
+            f"{low + 273.15:.6g} K ({low:g}degC on the command line)."
+        )
+    positive(name, value)
+
+
+def representable(name: str, value: Any) -> None:
+    """Refuses numbers whose products would leave the range of float64."""
+    accepted = "zero or between 1e-100 and 1e100 in SI units"
+    require(name, value, accepted, lambda x: (x == 0) | ((x > _LEAST) & (x < _MOST)))
 
 
 def ascending(name: str, values: Any) -> None:

@@ -47,6 +47,8 @@ def run(options: argparse.Namespace) -> int:
         if scene.title:
             print(scene.title)
         print(result.summary())
+        if text := scene.said(result):
+            print(text)
         print("wrote " + " and ".join(str(folder / name) for name in files))
     return DONE if result.converged.all() else NOT_CONVERGED
 

@@ -91,6 +91,11 @@ def _parser() -> argparse.ArgumentParser:
         )
         command.add_argument("scene", metavar="SCENE.toml", help="the scene to compute; its keys are listed below")
         command.add_argument("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
+    words = "a scene with comments to start from"
+    command = _added(commands, "init", "init", words)
+    command.add_argument("scene", metavar="NAME.toml", nargs="?", help="file to write (default: KIND.toml)")
+    kinds = importlib.import_module(".init", __package__).kinds()
+    command.add_argument("--kind", choices=kinds, default="slider", help="what kind of scene (default: slider)")
     words = "what friction or rolling would compute, skip and condense, and why"
     command = _added(commands, "plan", "plan", words)
     command.add_argument("scene", metavar="SCENE.toml", help="the scene to plan")

@@ -125,6 +125,10 @@ class Scene(Table):
         """The function of elastomdr that computes the scene."""
         return self.call
 
+    def said(self, result: Any) -> str:
+        """What is printed below the summary of the result."""
+        return ""
+
     @abc.abstractmethod
     def arguments(self, folder: Path) -> dict[str, Any]:
         """The arguments of that function, in SI units; files are looked for in `folder`. Raises `InputError`."""
@@ -162,6 +166,8 @@ def load(folder: Path, key: str, name: str) -> Any:
     """A material of the library, or of a file beside the scene."""
     is_file = name.endswith(".toml") or "/" in name or "\\" in name
     with named(f"{key}:"):
+        if not is_file and name not in em.materials() and (folder / f"{name}.toml").is_file():
+            raise InputError(f'{name!r} is not in the library, but a file beside the scene: write "{name}.toml".')
         return em.load_material(str(folder / name) if is_file else name)
 
 

@@ -6,7 +6,7 @@ import contextlib
 import re
 import types
 from collections.abc import Iterator
-from typing import Annotated, Any, Generic, Literal, TypeVar, Union, dataclass_transform, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar, Union, dataclass_transform, get_args, get_origin
 
 import msgspec
 
@@ -34,6 +34,8 @@ class _TableType(msgspec.StructMeta, abc.ABCMeta):
 
 class Table(msgspec.Struct, metaclass=_TableType):
     """A table of a scene file: its fields are the keys, each annotated with its meaning."""
+
+    of_others: ClassVar[dict[str, str]] = {}  # keys looked for here that belong elsewhere, and what to do about them
 
 
 class Several(tuple, Generic[T]):
@@ -201,7 +203,8 @@ def _explained(kind: Any, content: Any, error: msgspec.ValidationError) -> str:
         return f"{name}{'' if said[0] in '[:' and not name.endswith(']') else ' '}{said}".strip()
     if (match := re.search(r"unknown field `(.*)`", said, re.DOTALL)) is not None:
         valid = list(dict.fromkeys(key for table in _chosen(kind, content) for key in _all_keys(table)))
-        hint = closest(match[1], valid) or f" Valid keys are {', '.join(valid)}."
+        other = next((t.of_others[match[1]] for t in _chosen(kind, content) if match[1] in t.of_others), "")
+        hint = f" {other}" if other else closest(match[1], valid) or f" Valid keys are {', '.join(valid)}."
         return f"{_name(steps, table=True)} has a key that is not known: {match[1]!r}.{hint}".strip()
     if (match := re.search(r"missing required field `(.*)`", said)) is not None:
         within, _ = _inside(kind, content, match[1])

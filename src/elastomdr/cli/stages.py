@@ -142,6 +142,12 @@ class SurfaceSlide(OfBodies):
         mount = {} if self.drive is None else {"tangential": self.drive.mount(history)}
         return on_axes({"shape": line} | self.common(folder)) | history | mount
 
+    def said(self, result: Any) -> str:
+        """Whether the whole body sticks and slips, in newtons."""
+        if self.drive is None:
+            return ""
+        return f"Stick-slip of the body of {self.drive.normal_force:g} N? {result.stick_slip(self.drive.normal_force)}"
+
 
 def follow(stages: list[Any], points: int, length: float | None = None) -> dict[str, Any]:
     """time, position, and load or depth, from the stages; two equal instants are a jump.

@@ -34,6 +34,10 @@ class BodyContact(Contact):
     load: Annotated[Several[Force] | None, "normal force"] = None
     depth: Annotated[Several[Length] | None, "indentation depth, in place of the load"] = None
 
+    of_others: ClassVar[dict[str, str]] = {
+        "pressure": "A body is pressed on with a load or a depth; a nominal pressure is that of a [surface]."
+    }
+
 
 class SurfaceContact(Contact):
     """How the surface is pressed on and how fast it slides."""

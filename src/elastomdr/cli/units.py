@@ -33,6 +33,8 @@ USUAL = {
     "1/m": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6", "rad/m": "1"},
 }
 _ZERO = {"degC": Decimal("273.15")}  # where a unit's scale begins
+_COMMA = re.compile(r"\s*([+-]?[\d.]*),(\d+)\s*([^\d\s,].*?)\s*", re.DOTALL)  # a decimal comma, and a unit
+_DEGREES = {"c": "degC", "celsius": "degC", "deg": "degC", "°": "degC", "f": "degF", "fahrenheit": "degF"}
 
 
 class Quantity(float):
@@ -56,11 +58,19 @@ class Quantity(float):
         quantity, or a value that is not finite or of the wrong sign.
         """
         if not isinstance(text, str):
-            raise InputError(f'must be {cls.what} with its unit, as a text such as "{cls.example}", got {shown(text)}.')
+            hint = cls._with_unit(text) if isinstance(text, int | float) and not isinstance(text, bool) else ""
+            raise InputError(
+                f'must be {cls.what} with its unit, as a text such as "{cls.example}", got {shown(text)}.{hint}'
+            )
+        if (comma := _COMMA.fullmatch(text)) is not None:
+            meant = f"{comma[1].replace('.', '')}.{comma[2]} {comma[3]}"
+            raise InputError(f'must have a decimal point, not a comma, got "{text}": write "{meant}".')
         match = _NUMBER.fullmatch(text)
         if match is None or not match[2]:
-            lacking = "" if match is None else " without one"
-            raise InputError(f'must be {cls.what} with its unit, such as "{cls.example}", got {shown(text)}{lacking}.')
+            lacking = "." if match is None else f" without one.{cls._with_unit(match[1])}"
+            raise InputError(f'must be {cls.what} with its unit, such as "{cls.example}", got {shown(text)}{lacking}')
+        if cls.unit == "K" and (degrees := _DEGREES.get(match[2].lower())) is not None:
+            raise InputError(f'must be {cls.what}, got "{text}": write "{match[1]} {degrees}".')
         value = cls.convert(match[1], match[2])
         refused = {"": False, "zero or positive": value < 0}.get(cls.sign, value <= 0)
         if not math.isfinite(value) or refused:
@@ -68,6 +78,11 @@ class Quantity(float):
         if value and not 1 / _LARGEST < abs(value) < _LARGEST:
             raise InputError(f'must be between {1 / _LARGEST:g} and {_LARGEST:g} {cls.unit}, got "{text}".')
         return cls(value)
+
+    @classmethod
+    def _with_unit(cls, number: Any) -> str:
+        """What may have been meant by a number without a unit."""
+        return f' Did you mean "{number} {cls.example.partition(" ")[2]}"?'
 
     @classmethod
     def convert(cls, number: str, unit: str) -> float:

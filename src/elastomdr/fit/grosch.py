@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.interpolate import BSpline
 
-from .._runtime import as_float64, positive, require, scalar
+from .._runtime import as_float64, in_kelvin, positive, require, scalar
 from ..errors import InputError
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import alike, group
@@ -155,7 +155,7 @@ def friction_master(
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
         raise InputError(f"velocity, temperature and mu must match in shape, got {shapes}.") from problem
     positive("velocity", v)
-    positive("temperature", t)
+    in_kelvin("temperature", t)
     require("mu", friction, "finite", np.isfinite)
     number, kelvin = group(t, float(scalar("tolerance", tolerance)))
     if kelvin.size < 2 or friction.size < 8:
@@ -165,7 +165,7 @@ def friction_master(
     if reference is None:
         reference = float(kelvin[np.argmin(np.abs(kelvin - 293.15))])
     reference = float(scalar("reference", reference))
-    positive("reference", reference)
+    in_kelvin("reference", reference)
     if not kelvin[0] - tolerance <= reference <= kelvin[-1] + tolerance:
         raise InputError(
             f"reference must be within the measured temperatures, {kelvin[0]:g} to {kelvin[-1]:g} K, got {reference:g}."

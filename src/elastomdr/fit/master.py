@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._runtime import not_negative, positive, scalar, significant
+from .._runtime import in_kelvin, not_negative, positive, scalar, significant
 from ..errors import InputError
-from ..io.data import Dma, in_kelvin, of_one_strain, strains, without_copies
+from ..io.data import Dma, of_one_strain, strains, without_copies
 from ..material.shift import AbstractShift, Arrhenius
 from ..material.tabulated import TabulatedModulus
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band

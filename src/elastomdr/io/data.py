@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .._runtime import as_float64, positive, scalar
+from .._runtime import as_float64, in_kelvin, positive, scalar
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -235,20 +235,8 @@ def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None
         raise InputError(f"{name} must have as many entries as {other}, {others.size}, got {values.size}.")
 
 
-def in_kelvin(name: str, value: Any, coldest: float = COLDEST) -> None:
-    """Raises `InputError` for temperatures that can only be meant in degrees Celsius."""
-    array = np.asarray(value, dtype=float)
-    known = array[np.isfinite(array)]
-    if known.size and known.min() < coldest:
-        low = float(known.min())
-        raise InputError(
-            f"{name} must be in kelvin, {coldest:g} at least, got {low:g}: {low:g} degC is {low + 273.15:.6g} K "
-            f"({low:g}degC on the command line)."
-        )
-
-
 def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
-    in_kelvin("temperature", value)
+    in_kelvin("temperature", value, COLDEST)
     array = _positive("temperature", value)
     if array.size == 1:
         return np.full(like.size, array[0])

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import plain, positive
+from .._runtime import in_kelvin, plain, positive
 from ..errors import InputError
 from .columns import Column, Quantity, choose, left_out, measured, missing, named, taken, understand
-from .data import COLDEST, KINDS, Dma, FitWarning, describe_list, in_kelvin, in_strain_sweep, join, untold
+from .data import COLDEST, KINDS, Dma, FitWarning, describe_list, in_strain_sweep, join, untold
 from .formats import Format, format_of
 from .sheets import read_sheet
 from .tables import Head, Table
@@ -634,7 +634,7 @@ def _with_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
             parts[i] = replace(parts[i], warnings=(*parts[i].warnings, text))
         return parts
     given = [float(plain("temperature", one)) for one in (temperature if np.ndim(temperature) else [temperature])]
-    in_kelvin("temperature", given)
+    in_kelvin("temperature", given, COLDEST)
     if not without:
         celsius = np.unique(np.concatenate([[*one.temperature, *one.time_temperature] for one in parts]) - 273.15)
         raise InputError(

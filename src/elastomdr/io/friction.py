@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .._runtime import plain, positive
+from .._runtime import in_kelvin, plain
 from ..errors import InputError
 from .columns import Quantity, left_out, read_columns
 from .data import FitWarning, MeasuredFriction
@@ -70,7 +70,7 @@ def read_friction(
         values["error"] = values["error"] * values["mu"]
     if temperature is not None:
         kelvin = float(plain("temperature", temperature))
-        positive("temperature", kelvin)
+        in_kelvin("temperature", kelvin)
         if "temperature" in values:
             raise InputError(f"temperature must be left out, got {kelvin:g} K: {name!r} has a column for it.")
         values["temperature"] = np.full(values["mu"].shape, kelvin)

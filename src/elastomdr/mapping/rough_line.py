@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from .._arrays import compiled, fixed, xp
-from .._runtime import Array, argmax, as_float64, ascending, in_float64, is_traced, numpy_unless_traced, require
+from .._runtime import Array, argmax, as_float64, ascending, finite, in_float64, is_traced, numpy_unless_traced
 from .._trees import Tree, fill, replaced
 from ..errors import InputError
 
@@ -45,8 +45,8 @@ class RoughLine(Tree):
             )
         if is_traced(x):
             raise InputError("x must be plain numbers: a RoughLine is differentiable in its heights.")
-        require("x", x, "finite", np.isfinite)
-        require("height", height, "finite", np.isfinite)
+        finite("x", x)
+        finite("height", height)
         ascending("x", x)
         n = x.shape[0]
         spacing = (x[-1] - x[0]) / (n - 1)

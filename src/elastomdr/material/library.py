@@ -155,14 +155,16 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
     path = Path(text)
     if isinstance(name_or_path, os.PathLike) or text.endswith(".toml") or "/" in text or os.sep in text:
         if not path.exists():
-            hint = closest(path.name, (other.name for other in path.parent.glob("*.toml")))
-            raise InputError(f"{path}: there is no such file.{hint}")
+            near = closest(path.name, (other.name for other in path.parent.glob("*.toml") if _is_material(other)))
+            near = near or closest(path.stem, _files())
+            raise InputError(f"{path}: there is no such file.{near} Looked for in {path.absolute().parent}.")
         return path
     files = _files()
     if text not in files:
         raise InputError(
             f"material {text!r} is not in the library.{closest(text, files)} "
-            "Accepted are the names of em.materials() and paths that end in .toml."
+            "Accepted are the names of em.materials() (`elastomdr materials`) and paths that end in .toml. "
+            f"Looked for in {', '.join(map(str, _folders()))}."
         )
     if len(files[text]) > 1:
         raise InputError(
@@ -171,8 +173,17 @@ def locate(name_or_path: str | os.PathLike[str]) -> Path:
     return files[text][0]
 
 
-def _files() -> dict[str, list[Path]]:
-    """Every material file, by name. A name that is there twice is an error only for who asks for it."""
+def _is_material(path: Path) -> bool:
+    """Whether a TOML file may hold a material: it has a list of moduli."""
+    try:
+        text = path.read_bytes()
+    except OSError:
+        return False
+    return b"moduli" in text or b"storage" in text
+
+
+def _folders() -> list[Path]:
+    """Where the files of the library are: the package, the folders of the variable, installed packages."""
     own = Path(__file__).parent / "data"  # where the wheel has them; a checkout has them at its root
     folders = [own if own.is_dir() else Path(__file__).parents[3] / "materials"]
     for entry in filter(None, os.environ.get(SEARCH_VARIABLE, "").split(os.pathsep)):
@@ -189,8 +200,13 @@ def _files() -> dict[str, list[Path]]:
                 f"Entry point {point.name!r} of {ENTRY_POINTS} must be a package with TOML files, got {point.value!r}."
             )
         folders += map(Path, spec.submodule_search_locations)
+    return list(dict.fromkeys(folder.resolve() for folder in folders))
+
+
+def _files() -> dict[str, list[Path]]:
+    """Every material file, by name. A name that is there twice is an error only for who asks for it."""
     files: dict[str, list[Path]] = {}
-    for folder in dict.fromkeys(folder.resolve() for folder in folders):
+    for folder in _folders():
         for path in folder.glob("*.toml"):
             files.setdefault(path.stem, []).append(path)
     return files

@@ -40,8 +40,9 @@ class Prony(AbstractRelaxation):
     modulus of zero makes it a liquid. All fields and methods speak of the `kind` of modulus that was given; `shear()`
     and `tensile()` are the same material in the other kind. `range` says where the numbers hold, as a dict like the
     [range] of a material file: `em.friction` flags what lies beyond. `softening` (`em.Softening`) has the factors
-    on the moduli at larger strains. Raises `InputError` for negative or NaN moduli, times that are not positive and
-    ascending, a Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`.
+    on the moduli at larger strains. Raises `InputError` for negative or NaN moduli, times that are not positive, a
+    Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`. Branches may come in any order: they are sorted by
+    their times, and those of one time are added.
     """
 
     equilibrium: Float[Array, ""]  # M_inf, as given [Pa]

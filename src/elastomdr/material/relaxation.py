@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._arrays import on_numpy, xp
-from .._runtime import Array, as_float64, ascending, is_traced, not_negative, numpy_unless_traced, positive, require
+from .._runtime import Array, as_float64, is_traced, not_negative, numpy_unless_traced, positive
 from .._trees import Tree
 from ..errors import InputError
 from .secular import secular_roots
@@ -117,7 +117,6 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
         if value.shape != ():
             raise InputError(f"{name} must be a single number, got an array of shape {value.shape}.")
         not_negative(name, value)
-        _representable(name, value)
     if moduli.ndim != 1 or times.ndim != 1 or moduli.shape != times.shape:
         raise InputError(
             "moduli and times must be lists of the same length, one entry per branch, "
@@ -125,19 +124,20 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
         )
     not_negative("moduli", moduli)
     positive("times", times)
-    ascending("times", times)
-    _representable("moduli", moduli)
-    _representable("times", times)
+    moduli, times = in_order(moduli, times)
     if not is_traced(equilibrium, moduli, viscosity) and equilibrium + viscosity + moduli.sum() <= 0:
         raise InputError("equilibrium, moduli and viscosity are all zero: such a material carries no load.")
     return Relaxation(equilibrium, moduli, times, viscosity)
 
 
-def _representable(name: str, value: Any) -> None:
-    """Refuses numbers whose products would leave the range of float64."""
-    require(
-        name, value, "zero or between 1e-100 and 1e100 in SI units", lambda x: (x == 0) | ((x > 1e-100) & (x < 1e100))
-    )
+@numpy_unless_traced
+def in_order(moduli: Array, times: Array) -> tuple[Array, Array]:
+    """Branches by ascending time, those of one time as one; times under a transformation of JAX as they are."""
+    if is_traced(times) or (np.diff(times) > 0).all():
+        return moduli, times
+    times, branch = np.unique(times, return_inverse=True)
+    same = np.arange(times.size)[:, None] == branch  # which branches make up which
+    return (same * moduli).sum(axis=1), times
 
 
 def scaled(law: Relaxation, factor: Any) -> Relaxation:

@@ -13,6 +13,7 @@ from .._runtime import (
     as_float64,
     ascending,
     in_float64,
+    in_kelvin,
     is_traced,
     not_negative,
     numpy_unless_traced,
@@ -54,7 +55,7 @@ class AbstractShift(Tree):
     def log10_a(self, temperature: ArrayLike) -> Array:
         """log10 a_T at temperatures [K], any shape. Raises `InputError` outside the law's range."""
         temperature = as_float64("temperature", temperature)
-        positive("temperature", temperature)
+        in_kelvin("temperature", temperature)
         self._check(temperature)
         return self._log10_a(temperature)
 
@@ -86,7 +87,7 @@ class WLF(AbstractShift):
         fill(self, c1=scalar("c1", c1), c2=scalar("c2", c2), reference=scalar("reference", reference))
         positive("c1", self.c1)
         positive("c2", self.c2)
-        positive("reference", self.reference)
+        in_kelvin("reference", self.reference)
 
     def _log10_a(self, temperature: Array) -> Array:
         above = temperature - self.reference
@@ -117,7 +118,7 @@ class VFT(AbstractShift):
     def __init__(self, b: Number, t0: Number, reference: Number):
         fill(self, b=scalar("b", b), t0=scalar("t0", t0), reference=scalar("reference", reference))
         positive("b", self.b)
-        positive("reference", self.reference)
+        in_kelvin("reference", self.reference)
         not_negative("t0", self.t0)
         if not is_traced(self.reference):
             reference = float(self.reference)
@@ -144,7 +145,7 @@ class Arrhenius(AbstractShift):
     def __init__(self, energy: Number, reference: Number):
         fill(self, energy=scalar("energy", energy), reference=scalar("reference", reference))
         positive("energy", self.energy)
-        positive("reference", self.reference)
+        in_kelvin("reference", self.reference)
 
     def _log10_a(self, temperature: Array) -> Array:
         return self.energy / GAS_CONSTANT * (1 / temperature - 1 / self.reference) / _LN10
@@ -170,7 +171,7 @@ class ShiftTable(AbstractShift):
                 "temperature and log10_a must be lists of the same length with two entries at least, "
                 f"got shapes {temperature.shape} and {log10_a.shape}."
             )
-        positive("temperature", temperature)
+        in_kelvin("temperature", temperature)
         require("log10_a", log10_a, "finite", np.isfinite)
         ascending("temperature", temperature)
         if not is_traced(log10_a) and (np.diff(log10_a) > 0).any():

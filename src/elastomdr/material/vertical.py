@@ -12,6 +12,7 @@ from .._runtime import (
     Array,
     as_float64,
     ascending,
+    in_kelvin,
     is_traced,
     numpy_unless_traced,
     positive,
@@ -47,7 +48,7 @@ class AbstractVertical(Tree):
     def b(self, temperature: ArrayLike) -> Array:
         """Vertical shift factor b_T at temperatures [K], any shape. Raises `InputError` outside the law's range."""
         temperature = as_float64("temperature", temperature)
-        positive("temperature", temperature)
+        in_kelvin("temperature", temperature)
         self._check(temperature)
         return self._b(temperature)
 
@@ -63,7 +64,7 @@ class EntropicVertical(AbstractVertical):
 
     def __init__(self, reference: Number):
         fill(self, reference=scalar("reference", reference))
-        positive("reference", self.reference)
+        in_kelvin("reference", self.reference)
 
     def _b(self, temperature: Array) -> Array:
         return temperature / self.reference
@@ -91,7 +92,7 @@ class VerticalTable(AbstractVertical):
             )
         if is_traced(temperature):
             raise InputError("temperature must be plain numbers: a table is differentiated in its factors only.")
-        positive("temperature", temperature)
+        in_kelvin("temperature", temperature)
         positive("factor", factor)
         ascending("temperature", temperature)
         fill(self, temperature=temperature, factor=factor, slopes=_slopes(np.asarray(temperature), factor))

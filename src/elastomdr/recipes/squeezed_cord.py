@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, not_negative, positive, require
+from .._runtime import as_float64, in_float64, in_kelvin, is_traced, not_negative, positive, require
 from ..errors import InputError
 from ..mapping.radok import normal_operator
 from ..material.prony import Prony
@@ -136,7 +136,7 @@ def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> A
     """A modulus at a time and a temperature; relaxed without a time."""
     factor, vertical = 1.0, 1.0
     if temperature is not None:
-        positive("temperature", temperature)
+        in_kelvin("temperature", temperature)
         factor, vertical = thermal_factors(material, temperature)
     if time is None:
         return law.equilibrium * vertical

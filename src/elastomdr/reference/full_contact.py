@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array, as_float64, in_float64, positive
+from .._runtime import Array, as_float64, in_float64, in_kelvin, positive
 from ..errors import InputError
 from ..foundation.law import surface_foundation
 from ..mapping.rough_line import RoughLine
@@ -59,7 +59,7 @@ def full_contact_sliding(
     positive("load", force)
     if temperature is not None:
         kelvin = as_float64("temperature", temperature)
-        positive("temperature", kelvin)
+        in_kelvin("temperature", kelvin)
         factor, vertical = thermal_factors(foundation, kelvin)
     shapes = [np.shape(v), np.shape(force), np.shape(factor)]
     try:

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from .._runtime import Array, as_float64, in_float64, is_traced, positive
+from .._runtime import Array, as_float64, in_float64, in_kelvin, is_traced, positive
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.shapes import Cylinder
@@ -68,7 +68,7 @@ def small_damping(
     positive("load", force)
     if temperature is not None:
         kelvin = as_float64("temperature", temperature)
-        positive("temperature", kelvin)
+        in_kelvin("temperature", kelvin)
         factor, vertical = thermal_factors(cover, kelvin)
     if not is_traced(cover) and not float(cover.equilibrium) > 0:
         raise InputError("cover must have an equilibrium modulus: one that relaxes altogether does not lose little.")

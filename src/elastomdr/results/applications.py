@@ -196,6 +196,8 @@ class Stability(Result):
             counts = counts & np.isfinite(ratio)
             text = _growing(velocity, ratio, counts, float(self.slowest))
             yield "at " + curve.label if curve.label else "result", text
+            known = _sticks(velocity, fields["force"][curve.at], ratio, counts, float(self.slowest))
+            yield "stick-slip", known
         holes, alone = np.isnan(fields["force"]), fields["converged"] & np.isnan(fields["error"])
         if holes.any():
             text = f"{holes.sum()} of {holes.size} forces; the ratio there and beside them is left out"
@@ -223,6 +225,17 @@ def unstable(velocity: np.ndarray, ratio: np.ndarray, counts: np.ndarray, limit:
         else:
             found.append((float(np.exp(ends[0])), float(np.exp(ends[1]))))
     return found
+
+
+def _sticks(velocity: np.ndarray, force: np.ndarray, ratio: np.ndarray, counts: np.ndarray, limit: float) -> str:
+    """Yes or no, and the friction force there."""
+    if not counts.any():
+        return f"not decided: friction follows the speed only above {in_words('velocity', limit)}; ask em.drive"
+    ranges = unstable(velocity, ratio, counts, limit)
+    if not ranges:
+        return f"no, above {in_words('velocity', limit)}: swings die out; friction {span(force[counts], 'N')}"
+    falls = force[counts & (ratio < 0)]
+    return f"yes, {' and '.join(_range(*ends, limit) for ends in ranges)}: swings grow; friction {span(falls, 'N')}"
 
 
 def _growing(velocity: np.ndarray, ratio: np.ndarray, counts: np.ndarray, limit: float) -> str:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .._types import Style
 
 _LATE = 0.8  # part of the time from which on a summary looks at the velocity
+_STANDS, _STEADY = 0.1, 0.5  # velocities over the drive's below which a body stands, and within which of 1 it slides
 
 
 @record
@@ -289,8 +290,33 @@ class Drive(_OverSurface):
             found.append((part.max() - part.min()) / xp.where(speed == 0, xp.nan, abs(speed)))
         return xp.stack(found)
 
+    def stick_slip(self, normal_force: float | None = None) -> str:
+        """Whether the body sticks and slips in the last fifth of the time, in a sentence that begins with yes or no.
+
+        Yes: it stands (below a tenth of the drive's velocity) and jumps; no: its velocity stays within half of the
+        drive's. What lies between is not decided. Friction is in newtons, of a rough line per metre or, given the
+        `normal_force` [N] of the whole body, of that body. Raises `InputError`.
+        """
+        late = np.flatnonzero(self.converged & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0])))
+        mean = np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]]) if late.size > 1 else 0.0
+        if not mean:
+            return "not decided: the drive stands in the last fifth of the time, or nothing converged there"
+        share, unit = 1.0, "N/m" if self.per_length else "N"
+        if normal_force is not None:
+            whole = plain("normal_force", normal_force)
+            positive("normal_force", whole)
+            share, unit = whole / float(np.mean(self.normal_force[late])), "N"
+        low, high = (float(x(self.velocity[late])) / mean for x in (np.min, np.max))
+        at = f"{significant(low, 3)} to {significant(high, 3)} times the drive's"
+        force = f"friction {span(share * self.friction_force[late], unit)}"
+        if low < _STANDS and high > 1 + _STEADY:
+            return f"yes: the body stands and jumps, its velocity is {at}; {force}"
+        if low > 1 - _STEADY and high < 1 + _STEADY:
+            return f"no: the body follows the drive, its velocity is {at}; {force}"
+        return f"not decided: its velocity is {at}, so compute a longer motion; {force}"
+
     def outcome(self) -> Iterator[tuple[str, str]]:
-        """Ranges of friction and normal force, the energy balance, the velocity late in the motion."""
+        """Ranges of friction and normal force, the energy balance, the velocity late in the motion, stick-slip."""
         yield "computed", str(self.plan)
         good = np.flatnonzero(self.converged)
         if good.size:
@@ -303,6 +329,7 @@ class Drive(_OverSurface):
         if late.size > 1 and (speed := np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]])):
             low, high = (significant(float(x(self.velocity[late])) / speed, 3) for x in (np.min, np.max))
             yield "velocity", f"{low} to {high} times the drive's in the last fifth of the time"
+            yield "stick-slip", self.stick_slip()
 
     def plot(
         self,

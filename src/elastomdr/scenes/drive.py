@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import in_float64, is_traced, nan_unless, needs_64_bit_types, not_negative, positive, scalar
+from .._runtime import in_float64, is_traced, nan_unless, not_negative, positive, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import AbstractLines, SingleLine
@@ -22,7 +22,7 @@ from ..solve.dynamics import History, Scene, run
 from ..solve.mount import Mount
 from ..solve.over_line import AbstractOverLine, Indenter, rough
 from ..solve.refine import Levels, finest, refine
-from ..solve.sizes import contact_sizes, shared_level
+from ..solve.sizes import check_path, contact_sizes, shared_level
 from .ages import sliding_beyond
 from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
 from .several import over_materials
@@ -41,7 +41,6 @@ _PERIOD = 12  # steps per period of a mass on its spring and the contact, on the
 
 
 @over_materials
-@needs_64_bit_types
 @in_float64
 def drive(
     material: Materials,
@@ -186,6 +185,7 @@ def _within(
         count = history.elements
         spacing = (high - low) / count
     else:
+        check_path(float(high - low), float(spacing))
         count = 32 * math.ceil(float(high - low) / float(spacing) / 32)
     samples = 8 if traced else _samples(history, spacing, mounts, law)
     shortest, early = _early(history)
@@ -284,7 +284,7 @@ def _pack(
         warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
 
     def shown(field: Any) -> Any:
-        return nan_unless(found.good, field)
+        return nan_unless(found.shown, field)
 
     seen: Any = found.forces
     tangential = mounts[0]

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import as_float64, is_traced, not_negative, only_one, positive, require
+from .._runtime import as_float64, finite, in_kelvin, is_traced, not_negative, only_one
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
@@ -89,8 +89,8 @@ def given_history(
             "time and position must be lists of the same length, two instants at least, "
             f"got shapes {time.shape} and {position.shape}."
         )
-    require("time", time, "finite", np.isfinite)
-    require("position", position, "finite", np.isfinite)
+    finite("time", time)
+    finite("position", position)
     if (np.diff(time) < 0).any():
         i = int(np.argmin(np.diff(time)))
         raise InputError(
@@ -106,7 +106,7 @@ def given_history(
     if control == "load":
         not_negative("load", value)
     else:
-        require("depth", value, "finite", np.isfinite)
+        finite("depth", value)
     if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-6 <= rtol <= 1e-1:
         raise InputError(f"rtol must be a number from 1e-6 to 1e-1, got {rtol!r}.")
     if elements is not None and (not isinstance(elements, int) or elements < 16):
@@ -117,7 +117,7 @@ def given_history(
     inputs.append((control, brief(value, ("N/m" if per_length else "N") if control == "load" else "m")))
     if temperature is not None:
         kelvin = as_float64("temperature", temperature)
-        positive("temperature", kelvin)
+        in_kelvin("temperature", kelvin)
         factor, vertical = thermal_factors(foundation, kelvin)
         law = scaled(law, vertical)
         law = Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor)

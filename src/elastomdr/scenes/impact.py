@@ -23,6 +23,7 @@ from ..solve.extrapolate import impacts
 from ..solve.impact import Body
 from ..solve.layer_disc import LayerDisc
 from .beyond import NOT_KNOWN, Beyond, told
+from .metres import hint_at_metres
 from .normal_layer import incompressible_enough, of_layer
 from .oblique import check_oblique, solve_oblique
 
@@ -163,6 +164,7 @@ def _scene(
         raise InputError("material must be a material or a list of them, got an empty list.")
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    hint_at_metres(shape)
     struck: Any = shape
     if isinstance(material, Layer):
         if extra:

@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._arrays import on_jax, xp
-from .._runtime import as_float64, is_traced, nan_unless, numpy_unless_traced, positive, require, scalar
+from .._runtime import (
+    as_float64,
+    finite,
+    is_traced,
+    nan_unless,
+    numpy_unless_traced,
+    positive,
+    representable,
+    require,
+    scalar,
+)
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..foundation.layer import Layer
@@ -23,6 +33,7 @@ from ..solve.control import Course, Found, indent_under, indent_with_adhesion
 from ..solve.layer_disc import LayerDisc
 from ..solve.surface import Elements
 from .ages import history_beyond
+from .metres import hint_at_metres
 from .normal_layer import incompressible_enough, of_layer
 from .several import over_materials
 
@@ -181,6 +192,7 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
     """The elements of a contact, and what they are made of. Raises `InputError` for a pair that does not fit."""
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    hint_at_metres(shape)
     if isinstance(material, Layer):
         return of_layer(material, shape)
     foundation = as_foundation(material)
@@ -231,7 +243,7 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
     if depth is None and load is None:
         raise InputError("load or depth must be given, got neither.")
     time = as_float64("time", time)
-    require("time", time, "finite", np.isfinite)
+    finite("time", time)
     if time.ndim == 0 or time.shape[-1] < 2:
         raise InputError(f"time must be a list of two instants or more, got shape {time.shape}.")
     if not is_traced(time) and not (np.diff(time) > 0).all():
@@ -244,16 +256,14 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
             continue
         parts[name] = as_float64(name, value)
         signed = pull or name == "depth"
-        accepted = "finite" if signed else "zero or positive and finite (a pull needs adhesion)"
-
-        def good(x: np.ndarray, signed: bool = signed) -> Any:
-            return np.isfinite(x) & ((x >= 0) | signed)
-
-        if both and not is_traced(parts[name]):
-            given = parts[name][~np.isnan(parts[name])]
-            require(name, given, accepted, good)
-        else:
-            require(name, parts[name], accepted, good)
+        given = parts[name]
+        if both and not is_traced(given):
+            given = given[~np.isnan(given)]
+        if not signed:
+            accepted = "zero or positive and finite (a pull needs adhesion)"
+            require(name, given, accepted, lambda x: np.isfinite(x) & (x >= 0))
+            representable(name, given)
+        finite(name, given)
     try:
         full = np.broadcast_shapes(time.shape, *(p.shape for p in parts.values()))
     except ValueError as error:

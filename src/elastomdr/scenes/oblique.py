@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import as_float64, nan_unless, positive, require, scalar
+from .._runtime import as_float64, finite, nan_unless, positive, require, scalar
 from ..errors import InputError
 from ..foundation.law import Foundation, half_space
 from ..mapping.reach import contact_size
@@ -39,7 +39,7 @@ def check_oblique(material: Any, velocity: Any, friction: Any, inertia: Any, tan
     if isinstance(material, (list, tuple)):
         raise InputError("material must be one material in an oblique impact, got a list.")
     velocity, friction = as_float64("tangential_velocity", velocity), as_float64("friction", friction)
-    require("tangential_velocity", velocity, "finite", np.isfinite)
+    finite("tangential_velocity", velocity)
     require("friction", friction, "zero or positive, infinity included", lambda x: x >= 0)
     if inertia is not None:
         inertia = scalar("inertia", inertia)

@@ -9,7 +9,18 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, known, nan_unless, not_negative, only_one, require, scalar
+from .._runtime import (
+    as_float64,
+    finite,
+    in_float64,
+    is_traced,
+    known,
+    nan_unless,
+    not_negative,
+    only_one,
+    require,
+    scalar,
+)
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation
 from ..mapping.reach import contact_measure, contact_size
@@ -95,8 +106,8 @@ def shear(
     if depth is None:
         not_negative(name, value)
     else:
-        require(name, value, "finite", np.isfinite)
-    require("displacement", displacement, "finite", np.isfinite)
+        finite(name, value)
+    finite("displacement", displacement)
     require("friction", mu, "zero or positive, infinity included", lambda x: x >= 0)
     if time.ndim != 1 or time.shape[0] < 2:
         raise InputError(f"time must be a list of two instants or more, got an array of shape {time.shape}.")

@@ -21,7 +21,7 @@ from ..results.history import Slide
 from ..results.words import describe
 from ..solve.over_line import indenter, rough
 from ..solve.refine import Levels, finest, refine
-from ..solve.sizes import contact_sizes, shared_level
+from ..solve.sizes import check_path, contact_sizes, shared_level
 from ..solve.slide import Forces, march, padded
 from ..solve.timeline import cut, timeline
 from .ages import sliding_beyond
@@ -141,7 +141,7 @@ def _apart(history: GivenHistory) -> tuple[Levels, SlidePlan]:
     """A body that is never pressed down: no contact, hence no size of it either, by which to choose elements."""
     none = np.zeros(history.time.shape)
     depth = np.asarray(history.value) if history.control == "depth" else none
-    found = Levels(Forces(depth, none, none, none, none), none * np.nan, none * np.nan, none == 0, 0)
+    found = Levels(Forces(depth, none, none, none, none), none * np.nan, none * np.nan, none == 0, 0, none == 0)
     return found, SlidePlan(0, 0, int(history.law.times.size), 0, "the body touches no element")
 
 
@@ -159,6 +159,7 @@ def _within(
         line = timeline(history.time, history.position, history.value, None, history.shortest, even)
     else:
         spacing = float(2 * math.sqrt(glassy * widest) / _ACROSS)
+        check_path(float(length), spacing)
         count = 32 * math.ceil(float(length) / spacing / 32)
         line = timeline(history.time, history.position, history.value, spacing, history.shortest, 0)
     size, outside = [0, 0], [False]
@@ -204,7 +205,7 @@ def _pack(
         warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)
 
     def shown(field: Any) -> Any:
-        return nan_unless(found.good, field)
+        return nan_unless(found.shown, field)
 
     forces = found.forces
     gone = np.diff(history.time)

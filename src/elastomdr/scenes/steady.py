@@ -25,6 +25,7 @@ from ..solve.plan import Plan, make_plan
 from ..solve.sweep import run
 from .beyond import steady_beyond
 from .choice import of_smooth
+from .metres import hint_at_metres
 from .softened import check_softening, run_softened, softened_words
 
 if TYPE_CHECKING:
@@ -144,7 +145,8 @@ def no_pressure(shape: AbstractShape, pressure: Any) -> None:
     """Refuses a pressure on a smooth body. Raises `InputError`."""
     if pressure is not None:
         raise InputError(
-            f"pressure belongs to a rough surface; a {shape.label} takes load or depth, got pressure={pressure}."
+            f"pressure belongs to a rough surface; a {shape.label} takes load or depth, got pressure={pressure}. Give "
+            "the force as load= [N]."
         )
 
 
@@ -217,6 +219,7 @@ def _sunk(scene: SmoothScene) -> str:
 
 def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
     """The lines of a sliding contact, and what they are made of. Raises `InputError` for a pair that does not fit."""
+    hint_at_metres(shape)
     foundation = as_foundation(material)
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")

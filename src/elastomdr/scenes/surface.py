@@ -26,6 +26,7 @@ from .beyond import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
 from .mean import Mean
 from .softened import LINEAR
 
+_MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
 _LEAST = 1e-6  # share of real contact below which a pressure is taken for one in the wrong unit
 _HOT = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 _HOT_BY_SCALE = "; rubber at a temperature for each length scale, heated by its friction"
@@ -368,10 +369,12 @@ def _check_contact(found: _Found, pressure: np.ndarray) -> None:
     """Raises `InputError` for a pressure that is likely to be in another unit."""
     area = np.where(found.good, found.area, 1.0)
     least = int(np.argmin(area))
-    if area[least] < _LEAST:
+    least_area = _LEAST if pressure[least] > _MEGAPASCALS else 100 * _LEAST
+    if area[least] < least_area:
         raise InputError(
-            f"pressure must be in Pa, and enough for a real contact of {_LEAST:g} of the nominal area, got "
-            f"{pressure[least]:g} Pa with a contact of {area[least]:.1g}: 0.3 MPa are 3e5 Pa."
+            f"pressure must be in Pa, and enough for a real contact of {least_area:g} of the nominal area, got "
+            f"{pressure[least]:g} Pa with a contact of {area[least]:.1g}: {pressure[least]:g} MPa are "
+            f"{1e6 * pressure[least]:g} Pa."
         )
 
 

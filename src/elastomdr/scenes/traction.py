@@ -12,6 +12,7 @@ from .._arrays import xp
 from .._runtime import (
     Array,
     as_float64,
+    finite,
     is_traced,
     known,
     nan_unless,
@@ -211,7 +212,7 @@ def _kinematics(velocity: Any, creepage: Any, slip: Any) -> tuple[Array, Array, 
     velocity = as_float64("velocity", velocity)
     if slip is None:
         creepage = as_float64("creepage", creepage)
-        require("creepage", creepage, "finite", np.isfinite)
+        finite("creepage", creepage)
         return velocity, creepage, None, None
     slip = as_float64("slip", slip)
     accepted = "finite and below 1, a part of the road's velocity (a locked wheel slides: em.friction)"
@@ -371,7 +372,7 @@ def _carter(
             "viscoelastic half-plane is no MDR problem."
         )
     load = as_float64("load", load)
-    require("load", load, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
+    positive("load", load)
     if temperature is not None and foundation.vertical is None and (mu_law is None or mu_law.temperature is None):
         raise InputError("temperature must be left out for an elastic half-plane, on which it has no effect.")
     modulus = law.equilibrium

@@ -31,6 +31,7 @@ class Levels(NamedTuple):
     error: Array  # of mu, absolute
     good: Array
     levels: int  # marches
+    shown: Array  # what is handed out: good points, and under a transformation all whose error is known
 
 
 def refine(
@@ -45,7 +46,8 @@ def refine(
     Good is a point whose error of mu is below rtol times the largest mu of the history (or 0.03 `slope`, that of the
     body, if that is more), with depth and normal force known to rtol of their largest values; and with an energy
     balance that closes to it, where `missing` gives what is missing in it at each instant and what that is relative to.
-    Under `jit` or `vmap`, where errors cannot be looked at, two levels are made.
+    Under `jit`, `grad` or `vmap`, where errors cannot be looked at, two levels are made, and what they give is handed
+    out with its error: the elements are given there, and rtol cannot be met by more of them.
     """
     old, fits = solve(0)
     level, last, before = 0, 0.0, None
@@ -65,15 +67,16 @@ def refine(
             numpy.nanmax(numpy.where(numpy.isfinite(mu), numpy.abs(mu), 0.0)), _SYMMETRIC * slope + _ROUNDING
         )
         sure = numpy.isfinite(new.normal) & numpy.isfinite(new.drag) & numpy.isfinite(new.depth) & fits
+        known = sure
         apart = numpy.max(numpy.abs(new.normal)) == 0  # the depth is then that of the elements' grid
         for change, value in zip(changes[1:], seen[1:], strict=True):
             sure = sure & (apart | (change <= rtol * numpy.max(numpy.abs(value))))
         if missing is not None:
-            part, whole = missing(limit)
-            sure = sure & (numpy.abs(part) <= rtol * whole)
+            part, largest = missing(limit)
+            sure = sure & (numpy.abs(part) <= rtol * largest)
         good = sure & ~(error > rtol * scale)  # without contact there is no mu, and no error of it
         if is_traced(new) or level >= most or bool(np.all(good)) or not bool(np.any(fits)):
-            return Levels(limit, mu, error, good, level + 1)
+            return Levels(limit, mu, error, good, level + 1, known if is_traced(new) else good)
         old, last, before = new, changes[0] / 8, seen
 
 

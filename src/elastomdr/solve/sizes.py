@@ -6,6 +6,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from ..errors import InputError
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .passage import Control, estimate_sizes
@@ -20,6 +21,18 @@ def shared_level(work: float, most: int, room: float, factor: float = 4.0) -> in
     not come (of a rough line: in further periods).
     """
     return max(level for level in range(most + 1) if level <= 1 or factor**level * work <= room)
+
+
+_ELEMENTS = 1e6  # along a path: more steps of so many elements than anybody waits for
+
+
+def check_path(length: float, spacing: float) -> None:
+    """Raises `InputError` for a path that is too long for elements of the size that the contact asks for [m]."""
+    if not length <= _ELEMENTS * spacing:
+        raise InputError(
+            f"position must stay within {_ELEMENTS:g} elements, each {spacing:.3g} m wide as the contact asks for, got "
+            f"a path over {length:.3g} m: shorten it, or take em.friction for steady sliding."
+        )
 
 
 @functools.partial(jax.jit, static_argnames="control")

@@ -1,0 +1,169 @@
+"""Mistakes that users make: each is met by a message that says what to write. Scenes to start from, and stick-slip."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.init import kinds
+from elastomdr.cli.main import main
+
+SCENE = """
+material = "tread-passenger-synthetic"
+temperature = "20 degC"
+[indenter]
+shape = "sphere"
+radius = "5 mm"
+[contact]
+load = "10 N"
+velocity = "1 mm/s"
+"""
+ROAD = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1e5)
+
+
+@pytest.fixture(autouse=True)
+def _in_its_own_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+MISTAKES = {
+    "C": ('"20 degC"', '"20 C"', 'temperature must be a temperature, got "20 C": write "20 degC".'),
+    "Fahrenheit": ('"20 degC"', '"68 F"', 'write "68 degF"'),
+    "20": ('"20 degC"', "20", 'got 20. Did you mean "20 degC"?'),
+    "20 in quotes": ('"20 degC"', '"20"', 'got "20" without one. Did you mean "20 degC"?'),
+    "comma": ('"10 N"', '"10,5 N"', 'load must have a decimal point, not a comma, got "10,5 N": write "10.5 N".'),
+    "point and comma": ('"10 N"', '"1.000,5 N"', 'write "1000.5 N"'),
+    "5": ('"5 mm"', "5", 'Did you mean "5 mm"?'),
+    "pressure": ('load = "10 N"', 'pressure = "0.3 MPa"', "pressed on with a load or a depth"),
+    "file": ('"tread-passenger-synthetic"', '"compond.toml"', "Did you mean 'compound.toml'? Looked for in "),
+    "name": ('"tread-passenger-synthetic"', '"tread-pasenger"', "Did you mean 'tread-passenger-synthetic'?"),
+    "no name": ('"tread-passenger-synthetic"', '"compound"', 'a file beside the scene: write "compound.toml"'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_scenes(case, capsys):
+    right, wrong, said = MISTAKES[case]
+    em.save_material(em.load_material("nbr-linder"), "compound.toml")
+    Path("compond-scene.toml").write_text(SCENE.replace(right, wrong))
+    assert main(["friction", "compond-scene.toml"]) == 2
+    assert said in capsys.readouterr().err
+    assert list(Path().glob("*.csv")) == []
+
+
+@pytest.mark.parametrize("name", [name for name in em.materials() if "polyisoprene" not in name])  # liquids
+@pytest.mark.parametrize("slope", [0.05, 1.0])
+def test_pressure_in_megapascals(name, slope):
+    road = em.SelfAffine(0.8, rms_slope=slope, q_low=1e3, q_high=1e5)
+    with pytest.raises(em.InputError, match=r"pressure must be in Pa.*got 0\.3 Pa.*0\.3 MPa are 300000 Pa"):
+        em.friction(em.load_material(name), road, velocity=0.01, pressure=0.3)
+
+
+@pytest.mark.parametrize("shape", [ROAD, em.Sphere(5e-3)], ids=["road", "ball"])
+def test_temperature_in_celsius(shape):
+    rubber = em.load_material("tread-passenger-synthetic")
+    force = {"pressure": 3e5} if shape is ROAD else {"load": 1.0}
+    with pytest.raises(em.InputError, match=r"temperature must be.*kelvin.*got 20.*20 degC is 293\.15 K"):
+        em.friction(rubber, shape, velocity=0.01, temperature=20, **force)
+
+
+@pytest.mark.parametrize("shape", [em.Sphere(5), em.Paraboloid(5)])
+@pytest.mark.parametrize("verb", ["friction", "rolling", "indent", "impact"])
+def test_radius_in_millimetres(shape, verb):
+    given = {
+        "indent": {"time": [0.0, 1.0], "load": 1.0}, "impact": {"mass": 1.0, "velocity": 1.0},
+    }.get(verb, {"velocity": 0.01, "load": 1.0})  # fmt: skip
+    rubber = em.StandardSolid(1e6, 1e6, 1e-2)
+    with pytest.warns(em.ModelWarning, match=r'is 5 m\. Radii are in metres: 5 mm are 0\.005 m \(in a scene "5 mm"\)'):
+        getattr(em, verb)(rubber, shape, **given)
+
+
+def test_radius_in_a_scene(capsys):
+    Path("ball.toml").write_text(SCENE.replace('"5 mm"', '"5 m"'))
+    assert main(["friction", "ball.toml"]) == 0
+    assert "warning: The radius of the sphere is 5 m. Radii are in metres: 5 mm" in capsys.readouterr().err
+
+
+def test_material_that_is_not_there():
+    em.save_material(em.load_material("nbr-linder"), "compound.toml")
+    Path("compond-notes.toml").write_text("title = 'no material'")
+    with pytest.raises(em.InputError, match=r"no such file\. Did you mean 'compound\.toml'\? Looked for in /"):
+        em.load_material("compond.toml")
+    with pytest.raises(em.InputError, match=r"Did you mean 'nbr-linder'\? Looked for in"):
+        em.load_material("nbr-lindner.toml")
+    with pytest.raises(em.InputError, match=r"Did you mean 'nbr-linder'\?.*elastomdr materials.*Looked for in /"):
+        em.load_material("nbr_linder")
+
+
+def test_pressure_on_a_ball():
+    with pytest.raises(em.InputError, match=r"sphere takes load or depth, got pressure=300000.*load= \[N\]"):
+        em.friction(em.load_material("nbr-linder"), em.Sphere(5e-3), velocity=0.01, pressure=3e5)
+
+
+def test_moduli_exchanged():
+    f, kelvin = np.geomspace(0.1, 100, 8), np.linspace(253.15, 293.15, 5)
+    law = em.WLF(8.9, 101.6, 293.15)
+    rubber = em.Prony(1e6, np.full(8, 3e7), np.geomspace(1e-7, 1, 8), kind="tensile", shift=law)
+    omega, t = (x.ravel() for x in np.meshgrid(2 * np.pi * f, kelvin))
+    reduced = omega * law.a(t)
+    dma = em.fit.dma(omega, rubber.loss(reduced), rubber.storage(reduced), t, kind="tensile")
+    with pytest.raises(em.InputError, match=r"look exchanged.*Exchange them: .*--column storage=N --column loss=M"):
+        em.fit.master_curve(dma, 293.15)
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_scenes_to_start_from(kind, capsys):
+    assert main(["init", "mine.toml", "--kind", kind]) == 0
+    command = capsys.readouterr().out.splitlines()[-1].split()
+    assert command[0] == "elastomdr"
+    assert command[2] == "mine.toml"
+    assert f"#   elastomdr {command[1]} mine.toml\n" in Path("mine.toml").read_text()
+    assert main(command[1:]) == 0
+    assert "all converged" in capsys.readouterr().out
+    assert main(["init", "mine.toml"]) == 2
+    assert "is there already" in capsys.readouterr().err
+
+
+def test_scene_to_start_from_by_its_own_name(capsys):
+    assert main(["init"]) == 0
+    assert "slider.toml" in capsys.readouterr().out
+    assert main(["init", "mine.txt"]) == 2
+    assert "must end in .toml" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("swing", "said"), [(0.0, "no: "), (0.3, "no: "), (0.7, "not decided: "), (1.0, "yes: ")])
+def test_stick_slip_of_a_motion(swing, said):
+    """A body driven at 1 mm/s whose velocity is 1 - s sin, or, for s = 1, stands and jumps."""
+    time = np.linspace(0, 10, 2001)
+    wave = np.sin(2 * np.pi * time)
+    velocity = 1e-3 * (1 + swing * wave if swing < 1 else np.maximum(np.pi * wave, 0))
+    found = _motion(time, velocity, friction=2.0 + wave, normal=10.0)
+    assert found.stick_slip().startswith(said)
+    assert found.stick_slip().endswith("friction 1 to 3 N/m")
+    assert found.stick_slip(40.0).endswith("friction 4 to 12 N")
+    assert "stick-slip" in found.summary()
+
+
+def _motion(time, velocity, friction, normal):
+    from elastomdr.results.history import Drive
+
+    flat = np.full(time.size, normal)
+    zero = np.zeros(time.size)
+    known = dict(
+        time=time, drive=1e-3 * time, position=1e-3 * time, velocity=velocity, depth=zero, mu=friction / normal,
+        normal_force=flat, friction_force=friction, pull=friction, given=zero, kinetic=zero, stored=zero,
+        dissipated=zero, imbalance=zero, error=zero, converged=np.ones(time.size, bool), per_length=True,
+        model="", plan="", inputs=(),
+    )  # fmt: skip
+    return Drive(**known)
+
+
+def test_stick_slip_of_a_drive():
+    v = np.geomspace(0.1, 1, 9)
+    for damping, said in ((0.1, "yes, "), (1e3, "no, above 0.02 m/s: swings die out; friction 10 to ")):
+        mount = em.Mount(2.0, 800.0, damping)
+        summary = em.stability(mount, velocity=v, force=10 * v**-0.2, wavelength=1e-3).summary()
+        (line,) = (line for line in summary.splitlines() if line.startswith("stick-slip"))
+        assert line.split(maxsplit=1)[1].startswith(said)
+        assert line.endswith(" N")
