@@ -86,7 +86,7 @@ class SurfaceFriction(OfBodies):
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         with named("[surface]"):
-            surface = self.surface.isotropic(folder)
+            surface = self.surface.drawn(folder, self.uncertainty)
         heat = {} if self.heat is None else {"heat": self.heat.make()}
         shear = {} if self.adhesion is None else {"adhesion": self.adhesion.make()}
         return on_axes({"shape": surface} | self.common(folder) | self.contact.arguments() | heat | shear)
