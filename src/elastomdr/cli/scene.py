@@ -132,9 +132,6 @@ class OfBodies(Scene):
     ]
     other: Annotated[Text | None, "the second body, where it is no rigid one: two half-spaces in contact"] = None
     layer: Annotated[Layer | None, "the rubber is a thin layer"] = None
-    uncertainty: Annotated[
-        Draws | None, "number of draws for the band, 2 or more: of the [misfit] in the material's file, and of the road"
-    ] = None
 
     def __post_init__(self) -> None:
         if self.other is not None and self.layer is not None:
@@ -142,23 +139,15 @@ class OfBodies(Scene):
         if self.layer is None and isinstance(getattr(self, "indenter", None), Cylinder):
             raise InputError("[layer] is missing: a cylinder acts on a layer, with its thickness.")
 
-    def _draws(self, rubbers: list[Any]) -> list[Any]:
-        """Draws of the one material. Raises `InputError` where nothing is known of its uncertainty."""
-        if len(rubbers) > 1 or self.other is not None:
-            raise InputError("uncertainty belongs to a single material, without other.")
-        if not isinstance(rubbers[0], em.Prony):
-            raise InputError("uncertainty must be left out of a material that is a table of moduli: it has no draws.")
-        with named("uncertainty:"):
-            return rubbers[0].draws(int(self.uncertainty or 0))
+    def rubbers(self, folder: Path) -> list[Any]:
+        """The materials."""
+        return [load(folder, "material", name) for name in self.material]
 
     def common(self, folder: Path) -> dict[str, Any]:
         """`material`, `rtol` and, unless it has been applied to the material already, `temperature`."""
         found = self.numerics.chosen() | given(self, "temperature")
-        rubbers = [load(folder, "material", name) for name in self.material]
+        rubbers = self.rubbers(folder)
         several = len(rubbers) > 1
-        if self.uncertainty is not None:
-            rubbers = self._draws(rubbers)
-            several = True
         if self.layer is not None:
             with named("[layer]"):
                 springs = [em.springs(each, self.layer.thickness, bonded=self.layer.bonded) for each in rubbers]

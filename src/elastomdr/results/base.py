@@ -123,7 +123,7 @@ class Result:
     plan: Any = setting()  # what was computed and skipped, of a type for each verb; of several materials a tuple
     inputs: tuple[tuple[str, str], ...] = setting()  # name and value of each argument, in words
     origins: tuple[Origin, ...] = setting(default=())  # the materials along the first axis, if that is theirs
-    drawn: str = setting(default="")  # of what the materials are draws, in words; "": they are materials to compare
+    drawn: bool = setting(default=False)  # whether the materials are draws of one
 
     title: ClassVar[str]  # of a figure
     across: ClassVar[str] = "velocity"  # the field along the horizontal axis of a figure
@@ -190,13 +190,15 @@ class Result:
     # ------------------------------------------------------------------------------------------ materials
 
     @classmethod
-    def stack(cls, results: Sequence[Self], names: Sequence[str], drawn: str = "") -> Self:
+    def stack(
+        cls, results: Sequence[Self], names: Sequence[str], drawn: tuple[str, str] | None = None
+    ) -> Self:
         """Joins results of the same call for several materials along a new first axis, "material".
 
         Args:
             results: results of this class, of one shape; a spectrum may have fewer branches than another.
             names: the name of each material; of equal ones the second becomes "name (2)".
-            drawn: where they are draws of one material, of what, in words.
+            drawn: where they are draws of one material, which, and what differs, in words.
 
         Raises `InputError`.
         """
@@ -212,7 +214,8 @@ class Result:
             for name, r, none, length in zip(unique, results, missing, lengths, strict=True)
         )
         told = [dict(r.inputs) for r in results]
-        inputs = {"material": drawn or ", ".join(unique)} | {
+        named = {"material": ", ".join(unique)} if drawn is None else {"material": drawn[0], "drawn": drawn[1]}
+        inputs = named | {
             key: told[0][key] if all(t.get(key) == told[0].get(key) for t in told)
             else "; ".join(f"{name}: {t[key]}" for name, t in zip(unique, told, strict=True) if key in t)
             for key in dict.fromkeys(key for t in told for key in t)
@@ -228,7 +231,7 @@ class Result:
             plan=tuple(r.plan for r in results),
             inputs=tuple(inputs.items()),
             origins=origins,
-            drawn=drawn,
+            drawn=drawn is not None,
         )
 
     def select(self, material: str) -> Self:
@@ -240,7 +243,7 @@ class Result:
         one = _part(self, i, length, missing)
         named = (("material", material), *(pair for pair in inputs if pair[0] != "material"))
         plan = self.plan[i] if isinstance(self.plan, tuple) else self.plan
-        return dataclasses.replace(one, model=model, plan=plan, inputs=named, origins=(), drawn="")
+        return dataclasses.replace(one, model=model, plan=plan, inputs=named, origins=(), drawn=False)
 
     def each_material(self) -> Iterator[Self]:
         """The result of each material; itself where there is no axis of materials."""
@@ -266,7 +269,7 @@ class Result:
         """The median over draws of every field, without an axis of materials. Raises `InputError` as `band`."""
         self.band()
         plan = self.plan[0] if isinstance(self.plan, tuple) else self.plan
-        return dataclasses.replace(_median(self), plan=plan, origins=(), drawn="")
+        return dataclasses.replace(_median(self), plan=plan, origins=(), drawn=False)
 
     # ------------------------------------------------------------------------------------------ words
 

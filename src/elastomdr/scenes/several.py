@@ -54,9 +54,9 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
             raise InputError("material must be a material or a list of one or more, got an empty list.")
         call: Callable[..., R] = verb
         rest = {name: value for name, value in kwargs.items() if name != "material"}
-        drawn = ""
+        drawn = None
         if isinstance(material, Draws):
-            drawn = f"{len(material)} draws of {material.name or 'the material'} ({material.words})"
+            drawn = f"{len(material)} draws of {material.name or 'the material'}", material.words
             rest |= {"rtol": rest.get("rtol", _RTOL)} if exact else {}
         names = [getattr(each, "name", "") or f"material {i}" for i, each in enumerate(material, 1)]
         results: list[Any] = []
@@ -74,10 +74,10 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
                     if i == 0 and not str(error).startswith("material"):
                         raise  # of the other arguments
                     raise InputError(f"material[{i}]{_called(each)}: {error}") from error
-                said += [drawn or name] * (len(caught) - len(said))
+                said += [drawn[0] if drawn else name] * (len(caught) - len(said))
         _once(list(zip(said, caught, strict=True)))
         first: Any = results[0]
-        together: Any = Plans(results, distinct(names))
+        together: Any = Plans(results, distinct(names)) if drawn is None else Plans(results[:1], [f"one of {drawn[0]}"])
         return first.stack(results, names, drawn) if isinstance(results[0], Result) else together
 
     return wrapper
