@@ -7,7 +7,8 @@ gain is larger than the uncertainty.
 
 Inputs: `epdm-70` of the library, fitted to measured shear DMA from -10 to 53 degC; a self-affine road, 0.3 MPa, 5 degC,
 0.3 to 3 m/s (hysteresis: wet, no adhesion); a solid tyre 15 mm thick that acts as springs, free to slip on its hub, 20
-m/s, 3 kN, 60 degC; moduli may change by a factor of 1.5: chosen here. 60 degC lies beyond the data.
+m/s, 3 kN, 60 degC; moduli may change by a factor of 1.5: chosen here. 60 degC lies beyond the data, where the
+last step of the shift factors goes on.
 
 Check: both gradients against differences; the constraint is met; grip of the optimum by a plain call.
 
@@ -26,7 +27,18 @@ from scipy.optimize import minimize
 
 import elastomdr as em
 
-RUBBER = em.load_material("epdm-70")
+MEASURED = em.load_material("epdm-70")
+TABLE = MEASURED.shift
+SLOPE = (TABLE.log10_a[-1] - TABLE.log10_a[-2]) / (TABLE.temperature[-1] - TABLE.temperature[-2])  # 1/K
+END = 343.15  # K, to which the shift factors go on as straight as between the last two temperatures
+SHIFT = em.ShiftTable(
+    np.append(TABLE.temperature, END),
+    np.append(TABLE.log10_a, TABLE.log10_a[-1] + SLOPE * (END - TABLE.temperature[-1])),
+)
+RUBBER = em.Prony(
+    MEASURED.equilibrium, MEASURED.moduli, MEASURED.times, shift=SHIFT, vertical=MEASURED.vertical,
+    range=MEASURED.range, name="epdm-70",
+)  # fmt: skip
 BRANCHES = np.array([1, 3, 5, 7])  # whose moduli are free
 MOST = np.log(1.5)
 ROAD = em.SelfAffine(0.8, rms_slope=0.7, q_low=1.2e3, q_high=3e5)
