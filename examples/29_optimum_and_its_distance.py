@@ -29,11 +29,11 @@ import elastomdr as em
 
 MEASURED = em.load_material("epdm-70")
 TABLE = MEASURED.shift
-SLOPE = (TABLE.log10_a[-1] - TABLE.log10_a[-2]) / (TABLE.temperature[-1] - TABLE.temperature[-2])  # 1/K
+SLOPE = (TABLE.log10_a_table[-1] - TABLE.log10_a_table[-2]) / (TABLE.temperature[-1] - TABLE.temperature[-2])  # 1/K
 END = 343.15  # K, to which the shift factors go on as straight as between the last two temperatures
 SHIFT = em.ShiftTable(
     np.append(TABLE.temperature, END),
-    np.append(TABLE.log10_a, TABLE.log10_a[-1] + SLOPE * (END - TABLE.temperature[-1])),
+    np.append(TABLE.log10_a_table, TABLE.log10_a_table[-1] + SLOPE * (END - TABLE.temperature[-1])),
 )
 RUBBER = em.Prony(
     MEASURED.equilibrium, MEASURED.moduli, MEASURED.times, shift=SHIFT, vertical=MEASURED.vertical,

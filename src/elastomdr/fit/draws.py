@@ -75,7 +75,7 @@ def _along(fit: MaterialFit, own: Any, change: np.ndarray) -> np.ndarray:
     away = np.abs(fit.master.temperature - fit.master.reference) > _NEAR
     x = np.append(fit.master.temperature[away], fit.master.reference)
     order = np.argsort(x)
-    moved = np.asarray(own.log10_a) + np.interp(at, x[order], np.append(change[away], 0.0)[order])
+    moved = np.asarray(own.log10_a_table) + np.interp(at, x[order], np.append(change[away], 0.0)[order])
     return np.minimum.accumulate(moved)
 
 
