@@ -86,7 +86,8 @@ def main(out: Path) -> None:
         )  # fmt: skip
         gain, held = relative(0, found.x)[0], relative(1, found.x)[0]
     assert found.success, found.message
-    best = em.Prony(RUBBER.equilibrium, np.asarray(rubber(found.x).moduli), RUBBER.times, shift=RUBBER.shift,
+    factors = np.exp(np.eye(RUBBER.moduli.size)[:, BRANCHES] @ found.x)
+    best = em.Prony(RUBBER.equilibrium, RUBBER.moduli * factors, RUBBER.times, shift=RUBBER.shift,
                     vertical=RUBBER.vertical, name="optimum")  # fmt: skip
     omega, *misfit = np.array(RUBBER.range.misfit).T
     off = [np.log(getattr(best, name)(omega) / getattr(RUBBER, name)(omega)) for name in ("storage", "loss")]
