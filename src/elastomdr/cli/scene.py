@@ -147,19 +147,30 @@ class OfBodies(Scene):
         if self.other is not None and self.layer is not None:
             raise InputError("other and [layer] exclude each other: two bodies are two half-spaces in contact.")
 
+    def rubbers(self, folder: Path) -> list[Any]:
+        """The materials."""
+        return [load(folder, "material", name) for name in self.material]
+
     def common(self, folder: Path) -> dict[str, Any]:
         """`material`, `rtol` and, unless it has been applied to the material already, `temperature`."""
         found = self.numerics.chosen() | given(self, "temperature")
-        rubbers = [load(folder, "material", name) for name in self.material]
+        rubbers = self.rubbers(folder)
         several = len(rubbers) > 1
         if self.layer is not None:
             with named("[layer]"):
-                rubbers = [self.layer.on_base(each) for each in rubbers]
+                rubbers = made(rubbers, [self.layer.on_base(each) for each in rubbers])
         if self.other is None or self.layer is not None:
             return found | {"material": rubbers if several else rubbers[0]}
         if several:
             raise InputError("material must be a single one beside other: two bodies in contact.")
         return _pair(rubbers[0], load(folder, "other", self.other), found)
+
+
+def made(of: list[Any], parts: list[Any]) -> list[Any]:
+    """What was made of each material, still draws where these are."""
+    from ..material.draws import Draws
+
+    return Draws(parts, of.name, of.words) if isinstance(of, Draws) else parts
 
 
 def load(folder: Path, key: str, name: str) -> Any:

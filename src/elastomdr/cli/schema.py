@@ -19,6 +19,7 @@ _PATH = re.compile(r"(.*?)(?: - at `\$(.*)`)?", re.DOTALL)
 Text = Annotated[str, msgspec.Meta(pattern=r"^[^\x00]*[^\s\x00][^\x00]*$")]
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Count = Annotated[int, msgspec.Meta(ge=1, le=1_000_000)]
+Draws = Annotated[int, msgspec.Meta(ge=2, le=10_000)]
 Many = Annotated[int, msgspec.Meta(ge=2, le=100_000)]  # values of a sweep
 Instants = Annotated[int, msgspec.Meta(ge=2, le=10_000)]  # of a history
 

@@ -10,7 +10,7 @@ import elastomdr as em
 from ..errors import InputError
 from .indenter import AnyShape, Cylinder
 from .scene import Contact, Layer, OfBodies, Scene, body, load, on_axes
-from .schema import Instants, Several, Sweep, Table, Text, given, named
+from .schema import Draws, Instants, Several, Sweep, Table, Text, given, named
 from .surface import Adhesion, AnySurface, Heat
 from .units import (
     Conductance,
@@ -55,7 +55,27 @@ class SurfaceContact(Contact):
         return super().arguments() | given(self, "strain_share")
 
 
-class Rolling(OfBodies):
+class OfDraws(OfBodies):
+    """A scene whose result may have a band of the uncertainty of its material and road."""
+
+    uncertainty: Annotated[
+        Draws | None, "number of draws for the band, 2 or more: of the [misfit] in the material's file, and of the road"
+    ] = None
+
+    def rubbers(self, folder: Path) -> list[Any]:
+        """The materials, or draws of the one. Raises `InputError` where nothing is known of its uncertainty."""
+        found = super().rubbers(folder)
+        if self.uncertainty is None:
+            return found
+        if len(found) > 1 or self.other is not None:
+            raise InputError("uncertainty belongs to a single material, without other.")
+        if not isinstance(found[0], em.Prony):
+            raise InputError("uncertainty must be left out with a material that is a table of moduli: it has no draws.")
+        with named("uncertainty:"):
+            return found[0].draws(self.uncertainty)
+
+
+class Rolling(OfDraws):
     """Rolling resistance of a body."""
 
     call: ClassVar[str] = "rolling"
@@ -77,7 +97,7 @@ class BodyFriction(Rolling):
         return super().arguments(folder) | ({} if self.adhesion is None else {"adhesion": self.adhesion.make()})
 
 
-class SurfaceFriction(OfBodies):
+class SurfaceFriction(OfDraws):
     """Friction of a rough surface."""
 
     mark: ClassVar[str] = "surface"
@@ -90,7 +110,7 @@ class SurfaceFriction(OfBodies):
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         with named("[surface]"):
-            surface = self.surface.isotropic(folder)
+            surface = self.surface.drawn(folder, self.uncertainty)
         heat = {} if self.heat is None else {"heat": self.heat.make()}
         shear = {} if self.adhesion is None else {"adhesion": self.adhesion.make()}
         return on_axes({"shape": surface} | self.common(folder) | self.contact.arguments() | heat | shear)

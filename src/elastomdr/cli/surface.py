@@ -30,6 +30,8 @@ class Surface(Table, tag_field="shape"):
     seed: Annotated[Count | None, "elastomdr slide: which line of the surface"] = None
     periods: Annotated[Count | None, "elastomdr slide: length of the line in longest waves"] = None
     samples: Annotated[Count | None, "elastomdr slide: samples of the line, 64 or more"] = None
+    level_error: Annotated[Positive | None, "relative standard deviation of C, with uncertainty"] = None
+    cutoff_error: Annotated[Positive | None, "relative standard deviation of the upper cutoff, with uncertainty"] = None
 
     @abc.abstractmethod
     def make(self, folder: Path) -> Any:
@@ -41,6 +43,17 @@ class Surface(Table, tag_field="shape"):
             if getattr(self, key) is not None:
                 raise InputError(f"{key} belongs to elastomdr slide; here it stands in [contact], beside the model.")
         return self.make(folder)
+
+    def drawn(self, folder: Path, count: int | None) -> Any:
+        """The surface, or so many draws of it where its errors are given."""
+        surface = self.isotropic(folder)
+        errors = {"level": self.level_error, "cutoff": self.cutoff_error}
+        errors = {name: size for name, size in errors.items() if size is not None}
+        if not errors:
+            return surface
+        if count is None:
+            raise InputError("level_error and cutoff_error belong to uncertainty, the number of draws.")
+        return surface.draws(count, seed=1, **errors)
 
     def line(self, folder: Path) -> tuple[Any, float]:
         """One line of the surface, and the length that turns a pressure into its load [m]."""

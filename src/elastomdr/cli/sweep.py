@@ -14,6 +14,7 @@ import numpy as np
 import elastomdr as em
 
 from ..errors import ConvergenceWarning, InputError
+from ..material.draws import Draws
 from . import DONE, NOT_CONVERGED
 from .compute import warned_of_at_the_end
 from .kinds import decoded, read_content
@@ -51,10 +52,12 @@ class Varied:
     def __name__(self) -> str:
         return self.verb
 
-    def __call__(self, material: Any = None, **given: Any) -> Any:
+    def __call__(self, material: Any = None, draw: int | None = None, **given: Any) -> Any:
         given |= {} if material is None else {"material": material}
         place = [values.index(given.pop(name)) for name, values in zip(self.names, self.values, strict=True)]
         found = self.arguments[int(np.ravel_multi_index(place, [len(v) for v in self.values])) if place else 0]
+        if draw is not None:
+            found = {key: value[draw - 1] if isinstance(value, Draws) else value for key, value in found.items()}
         return getattr(em, self.verb)(**found, **given)
 
 
@@ -106,7 +109,9 @@ def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, 
             raise InputError("[sweep.vary] must hold keys with one value each: lists of numbers stand in the scene.")
         arguments.append(found)
         arrays = here
-    axes = dict(zip(names, map(list, values), strict=True)) | arrays
+    counts = {len(value) for found in arguments for value in found.values() if isinstance(value, Draws)}
+    drawn = {"draw": list(range(1, min(counts) + 1))} if counts else {}
+    axes = dict(zip(names, map(list, values), strict=True)) | drawn | arrays
     if not axes:
         raise InputError("[sweep] is missing, and nothing in the scene is a list: there is nothing to sweep over.")
     return Varied(asked.call, names, values, tuple(arguments)), axes

@@ -175,10 +175,26 @@ def about(joint: Joint, reference: float) -> AtReference:
     return AtReference(shifted, full, lift @ p, std, place, level, laws, error)
 
 
+class Sensitivity(NamedTuple):
+    """ln of the common curve at the reference temperature, and what moves it."""
+
+    log_value: np.ndarray
+    by_unknowns: np.ndarray  # its derivatives by the unknowns of the posterior
+    by_others: np.ndarray  # by independent standard normal numbers: of the reference, of each thermometer, each doubt
+
+
 def curve(
     joint: Joint, reference: AtReference, log_rate: np.ndarray, channel: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """ln of the common curve at the reference temperature, and its standard deviation, at ln(omega) or ln(1/t)."""
+    at = sensitivity(joint, reference, log_rate, channel)
+    variance = np.einsum("ij,jk,ik->i", at.by_unknowns, joint.shifts.posterior.covariance, at.by_unknowns)
+    variance += (at.by_others**2).sum(axis=1)
+    return at.log_value, np.sqrt(np.maximum(variance, 0.0))
+
+
+def sensitivity(joint: Joint, reference: AtReference, log_rate: np.ndarray, channel: np.ndarray) -> Sensitivity:
+    """The common curve and what it depends on, at ln(omega) or ln(1/t)."""
     shifts = joint.shifts
     p = shifts.posterior.mean
     x, by_x = shifts.horizontal(p)
@@ -194,13 +210,23 @@ def curve(
     jacobian[:, shifts.spectrum] += answer.by_neighbours * np.where(unmeasured, skewed(std), 1.0)
     jacobian[:, shifts.equilibrium] += answer.by_equilibrium
     jacobian[:, shifts.places] += answer.by_place
-    variance = np.einsum("ij,jk,ik->i", jacobian, shifts.posterior.covariance, jacobian)
-    warmer = weights * reference.thermometer * slopes(shifts.temperature, x)
-    variance += (LN10 * answer.by_rate) ** 2 * (reference.place.variance + float(warmer @ warmer))
+    steps = [np.full(log_rate.size, np.sqrt(reference.place.variance))]
+    steps += [np.full(log_rate.size, size) for size in weights * reference.thermometer * slopes(shifts.temperature, x)]
     for doubt in joint.doubts:
         along = doubt.size * ((at_anchor > doubt.between[0]) & (at_anchor < doubt.between[1]))
-        variance += (LN10 * answer.by_rate * (weights @ doubt.by_isotherm - along)) ** 2
-    return answer.log_value - level, np.sqrt(np.maximum(variance, 0.0))
+        steps.append(weights @ doubt.by_isotherm - along)
+    return Sensitivity(answer.log_value - level, jacobian, LN10 * answer.by_rate[:, None] * np.stack(steps, axis=1))
+
+
+def moved(joint: Joint, reference: AtReference) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What moves log10 a_T about the reference temperature, as in `Sensitivity`, and ln b by the unknowns."""
+    shifts, place = joint.shifts, reference.place
+    x, by_x = shifts.horizontal(shifts.posterior.mean)
+    change = np.eye(shifts.size) - place.weights
+    thermal = change * (reference.thermometer * slopes(shifts.temperature, x))
+    own = np.full((shifts.size, 1), -np.sqrt(place.variance))
+    doubts = [(change @ doubt.by_isotherm)[:, None] for doubt in joint.doubts]
+    return change @ by_x, np.hstack([own, thermal, *doubts]), shifts.vertical() - reference.level
 
 
 def _gaps(shifts: Shifts) -> Iterator[Doubt]:

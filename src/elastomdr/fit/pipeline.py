@@ -79,6 +79,27 @@ class MaterialFit(AbstractFindings):
         own = self.material
         return tabulate(self.master, per_decade, own.shift, own.vertical, own.poisson, own.name, own.citation)
 
+    def draws(self, n: int, seed: int = 0) -> list[Prony]:
+        """Materials that the data allow, for `em.friction`, `em.rolling` and `em.sweep`: the whole uncertainty.
+
+        Moduli scatter as `prony.band` says, shift factors as their law's constants or the shift factors themselves are
+        known, with vertical shifts where the material has a table of them; all of it is drawn together. A law that was
+        given stays as it is.
+
+        Args:
+            n: how many, 2 or more.
+            seed: of the random numbers.
+
+        Returns:
+            A list of materials that knows what it is of: a result of it is drawn as one curve with its band.
+
+        Raises:
+            InputError: for numbers that are not whole.
+        """
+        from .draws import draws
+
+        return draws(self, n, seed)
+
     def info(self) -> dict[str, Any]:  # texts, numbers and tables
         """What a material file holds beside the numbers: description, range, sources with the quality of the fit."""
         master, fit = self.master, self.prony

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import as_float64, ascending, is_traced, numpy_unless_traced, only_one, positive, require, scalar
+from .._runtime import as_float64, ascending, is_traced, not_negative, numpy_unless_traced, only_one, positive, require, scalar
 from .._trees import Tree, fill, static
 from ..errors import InputError, closest
 
@@ -123,6 +123,33 @@ class AbstractSpectrum(Tree):
         factor = _plain(scalar("factor", factor))
         positive("factor", factor)
         return Spectrum(self.q, self.c * factor**2, convention="2d")
+
+    def draws(self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0) -> "list[Spectrum]":
+        """The same surface with another C and another upper cutoff, log-normal, for `em.friction` and `em.sweep`.
+
+        Args:
+            n: how many, 2 or more.
+            level: relative standard deviation of C, the same at all wave numbers.
+            cutoff: relative standard deviation of `q_high`.
+            seed: of the random numbers.
+
+        Raises:
+            InputError: for numbers that are negative, not whole, or all zero.
+        """
+        from ..material.draws import Draws, check_draws
+
+        check_draws(n, seed)
+        sizes = np.array([scalar("level", level), scalar("cutoff", cutoff)])
+        not_negative("level", sizes[0])
+        not_negative("cutoff", sizes[1])
+        if not sizes.any():
+            raise InputError("level or cutoff must be above 0: nothing says how uncertain the surface is.")
+        factors = np.exp(sizes * np.random.default_rng(seed).standard_normal((n, 2)))
+        lowest = 1.001 * self.q_low
+        each = [self.raised(a**0.5).ended(max(self.q_high * b, lowest)) for a, b in factors]
+        parts = {"C": sizes[0], "its upper cutoff": sizes[1]}
+        words = " and ".join(f"{name} to +- {size:.2g} (one sigma)" for name, size in parts.items() if size)
+        return Draws(each, self.label, words)
 
     def plot(self, axes: Sequence[Axes] | None = None, seed: int = 0) -> tuple[Axes, Axes]:
         """The line made from `seed`, and the spectrum, side by side; returns the two matplotlib Axes."""

@@ -160,6 +160,23 @@ class Prony(AbstractRelaxation):
             bulk=None if self.bulk is None else self.bulk * b, shift=None, vertical=None, range=known,
         )  # fmt: skip
 
+    def draws(self, n: int, seed: int = 0) -> "list[Prony]":
+        """Materials as far from this one as it is from its data, for `em.friction` and `em.sweep`.
+
+        Their moduli deviate by the misfit that the range records ([misfit] in a material file), over about a decade of
+        frequency alike. Shift factors are as they are: `em.fit.material(...).draws` knows their uncertainty too.
+
+        Args:
+            n: how many, 2 or more.
+            seed: of the random numbers.
+
+        Raises:
+            InputError: for a material without a record of its misfit, and for numbers that are not whole.
+        """
+        from .draws import drawn_from_misfit
+
+        return drawn_from_misfit(self, n, seed)
+
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
         if is_traced(self) or np.ndim(self.equilibrium) or np.ndim(self.moduli) != 1:

@@ -11,6 +11,7 @@ import dataclasses
 import io
 import os
 import re
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar, dataclass_transform
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar, data
 import numpy as np
 
 from .. import __version__
-from .._runtime import is_traced, significant
+from .._runtime import as_float64, is_traced, require, significant
 from .._trees import pytree
 from ..errors import InputError
 from ..files import csv_text, write_files
@@ -122,6 +123,7 @@ class Result:
     plan: Any = setting()  # what was computed and skipped, of a type for each verb; of several materials a tuple
     inputs: tuple[tuple[str, str], ...] = setting()  # name and value of each argument, in words
     origins: tuple[Origin, ...] = setting(default=())  # the materials along the first axis, if that is theirs
+    drawn: bool = setting(default=False)  # whether the materials are draws of one
 
     title: ClassVar[str]  # of a figure
     across: ClassVar[str] = "velocity"  # the field along the horizontal axis of a figure
@@ -188,12 +190,15 @@ class Result:
     # ------------------------------------------------------------------------------------------ materials
 
     @classmethod
-    def stack(cls, results: Sequence[Self], names: Sequence[str]) -> Self:
+    def stack(
+        cls, results: Sequence[Self], names: Sequence[str], drawn: tuple[str, str] | None = None
+    ) -> Self:
         """Joins results of the same call for several materials along a new first axis, "material".
 
         Args:
             results: results of this class, of one shape; a spectrum may have fewer branches than another.
             names: the name of each material; of equal ones the second becomes "name (2)".
+            drawn: where they are draws of one material, which, and what differs, in words.
 
         Raises `InputError`.
         """
@@ -209,10 +214,12 @@ class Result:
             for name, r, none, length in zip(unique, results, missing, lengths, strict=True)
         )
         told = [dict(r.inputs) for r in results]
-        inputs = {"material": ", ".join(unique)} | {
+        named = {"material": ", ".join(unique)} if drawn is None else {"material": drawn[0], "drawn": drawn[1]}
+        inputs = named | {
             key: told[0][key] if all(t.get(key) == told[0].get(key) for t in told)
             else "; ".join(f"{name}: {t[key]}" for name, t in zip(unique, told, strict=True) if key in t)
-            for key in dict.fromkeys(key for t in told for key in t) if key != "material"
+            for key in dict.fromkeys(key for t in told for key in t)
+            if key != "material" and not (drawn and any(t.get(key) != told[0].get(key) for t in told))
         }  # fmt: skip
         known = [r.extrapolated is not None for r in results]
         if any(known) and not all(known):
@@ -224,6 +231,7 @@ class Result:
             plan=tuple(r.plan for r in results),
             inputs=tuple(inputs.items()),
             origins=origins,
+            drawn=drawn is not None,
         )
 
     def select(self, material: str) -> Self:
@@ -235,11 +243,33 @@ class Result:
         one = _part(self, i, length, missing)
         named = (("material", material), *(pair for pair in inputs if pair[0] != "material"))
         plan = self.plan[i] if isinstance(self.plan, tuple) else self.plan
-        return dataclasses.replace(one, model=model, plan=plan, inputs=named, origins=())
+        return dataclasses.replace(one, model=model, plan=plan, inputs=named, origins=(), drawn=False)
 
     def each_material(self) -> Iterator[Self]:
         """The result of each material; itself where there is no axis of materials."""
         yield from (self.select(name) for name in self.materials) if self.origins else (self,)
+
+    # ------------------------------------------------------------------------------------------ draws
+
+    def band(self, share: float = 0.95) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of the main field of a result for draws of a material: the lower end of an interval, median, upper end.
+
+        Args:
+            share: of the draws that lies in the interval, those below and above it alike.
+
+        Raises `InputError` where the materials are no draws.
+        """
+        if not self.drawn:
+            raise InputError("material must be a list of draws, as of em.fit.material(...).draws(n), to have a band.")
+        require("share", as_float64("share", share), "between 0 and 1", lambda x: (x > 0) & (x < 1))
+        ends = [0.5 - 0.5 * share, 0.5, 0.5 + 0.5 * share]
+        return tuple(_over_draws(lambda x: np.nanquantile(x, ends, axis=0), getattr(self, self.shows)))
+
+    def typical(self) -> Self:
+        """The median over draws of every field, without an axis of materials. Raises `InputError` as `band`."""
+        self.band()
+        plan = self.plan[0] if isinstance(self.plan, tuple) else self.plan
+        return dataclasses.replace(_median(self), plan=plan, origins=(), drawn=False)
 
     # ------------------------------------------------------------------------------------------ words
 
@@ -253,10 +283,21 @@ class Result:
         yield "quantity", self.title
         yield from self.inputs
         yield "model", self.model
-        for one in self.each_material():
+        if self.drawn:
+            yield from (("median, " + key, text) for key, text in self.typical().outcome())
+            yield from self._spread()
+        for one in () if self.drawn else self.each_material():
             name = f"{dict(one.inputs)['material']}: " if self.origins else ""
             yield from ((f"{name}{key}", text) for key, text in one.outcome())
         yield self.each, self.reached()
+
+    def _spread(self) -> Iterator[tuple[str, str]]:
+        """Where 95 % of the draws lie, where their median is largest."""
+        low, middle, high = (np.ravel(x) for x in self.band())
+        if np.isfinite(middle).any():
+            i = int(np.nanargmax(middle))
+            ends = f"{significant(float(low[i]))} to {significant(float(high[i]))}"
+            yield "95 % of the draws", f"{ends} where the median is largest, {significant(float(middle[i]))}"
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """What came out, for a result without an axis of materials."""
@@ -499,6 +540,28 @@ def _stacked(name: str, column: list[Any], there: list[Any]) -> Any:
         return xp.pad(x, width, mode="edge") if x.dtype == bool else xp.pad(x, width, constant_values=np.nan)
 
     return xp.stack([padded(x) for x in column])
+
+
+def _over_draws(reduce: Callable[[np.ndarray], np.ndarray], values: Any) -> np.ndarray:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # points at which no draw converged are NaN
+        return reduce(np.asarray(values))
+
+
+def _median(record: Any) -> Any:
+    """One of the records that `_joined` has joined, with the medians of all."""
+    values: dict[str, Any] = {}
+    for f in dataclasses.fields(record):
+        value = getattr(record, f.name)
+        if "static" in f.metadata or value is None:
+            values[f.name] = value
+        elif "quantity" in f.metadata and np.asarray(value).dtype == bool:
+            values[f.name] = np.all(value, axis=0) if f.name == "converged" else np.mean(value, axis=0) > 0.5
+        elif "quantity" in f.metadata:
+            values[f.name] = _over_draws(lambda x: np.nanmedian(x, axis=0), value)
+        else:
+            values[f.name] = value[0] if isinstance(value, tuple) else _median(value)
+    return type(record)(**values)
 
 
 def _part(record: Any, i: int, length: int | None, missing: frozenset[str]) -> Any:

@@ -78,6 +78,9 @@ class AbstractCurve(Result):
     ) -> "Axes":
         """Draws the coefficient against velocity, one line per temperature, load or depth; returns matplotlib Axes.
 
+        The band around a line is the error, numerical and of the model. Of draws of a material (and road) the line is
+        their median, the band holds 95 % of them besides.
+
         Args:
             ax, style, title, label: as of every result, `Result.plot`.
             measured: points to draw on top, a mapping with "velocity" [m/s], "mu" and, if known, "temperature" [K],
@@ -85,6 +88,9 @@ class AbstractCurve(Result):
         """
         from .plotting import Ask, draw_curve
 
+        if self.drawn:
+            ask = Ask(ax, style, title, label)
+            return draw_curve(self.typical(), ask, measured=measured, spread=self.band())
         return self._draw(draw_curve, Ask(ax, style, title, label), measured=measured)
 
     def outcome(self) -> Iterator[tuple[str, str]]:

@@ -244,19 +244,28 @@ def draw(result: Any, ask: Ask, x: str = "", y: str = "", also: Callable[[Sketch
     return sketch.finish()
 
 
-def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
-    """Draws a coefficient against velocity, its largest value marked, the whole uncertainty as a band."""
+def draw_curve(result: Any, ask: Ask, measured: Any = None, spread: Any = None) -> Any:
+    """Draws a coefficient against velocity, its largest value marked, the whole uncertainty as a band.
+
+    `spread` has the lower end, the median and the upper end of draws, whose median the result is.
+    """
     points = None if measured is None else as_measured(measured)
     sketch = Sketch(result, ask)
     ax, fields = sketch.ax, sketch.fields
     cold, hysteresis = fields.get("cold"), fields.get("hysteresis")
     band, described = _uncertainty(fields)
+    below = above = band
+    if spread is not None:
+        low, middle, high = spread
+        below, above = middle - low + np.nan_to_num(band), high - middle + np.nan_to_num(band)
+        described = f"95 % of the draws, and {described}"
     value = fields[sketch.y] if cold is None else np.fmax(fields[sketch.y], cold)
     highest = float(np.fmax.reduce(value, axis=None, initial=0.0)) or 1.0
     highest = highest if points is None else max(highest, float(points["mu"].max()))
     shaded, whole, lines = False, highest, list(sketch.lines())
     for line in lines:
-        e, top = np.atleast_1d(band[line.curve.at])[line.order], peak(line.x, line.y)
+        down, up = (np.atleast_1d(part[line.curve.at])[line.order] for part in (below, above))
+        top = peak(line.x, line.y)
         text = _peak_in_words(top, line, sketch.axis if not sketch.along else None)
         colour = sketch.draw(line, text)
         if cold is not None:
@@ -264,14 +273,14 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
             ax.plot(line.x, warm, "--", color=colour, linewidth=0.7 * sketch.style.line, zorder=2.5)
         if hysteresis is not None:
             _draw_parts(sketch, line, np.atleast_1d(hysteresis[line.curve.at])[line.order], colour, len(lines) == 1)
-        if (e > _VISIBLE * highest).any():
+        if (np.fmax(down, up) > _VISIBLE * highest).any():
             shaded = True
-            whole = max(whole, float(np.nanmax(line.y + e)))
-            low, high = np.maximum(line.y - e, 0.0), line.y + e
+            whole = max(whole, float(np.nanmax(line.y + up)))
+            low, high = np.maximum(line.y - down, 0.0), line.y + up
             if line.x.size > 1:
                 ax.fill_between(line.x, low, high, color=colour, alpha=_LIGHT, linewidth=0, zorder=2)
             else:
-                ax.errorbar(line.x, line.y, e, fmt="none", ecolor=colour, alpha=0.5, capsize=4, zorder=2)
+                ax.errorbar(line.x, line.y, [down, up], fmt="none", ecolor=colour, alpha=0.5, capsize=4, zorder=2)
         if top is not None and line.x.size > 1 and sketch.style.words:
             sketch.peak_mark(top, colour)
             if len(lines) == 1 and sketch.alone and line.x[0] < line.x[-1]:

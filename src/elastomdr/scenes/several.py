@@ -1,17 +1,26 @@
-"""A list of materials in place of one: the verb is called for each, and the results share a first axis."""
+"""A list of materials in place of one: the verb is called for each, and the results share a first axis.
+
+Draws of a material, of a surface, or of both are such a list, computed to a relative error of 1e-4 if nothing else is
+asked for, since they are to give a band.
+"""
 
 from __future__ import annotations
 
 import functools
+import inspect
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
 from ..errors import InputError
+from ..material.draws import Draws
 from ..results.base import Result, distinct
 
 P = ParamSpec("P")
 R = TypeVar("R")
+_RTOL = 1e-4  # of draws
+_TEXTS = 12  # that a warning repeats
+_SHAPES = ("shape", "surface")
 
 
 class Plans(tuple[Any, ...]):
@@ -31,34 +40,60 @@ class Plans(tuple[Any, ...]):
 def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
     """Lets `verb` take a list of materials: its result then has a first axis `material`, with their names."""
 
+    exact = "rtol" in inspect.signature(verb).parameters
+
     @functools.wraps(verb)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
         material = args[0] if args else kwargs.get("material")
+        shape = args[1] if len(args) > 1 else next((kwargs[key] for key in _SHAPES if key in kwargs), None)
+        if isinstance(shape, Draws):
+            material = _beside(shape, material)
         if not isinstance(material, (list, tuple)):
             return verb(*args, **kwargs)
         if not material:
             raise InputError("material must be a material or a list of one or more, got an empty list.")
         call: Callable[..., R] = verb
         rest = {name: value for name, value in kwargs.items() if name != "material"}
+        drawn = None
+        if isinstance(material, Draws):
+            drawn = f"{len(material)} draws of {material.name or 'the material'}", material.words
+            rest |= {"rtol": rest.get("rtol", _RTOL)} if exact else {}
         names = [getattr(each, "name", "") or f"material {i}" for i, each in enumerate(material, 1)]
         results: list[Any] = []
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             said = []  # which material each warning is of
             for i, (name, each) in enumerate(zip(names, material, strict=True)):
+                others = args[1:]
+                if isinstance(shape, Draws):
+                    others = (shape[i], *others[1:]) if others else ()
+                    rest |= {key: shape[i] for key in _SHAPES if key in kwargs}
                 try:
-                    results.append(call(each, *args[1:], **rest))
+                    results.append(call(each, *others, **rest))
                 except InputError as error:
                     if i == 0 and not str(error).startswith("material"):
                         raise  # of the other arguments
                     raise InputError(f"material[{i}]{_called(each)}: {error}") from error
-                said += [name] * (len(caught) - len(said))
+                said += [drawn[0] if drawn else name] * (len(caught) - len(said))
         _once(list(zip(said, caught, strict=True)))
         first: Any = results[0]
-        together: Any = Plans(results, distinct(names))
-        return first.stack(results, names) if isinstance(results[0], Result) else together
+        together: Any = Plans(results, distinct(names)) if drawn is None else Plans(results[:1], [f"one of {drawn[0]}"])
+        return first.stack(results, names, drawn) if isinstance(results[0], Result) else together
 
     return wrapper
+
+
+def _beside(surfaces: Draws[Any], material: Any) -> Draws[Any]:
+    """The materials that go with draws of a surface, one each. Raises `InputError` for lists that do not fit."""
+    if not isinstance(material, (list, tuple)):
+        words = f"{surfaces.name}: {surfaces.words}"
+        return Draws([material] * len(surfaces), getattr(material, "name", ""), words)
+    if not isinstance(material, Draws) or len(material) != len(surfaces):
+        raise InputError(
+            f"material must be one, or as many draws of one, where shape is {len(surfaces)} draws of a surface, got a "
+            f"list of {len(material)}."
+        )
+    return Draws(material, material.name, f"{material.words}; {surfaces.name}: {surfaces.words}")
 
 
 def _called(material: Any) -> str:
@@ -72,5 +107,7 @@ def _once(caught: list[tuple[str, warnings.WarningMessage]]) -> None:
     for name, one in caught:
         of_category.setdefault(one.category, {}).setdefault(str(one.message), []).append(name)
     for category, texts in of_category.items():
-        said = "; ".join(f"{', '.join(names)}: {text}" for text, names in texts.items())
+        few = list(texts.items())[:_TEXTS]
+        said = "; ".join(f"{', '.join(dict.fromkeys(names))}: {text}" for text, names in few)
+        said += f"; and {len(texts) - _TEXTS} more" if len(texts) > _TEXTS else ""
         warnings.warn(said, category, stacklevel=3)

@@ -1,0 +1,147 @@
+"""Draws of a material and of a surface: as wide as what is known, carried by friction as one curve with its band."""
+
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.main import main
+
+VELOCITY = np.geomspace(1e-4, 1, 9)
+BALL = {"velocity": VELOCITY, "load": 1.0, "temperature": 293.15}
+ROAD = em.SelfAffine(0.8, rms_slope=0.7, q_low=1e3, q_high=3e5)
+TRUE = em.Prony(1e6, 10 ** np.linspace(8.5, 5.2, 24), np.logspace(-9, 2, 24), shift=em.WLF(8.9, 101.6, 293.15))
+
+
+def measured():
+    rng, rows = np.random.default_rng(0), []
+    omega = np.geomspace(0.1, 300, 10)
+    for kelvin in 293.15 + np.arange(-40, 51, 15.0):
+        own = TRUE.at(kelvin)
+        noisy = [x * np.exp(0.03 * rng.standard_normal(omega.size)) for x in (own.storage(omega), own.loss(omega))]
+        rows.append((np.full(omega.size, kelvin), omega, *noisy))
+    return em.fit.Dma(*map(np.concatenate, zip(*rows, strict=True)), kind="shear")
+
+
+@pytest.fixture(scope="module")
+def fit():
+    return em.fit.material(measured(), 293.15, name="tread")
+
+
+def test_draws_scatter_as_the_bands_say(fit):
+    draws = fit.draws(300)
+    omega = np.geomspace(*fit.prony.window, 25)
+    band = fit.prony.band(omega)
+    for name, high in (("storage", band.storage_high), ("loss", band.loss_high)):
+        scatter = np.std([np.log(getattr(each, name)(omega)) for each in draws], axis=0)
+        reported = np.log(high / getattr(band, name)) / 1.96
+        assert 0.75 < np.median(scatter / reported) < 1.15, name
+        assert (scatter < 1.6 * reported).all()
+    std = fit.master.laws["WLF"].std
+    for key, size in std.items():
+        assert np.std([getattr(each.shift, key) for each in draws]) == pytest.approx(size, rel=0.2)
+    again, other = fit.draws(3), fit.draws(3, seed=1)
+    np.testing.assert_array_equal(again[2].moduli, fit.draws(3)[2].moduli)
+    assert not np.allclose(again[2].moduli, other[2].moduli)
+    assert again[0].name == "draw 1 of tread"
+
+
+def test_a_law_that_was_given_is_not_drawn():
+    law = em.WLF(8.9, 101.6, 293.15)
+    draws = em.fit.material(measured(), 293.15, shift=law, vertical=False).draws(2)
+    assert all(float(each.shift.c1) == pytest.approx(8.9) for each in draws)
+
+
+def test_friction_of_draws_is_one_curve_with_a_band(fit):
+    draws = fit.draws(12)
+    curve = em.friction(draws, em.Sphere(5e-3), **BALL)
+    assert curve.mu.shape == (12, 9)
+    alone = em.friction(draws[3], em.Sphere(5e-3), **BALL)
+    np.testing.assert_allclose(curve.mu[3], alone.mu, rtol=1e-4)
+    low, middle, high = curve.band()
+    np.testing.assert_allclose(middle, np.median(curve.mu, axis=0))
+    assert (low < middle).all() and (middle < high).all()
+    assert "12 draws of tread" in curve.summary()
+    assert "95 % of the draws" in curve.summary()
+    typical = curve.typical()
+    np.testing.assert_allclose(typical.model_error, np.median(curve.model_error, axis=0))
+    axes = curve.plot()
+    assert len(axes.collections) == 1
+    top = axes.collections[0].get_paths()[0].vertices[:, 1].max()
+    assert top == pytest.approx(np.max(high + typical.error + typical.model_error))
+    assert curve.select("draw 4 of tread").mu.shape == (9,)
+    with pytest.raises(em.InputError, match="list of draws"):
+        alone.band()
+
+
+def test_road_and_material_are_drawn_together(fit):
+    scene = {"velocity": VELOCITY[:3], "pressure": 2e5, "temperature": 293.15}
+    roads = ROAD.draws(40, level=0.2, cutoff=0.5)
+    slopes = np.array([road.rms_slope / ROAD.ended(road.q_high).rms_slope for road in roads])
+    assert np.std(2 * np.log(slopes)) == pytest.approx(0.2, rel=0.35)
+    assert np.std([np.log(road.q_high) for road in roads]) == pytest.approx(0.5, rel=0.35)
+    draws, few = fit.draws(5), ROAD.draws(5, level=0.2)
+    both = em.friction(draws, few, **scene)
+    np.testing.assert_allclose(both.mu[2], em.friction(draws[2], few[2], **scene).mu, rtol=1e-3)
+    only = em.friction(fit.material, few, **scene)
+    np.testing.assert_allclose(only.mu[1], em.friction(fit.material, few[1], **scene).mu, rtol=1e-3)
+    with pytest.raises(em.InputError, match="as many draws"):
+        em.friction(fit.draws(4), few, **scene)
+    for bad in ({}, {"level": -1.0}):
+        with pytest.raises(em.InputError, match="level"):
+            ROAD.draws(5, **bad)
+
+
+def test_a_file_gives_draws_of_its_misfit():
+    rubber = em.load_material("epdm-70")
+    omega, size, _ = np.array(rubber.range.misfit).T
+    draws = rubber.draws(200)
+    off = np.std([np.log(each.storage(omega) / rubber.storage(omega)) for each in draws], axis=0)
+    assert 0.5 < np.median(off / size) < 1.2
+    assert draws[0].range.misfit == ()
+    with pytest.raises(em.InputError, match="misfit"):
+        em.load_material("natural-rubber-like").draws(5)
+    with pytest.raises(em.InputError, match="n must be"):
+        rubber.draws(1)
+
+
+def test_a_sweep_over_draws(fit, tmp_path):
+    pytest.importorskip("zarr")
+    draws = fit.draws(3)
+    axes = {"material": draws, "velocity": VELOCITY}
+    found = em.sweep(em.friction, axes, store=tmp_path / "s.zarr", shape=em.Sphere(5e-3), load=1.0, progress=False)
+    assert found.material.values.tolist()[1] == "draw 2 of tread"
+    np.testing.assert_allclose(found.mu[2], em.friction(draws[2], em.Sphere(5e-3), velocity=VELOCITY, load=1.0).mu)
+
+
+SCENE = """
+material = "MATERIAL"
+uncertainty = 4
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_slope = 0.5
+longest = "5 mm"
+shortest = "50 um"
+level_error = 0.2
+[contact]
+pressure = "0.2 MPa"
+velocity = { from = "1e-4 m/s", to = "0.1 m/s", points = 3 }
+"""
+
+
+def test_a_scene_with_uncertainty(tmp_path, capsys):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.replace("MATERIAL", "epdm-70"))
+    assert main(["friction", str(path), "--out", str(tmp_path)]) == 0
+    assert "4 draws of epdm-70" in capsys.readouterr().out
+    path.write_text(SCENE.replace("MATERIAL", "natural-rubber-like"))
+    assert main(["friction", str(path), "--out", str(tmp_path)]) == 2
+    assert "misfit" in capsys.readouterr().err
+    path.write_text(SCENE.replace("MATERIAL", "epdm-70").replace("uncertainty = 4", ""))
+    assert main(["friction", str(path), "--out", str(tmp_path)]) == 2
+    assert "level_error" in capsys.readouterr().err
+    pytest.importorskip("zarr")
+    path.write_text(SCENE.replace("MATERIAL", "epdm-70") + '[sweep]\ncall = "friction"\n')
+    table = tmp_path / "t.csv"
+    assert main(["sweep", str(path), "--out", str(tmp_path / "s.zarr"), "--table", str(table)]) == 0
+    assert "draw 4, velocity 3" in capsys.readouterr().out
