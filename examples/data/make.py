@@ -1,4 +1,4 @@
-"""Makes dma.csv and road.csv beside itself: made-up measurements in the form in which a laboratory gives them."""
+"""Makes dma.csv, road.csv and friction.csv beside itself: made-up measurements in the form in which a laboratory gives them."""
 
 from pathlib import Path
 
@@ -26,5 +26,12 @@ c = 6e-16 * np.maximum(q / 2e3, 1) ** -3.6 * (1 + 0.05 * rng.normal(size=q.size)
 rows = [f"{a:.5e},{b:.4e}" for a, b in zip(q, c, strict=True)]
 (here / "road.csv").write_text("\n".join(["# asphalt, made up", "q [rad/m],C [m^4]", *rows]) + "\n")
 
-# Friction of that rubber on that road, 50 um and longer, 0.3 MPa, read off a computed curve, 5 % noise.
-points = {20: ((1e-3, 0.104), (1e-2, 0.131), (1e-1, 0.166), (1, 0.206)), 60: ((1e-3, 0.02), (1e-2, 0.03))}
+# Friction of that rubber on that road, read off a curve of em.friction (50 um, 0.3 MPa) with 5 % noise.
+speeds, computed = (1, 10, 100, 1000), {0: (0.200, 0.219, 0.227, 0.229), 20: (0.123, 0.162, 0.196, 0.217),
+                                        60: (0.0405, 0.0688, 0.103, 0.143)}  # fmt: skip
+rows = [
+    f"{speed},{celsius},{mu * (1 + 0.05 * rng.normal()):.4f}"
+    for celsius, values in computed.items()
+    for speed, mu in zip(speeds, values, strict=True)
+]
+(here / "friction.csv").write_text("\n".join(["# made up", "velocity [mm/s],temperature [degC],mu", *rows]) + "\n")

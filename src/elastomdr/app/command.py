@@ -53,7 +53,7 @@ def serve(token: str, place: Path) -> Any:
     sessions = Sessions(place)
     outer = FastAPI(openapi_url=None)
     ui.run_with(
-        outer, root=lambda: page(sessions), title="elastomdr", mount_path=f"/{token}", tailwind=False,
+        outer, root=lambda: page(sessions) and None, title="elastomdr", mount_path=f"/{token}", tailwind=False,
         reconnect_timeout=60.0, show_welcome_message=False,
     )  # fmt: skip
     config = uvicorn.Config(Guard(outer, token), log_level="error", timeout_graceful_shutdown=1, lifespan="on")

@@ -39,7 +39,7 @@ FRICTION = Screen(
     _FRICTION,
 )  # fmt: skip
 COMPARE = Screen(
-    "compare", "friction", "Several rubbers under the conditions of the friction screen.", "Compare",
+    "compare", "friction", "Several rubbers under the conditions of the friction screen.", "Compare rubbers",
     ("material", "temperature"), _FRICTION,
 )  # fmt: skip
 ROLLING = Screen("rolling", "rolling", "A cover under a roll, or a wheel with a tyre.", "Compute rolling", (), _ROLLING)

@@ -120,9 +120,9 @@ class Form:
         for name in self.widgets.keys() - before:
             self._folded.setdefault(name, fold)
 
-    def _is_first(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> bool:
+    def _is_first(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> Any:
         name = _name((*path, key))
-        return not self._is_nothing(field) and (field.required or key in content or name in self.first)
+        return not self._is_nothing(field) and (field.required or content.get(key) or name in self.first)
 
     def _is_nothing(self, field: Any) -> bool:
         """A key that scenes of this kind must leave out, or a list of tables, for which there are no forms."""
@@ -177,13 +177,15 @@ class Form:
         name = _name((*path, key, tag))
         with ui.element("fieldset").classes("group"):
             _legend(f"{key}: {_meaning(field.type)}")
-            words = {word: (table.__doc__ or word).split("\n")[0].rstrip(".") for word, table in by_word.items()}
+            words = {word: word.replace("_", " ") for word in by_word}
             select = ui.select(words, value=inner[tag], label=tag).classes("field")
+            about = ui.label().classes("about")
             self.widgets[name] = select
             place = ui.element("div")
 
             def draw() -> None:
                 place.clear()
+                about.text = (by_word[inner[tag]].__doc__ or "").split("\n")[0]
                 with place:
                     self._keys(keys_of(by_word[inner[tag]]), (*path, key), inner)
 
@@ -202,15 +204,16 @@ class Form:
 
     def _leaf(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> None:
         accepts, name = leaf(field.type), _name((*path, key))
-        label = key.replace("_", " ") + ("" if field.required else f" ({_default(field.default)})")
+        label = key.replace("_", " ") + (" *" if field.required else "")
         value = content.get(key)
         meaning = _meaning(field.type)
         if name in self.choices:
             options = _as_options(self.choices[name]())
-            several = accepts.several and isinstance(value, list)
+            several = accepts.several and (isinstance(value, list) or name in self.first)
             for each in value if isinstance(value, list) else [value]:
                 if each:
                     options.setdefault(each, each)
+            value = ([] if several else None) if value is None else value
             widget: Any = ui.select(options, value=value, label=label, multiple=several, clearable=not field.required)
             widget.props("use-chips" if several else "")
         elif accepts.flag:
@@ -229,7 +232,7 @@ class Form:
                 widget.on("keydown.enter", self.entered)
         widget.classes("field")
         if not isinstance(widget, ui.checkbox):
-            widget.props["hint"] = meaning
+            widget.props["hint"] = meaning if field.default in (None, msgspec.NODEFAULT) else _with_default(meaning, field)
             widget.props("hide-bottom-space" if not meaning else "")
         self.widgets[name] = widget
 
@@ -275,6 +278,10 @@ def _name(path: tuple[str, ...]) -> str:
 
 def _meaning(kind: Any) -> str:
     return next((note for note in getattr(kind, "__metadata__", ()) if isinstance(note, str)), "")
+
+
+def _with_default(meaning: str, field: Any) -> str:
+    return f"{meaning}; by default {_default(field.default)}"
 
 
 def _default(default: Any) -> str:

@@ -14,14 +14,14 @@ _STAGES = ("Rubber", "Road", "Friction", "Compare", "Rolling", "Export")
 _STYLE = Path(__file__).parent / "style.css"
 
 
-def page(sessions: Sessions) -> None:
+def page(sessions: Sessions) -> "Page":
     """Builds the page of the session that its address names, or of a new one."""
     request = ui.context.client.request
     session = sessions.get(request.query_params.get("session") if request is not None else None)
     ui.add_css(_STYLE.read_text(encoding="utf-8"))
     ui.colors(primary="#1f5a94")
     ui.run_javascript(f"history.replaceState(null, '', '?session={session.name}')")
-    Page(session)
+    return Page(session)
 
 
 class Page:
@@ -38,7 +38,7 @@ class Page:
             with ui.tab_panel("Rubber"):
                 self.rubber = RubberStage(session, self._new_rubber)
             with ui.tab_panel("Road"):
-                self.road = RoadStage(session, lambda: None)
+                self.road = RoadStage(session)
             with ui.tab_panel("Friction"):
                 self.friction = ComputedStage(session, FRICTION, self._computed, self._on_road)
             with ui.tab_panel("Compare"):

@@ -5,7 +5,7 @@ import math
 from typing import Annotated, Any
 
 import msgspec
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 import elastomdr as em
 
@@ -34,8 +34,8 @@ class Road(Table):
 class RoadStage:
     """The screen."""
 
-    def __init__(self, session: Session, changed: Any):
-        self._session, self._changed = session, changed
+    def __init__(self, session: Session):
+        self._session = session
         self._content = session.scenes["friction"]
         self._wanted = self._drawn = 0
         with ui.element("div").classes("stage"):
@@ -78,11 +78,10 @@ class RoadStage:
     async def _take(self, surface: dict[str, Any]) -> None:
         self._content["surface"] = surface
         self.form.draw()
-        await self._typed("[surface] file")
+        await self.redraw()
 
-    def _typed(self, name: str) -> Any:
-        self._changed()
-        return self.redraw()
+    def _typed(self, name: str) -> None:
+        background_tasks.create(self.redraw(), name="redraw road")
 
     async def redraw(self) -> None:
         """Draws the road as it is filled in; of several changes at once the last one."""

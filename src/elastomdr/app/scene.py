@@ -55,7 +55,12 @@ class Done:
 def toml(verb: str, content: dict[str, Any], stem: str, notes: tuple[str, ...] = ()) -> str:
     """The scene file; its first lines say how it is run."""
     head = [f"# elastomdr {verb} {stem}.toml", *(f"# {note}" for note in notes), f"# written by elastomdr {__version__}"]
-    return "\n".join(head) + "\n\n" + tomli_w.dumps(_without_empty(content))
+    filled = _without_empty(content)
+    lines = [f"{key} = {_as_toml(value)}" for key, value in filled.items() if not isinstance(value, dict)]
+    for name, table in filled.items():
+        if isinstance(table, dict):
+            lines += ["", f"[{name}]", *(f"{key} = {_as_toml(value)}" for key, value in table.items())]
+    return "\n".join([*head, "", *lines, ""])
 
 
 def bundle(done: Done, folder: Folder, stem: str, notes: tuple[str, ...] = ()) -> bytes:
@@ -111,6 +116,15 @@ def _is_file(name: str) -> bool:
     return name.endswith(".toml") or "/" in name or "\\" in name
 
 
+def _as_toml(value: Any) -> str:
+    """A value in one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_as_toml(one)}" for key, one in value.items()) + " }"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_as_toml, value))}]"
+    return tomli_w.dumps({"x": value}).removeprefix("x = ").rstrip("\n")
+
+
 def _without_empty(content: dict[str, Any]) -> dict[str, Any]:
-    """Tables without keys say nothing, unless they switch something on, and these have required keys."""
-    return {key: value for key, value in content.items() if value != {} and value is not None}
+    """Without [numerics] as long as nothing stands in it."""
+    return {key: value for key, value in content.items() if key != "numerics" or value}

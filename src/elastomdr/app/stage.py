@@ -66,7 +66,8 @@ class Picture:
     """A figure, as an image with a description."""
 
     def __init__(self, about: str):
-        self._image = ui.element("img").classes("figure").props(f'alt="{about}"')
+        with ui.element("div").classes("frame"):
+            self._image = ui.element("img").classes("figure").props(f'alt="{about}"')
         self._image.visible = False
 
     @property

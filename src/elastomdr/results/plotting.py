@@ -509,6 +509,7 @@ def draw_cutoffs(spectrum: Any, whole: Any = None) -> Any:
     left.set_title(rms, loc="left", fontsize=10)
     for ax in (left, right):
         frame(ax)
+        ax.minorticks_off()
     return left
 
 
