@@ -36,7 +36,8 @@ class Browser:
         port = found.read_text().split()[0]
         with urlopen(f"http://127.0.0.1:{port}/json/list", timeout=30) as answer:
             target = next(page for page in json.load(answer) if page["type"] == "page")
-        self._socket = connect(target["webSocketDebuggerUrl"], max_size=None)
+        self._connection = connect(target["webSocketDebuggerUrl"], max_size=None)
+        self._socket = self._connection.__enter__()
         self._number, self.console = 0, []
         for domain in ("Page", "Runtime", "DOM"):
             self.call(f"{domain}.enable")
@@ -97,7 +98,7 @@ class Browser:
         path.write_bytes(base64.b64decode(image["data"]))
 
     def close(self) -> None:
-        self._socket.close()
+        self._connection.__exit__(None, None, None)
         self._process.terminate()
         self._process.wait(timeout=30)
         self._home.cleanup()

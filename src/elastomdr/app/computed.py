@@ -99,12 +99,7 @@ class ComputedStage:
         with self._place:
             own = session.scenes.setdefault(self._key, _example(self._key))
             only = screen.only or tuple(key for key in table.__struct_fields__ if key != "title")
-            self.form = Form(
-                table, own, only=only, first=screen.first, choices=choices, entered=self.compute, changed=self._typed
-            )
-
-    def _typed(self, name: str) -> None:
-        pass  # a result stays until the next one: the scene that made it is kept with it
+            self.form = Form(table, own, only=only, first=screen.first, choices=choices, entered=self.compute)
 
     def _other_kind(self, event: Any) -> None:
         self._key = event.value
@@ -148,8 +143,8 @@ class ComputedStage:
             if run != self._run:
                 return
             self._session.done[self._screen.key] = done
-            await self._show(done)
             self._changed()
+            await self._show(done)
         except InputError as error:
             if run == self._run and not (str(error).startswith("[surface]") and self._elsewhere(str(error))):
                 self.form.show_error(str(error))
@@ -160,11 +155,12 @@ class ComputedStage:
                 self._release()
 
     async def _show(self, done: Done) -> None:
-        self._picture.show(await worked(DRAWING, done.figure))
+        figure = await worked(DRAWING, done.figure)
         self._notes.show(done.warnings)
         self._words.show(done.result.summary())
         if self._screen.key == "compare":
             self._rank(done.result)
+        self._picture.show(figure)
 
     def _rank(self, result: Any) -> None:
         """The rubbers at one velocity, the one with most friction first."""

@@ -108,6 +108,7 @@ class RubberStage:
     async def _sample(self) -> None:
         name = self._session.folder.keep("dma.csv", SAMPLE.joinpath("dma.csv").read_bytes())
         self._session.rubber |= {"reference": "20 degC", "poisson": 0.5}
+        self._session.scenes["friction"]["temperature"] = ["0 degC", "20 degC", "60 degC"]
         await self._dropped([name])
 
     async def _dropped(self, names: list[str]) -> None:

@@ -55,7 +55,7 @@ def _start() -> dict[str, dict[str, Any]]:
     """What the forms show at first: materials of the library, a self-affine road, a belt cover on a roll."""
     contact = {"pressure": "0.3 MPa", "velocity": {"from": "1e-4 m/s", "to": "10 m/s", "points": 24}}
     road = {"shape": "self_affine", "hurst": 0.8, "rms_slope": 0.7, "longest": "5 mm", "shortest": "50 um"}
-    friction = {"material": "epdm-70", "temperature": ["0 degC", "20 degC", "60 degC"], "surface": road}
+    friction = {"material": "epdm-70", "temperature": ["0 degC", "20 degC", "40 degC"], "surface": road}
     roll = {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"}
     return {
         "friction": {**friction, "contact": contact},
