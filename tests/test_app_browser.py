@@ -82,11 +82,11 @@ def test_from_files_to_friction(address, tmp_path):
         browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "road.csv")
         browser.until("document.body.innerText.includes('[surface] convention is missing')")  # never guessed
         browser.click("Use sample road")
-        browser.until("document.body.innerText.includes('118.8 um')")
+        browser.until("document.body.innerText.includes('0.8034')")
         slider = "[...document.querySelectorAll('.q-slider [tabindex]')].filter(e => e.offsetParent)[1]"
         browser.js(f"{slider}.focus()")
         browser.press("ArrowRight", 39)  # a cutoff moves by a key, and the figure with it
-        browser.until("document.body.innerText.includes('wavelengths') && !document.body.innerText.includes('118.8 um')")
+        browser.until("document.body.innerText.includes('wavelengths') && !document.body.innerText.includes('0.8034')")
         browser.click("Friction")
         browser.until("[...document.querySelectorAll('input')].some(e => e.value == '0.3 MPa' && e.offsetParent)")
         browser.js("[...document.querySelectorAll('input')].find(e => e.value == '0.3 MPa' && e.offsetParent).focus()")
