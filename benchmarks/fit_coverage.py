@@ -1,6 +1,7 @@
 """Do stated 95 % intervals hold the truth? Synthetic laboratories, each with a material of its own.
 
     python benchmarks/fit_coverage.py [--sets 300] [--seeds 1 2] [--truths WLF Arrhenius VFT]
+    python benchmarks/fit_coverage.py --thermometers [--sets 300]
 
 Every set has a spectrum drawn at random (a solid or a liquid; discrete branches or a broad continuous one), a WLF law
 (or Arrhenius' law, of 50 to 170 kJ/mol, or a VFT law whose pole is 30 to 250 K below the data),
@@ -9,6 +10,8 @@ random one of some percent per isotherm, or none. Counted is how often the inter
 true log10 a_T of each isotherm, and the true storage and loss modulus at frequencies over the whole reduced window.
 The same is counted about reference temperatures 10 K colder than the
 coldest isotherm and 10 K warmer than the warmest (moduli where the vertical shift there is one that has a law).
+With `--thermometers` sets with WLF laws (seed 1) are measured as they are, with a thermometer that is off by 0.3 K
+(standard deviation) in each isotherm, with spectra of one line a decade, and with both.
 The method was made with seed 1 in view; seed 2 is an independent check. Fewer sets than 300 are not recorded.
 """
 
@@ -25,13 +28,24 @@ import elastomdr as em
 REFERENCE = 293.15
 OUTSIDE = 10.0  # of the data, by which a reference temperature is moved [K]
 TRUTHS = ["WLF", "Arrhenius", "VFT"]
+HARDER = [
+    (0.0, False),
+    (0.3, False),
+    (0.0, True),
+    (0.3, True),
+]  # error of an isotherm's temperature [K]; one line a decade or not
+
+
+SIDES = (("at least", 90.0), ("at most", 99.0))
+COLUMNS = ("sets", "count", "log10 a_T [%]", "storage [%]", "loss [%]", "median error of log10 a_T",
+           "median error of moduli [%]")  # fmt: skip
 
 
 class Laboratory:
     """One material and one set of measurements of it."""
 
-    def __init__(self, seed: int, truth: str = "WLF"):
-        self.seed, self.truth = seed, truth
+    def __init__(self, seed: int, truth: str = "WLF", thermometer: float = 0.0, lines: bool = False):
+        self.seed, self.truth, self.thermometer, self.lines = seed, truth, thermometer, lines
         self.rng = rng = np.random.default_rng(seed)
         self.liquid = rng.random() < 0.3
         self.broad = rng.random() < 0.5
@@ -43,6 +57,8 @@ class Laboratory:
         if truth != "WLF":
             self.law = self._other_law(np.random.default_rng([seed, 1]))
         self.log10_a = np.asarray(self.law.log10_a(self.temperature))
+        off = thermometer * np.random.default_rng([seed, 2]).normal(size=self.temperature.size)
+        self.moved = np.asarray(self.law.log10_a(self.temperature + off))  # of the temperature that the sample had
         self.noise = 0.005 * 10 ** rng.uniform(0, 1)
         self.shift = str(rng.choice(["none", "entropy", "random"]))
         self.ln_b = {
@@ -68,6 +84,8 @@ class Laboratory:
         if self.liquid:
             high = rng.uniform(-1.0, 1.0)  # terminal zone inside the window
         per_decade = 8 if self.broad else rng.uniform(1.0, 1.6)
+        if self.lines:
+            self.broad, per_decade = False, 1.0
         log_times = np.linspace(low, high, max(4, int((high - low) * per_decade)))
         level = 5.3 - rng.uniform(0.2, 0.55) * (log_times - log_times[-1])
         level += rng.uniform(0.2, 0.6) * np.sin(rng.uniform(0.4, 0.9) * log_times + rng.uniform(0, 6))
@@ -90,15 +108,15 @@ class Laboratory:
         for i, temperature in enumerate(self.temperature):
             start, stop = rng.uniform(-1.2, -0.6), rng.uniform(0.9, 1.7)
             omega = 2 * np.pi * np.logspace(start, stop, rng.integers(9, 19))
-            g1, g2 = self.moduli_at(omega * 10 ** self.log10_a[i])
+            g1, g2 = self.moduli_at(omega * 10 ** self.moved[i])
             g1, g2 = (g * np.exp(-self.ln_b[i]) * (1 + self.noise * rng.normal(size=omega.size)) for g in (g1, g2))
             rows.append(np.column_stack([omega, g1, g2, np.full(omega.size, temperature)]))
         return np.concatenate(rows).T
 
 
-def trial(truth: str, seed: int):
+def trial(truth: str, seed: int, thermometer: float = 0.0, lines: bool = False):
     """Per set: hits of log10 a_T, storage and loss, the errors of log10 a_T, and what the set was."""
-    lab = Laboratory(seed, truth)
+    lab = Laboratory(seed, truth, thermometer, lines)
     dma = em.fit.dma(lab.omega, lab.storage, lab.loss, lab.at, kind="shear")
     timing = timed(lambda: em.fit.master_curve(dma, REFERENCE))
     master = timing.value
@@ -138,22 +156,58 @@ def trial(truth: str, seed: int):
     }
 
 
+def measured(sets: list[tuple]) -> list[dict]:
+    """The trials of all sets, on all cores."""
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
+        return list(pool.map(trial, *zip(*sets, strict=True), chunksize=5))
+
+
+def held(name: str, chosen: list[dict]) -> tuple:
+    """A row of `COLUMNS`."""
+    hits = [100 * np.concatenate([t[key] for t in chosen]).mean() for key in ("a", "storage", "loss")]
+    off = np.median(np.abs(np.concatenate([t["error"] for t in chosen])))
+    curve = np.median(np.abs(np.concatenate([t["relative"] for t in chosen])))
+    return name, len(chosen), *hits, off, 100 * curve
+
+
+def thermometers(count: int) -> None:
+    """Sets with and without an error of their temperatures, and of one line a decade."""
+    record = heading("Coverage with thermometers that are off", f"{count} sets each, WLF laws")
+    sets = [("WLF", 1000 + i, kelvin, lines) for kelvin, lines in HARDER for i in range(count)]
+    trials, rows = measured(sets), []
+    for k, (kelvin, lines) in enumerate(HARDER):
+        name = f"{kelvin:g} K error of each isotherm{', one line a decade' * lines}"
+        rows.append(held(name, trials[k * count : (k + 1) * count]))
+    record["coverage"] = table(COLUMNS, rows)
+    record["verdicts"] = [
+        verdict(f"{row[0]}: {what} held, {side}", row[2 + i], bound, " %", least=side == "at least")
+        for row in rows
+        for i, what in enumerate(("log10 a_T", "storage modulus", "loss modulus"))
+        for side, bound in SIDES
+    ]
+    if count >= 300:
+        save("fit_coverage_thermometers", record)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sets", type=int, default=300)
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--truths", nargs="+", default=TRUTHS, choices=TRUTHS)
+    parser.add_argument("--thermometers", action="store_true", help="the sets with errors of temperatures")
     arguments = parser.parse_args()
     one_thread()
+    if arguments.thermometers:
+        return thermometers(arguments.sets)
     seeds = ", ".join(str(seed) for seed in arguments.seeds)
     truths = arguments.truths
     record = heading(
         "Coverage of stated 95 % intervals",
         f"{arguments.sets} sets from each of the seeds {seeds} and each law: {', '.join(truths)}",
     )
-    sets = [(truth, 1000 * seed + i) for truth in truths for seed in arguments.seeds for i in range(arguments.sets)]
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        trials = list(pool.map(trial, *zip(*sets, strict=True), chunksize=5))
+    trials = measured([
+        (truth, 1000 * seed + i) for truth in truths for seed in arguments.seeds for i in range(arguments.sets)
+    ])  # fmt: skip
     first = {
         f"{truth}, seed {seed}": lambda lab, seed=seed, truth=truth: (lab.seed // 1000, lab.truth) == (seed, truth)
         for truth in truths
@@ -173,46 +227,29 @@ def main() -> None:
         "discrete branches": lambda lab: not lab.broad,
         "continuous spectra": lambda lab: lab.broad,
     }
-    rows = []
-    for name, belongs in groups.items():
-        chosen = [t for t in trials if belongs(t["lab"])]
-        if not chosen:
-            continue
-        hits = [100 * np.concatenate([t[key] for t in chosen]).mean() for key in ("a", "storage", "loss")]
-        off = np.median(np.abs(np.concatenate([t["error"] for t in chosen])))
-        curve = np.median(np.abs(np.concatenate([t["relative"] for t in chosen])))
-        rows.append((name, len(chosen), *hits, off, 100 * curve))
-    columns = (
-        "sets",
-        "count",
-        "log10 a_T [%]",
-        "storage [%]",
-        "loss [%]",
-        "median error of log10 a_T",
-        "median error of moduli [%]",
-    )
-    record["coverage"] = table(columns, rows)
+    chosen = {name: [t for t in trials if belongs(t["lab"])] for name, belongs in groups.items()}
+    rows = [held(name, some) for name, some in chosen.items() if some]
+    record["coverage"] = table(COLUMNS, rows)
     outside = []
     for truth in truths:
         chosen = [t for t in trials if t["lab"].truth == truth]
-        held = [100 * np.concatenate([t["outside"][key] for t in chosen]).mean() for key in ("a", "storage", "loss")]
-        outside.append((truth, 2 * len(chosen), sum(t["refused"] for t in chosen), *held))
+        share = [100 * np.concatenate([t["outside"][key] for t in chosen]).mean() for key in ("a", "storage", "loss")]
+        outside.append((truth, 2 * len(chosen), sum(t["refused"] for t in chosen), *share))
     print()
-    columns = ("reference 10 K outside the data", "references", "refused", *columns[2:5])
+    columns = ("reference 10 K outside the data", "references", "refused", *COLUMNS[2:5])
     record["outside"] = table(columns, outside)
     seconds = np.array([t["seconds"] for t in trials])
     print(f"\n  fit: median {np.median(seconds):.2f} s, longest {seconds.max():.2f} s of one core")
-    sides = (("at least", 90.0), ("at most", 99.0))
     record["verdicts"] = [
         verdict(f"{name}: {what} held, {side}", row[2 + i], bound, " %", least=side == "at least")
         for name, row in zip(first, rows, strict=False)
         for i, what in enumerate(("log10 a_T", "storage modulus", "loss modulus"))
-        for side, bound in sides
+        for side, bound in SIDES
     ]
     record["verdicts"] += [
         verdict(f"{row[0]}, 10 K outside: log10 a_T held, {side}", row[3], bound, " %", least=side == "at least")
         for row in outside
-        for side, bound in sides
+        for side, bound in SIDES
     ]
     figure, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     scores = np.concatenate([t["score"] for t in trials])
@@ -220,8 +257,8 @@ def main() -> None:
     x = np.linspace(-5, 5, 200)
     ax.plot(x, np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi), color="#1f5a94", label="standard normal")
     ax.set(xlabel="Error over stated standard deviation [-]", ylabel="Density [-]")
-    held = rows[len(first)][2]
-    ax.set_title(f"{len(trials)} synthetic sets: 95 % intervals hold {held:.1f} % of log10 a_T", fontsize=10)
+    share = rows[len(first)][2]
+    ax.set_title(f"{len(trials)} synthetic sets: 95 % intervals hold {share:.1f} % of log10 a_T", fontsize=10)
     ax.legend(frameon=False)
     if arguments.sets >= 300 and arguments.seeds == [1, 2] and arguments.truths == TRUTHS:
         save("fit_coverage", record, figure)

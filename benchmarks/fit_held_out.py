@@ -9,8 +9,8 @@ out, and predicted with the shifts of its neighbours: the WLF law plus its resid
 rms of both moduli with at most one and a half terms per decade.
 
 The first two figures are those of the master curve: predicted moduli are divided by the vertical shift of their
-isotherm, which no material file has. "As used" is the material that the fit delivers, with its shift law and nothing
-else, against the same points as measured. The second table has the materials that the default command and
+isotherm. "As used" is the material that the fit delivers, with its laws of shifts and nothing else, against the same
+points as measured. The second table has the materials that the default command and
 `--no-vertical` deliver, against all of their data.
 """
 

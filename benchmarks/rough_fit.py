@@ -128,14 +128,17 @@ def main() -> None:
     held = float(np.mean(np.abs(worse) <= a - b * np.log(points.area)))
     measured = np.array([np.mean(p["area"]) if p["area"] is not None else np.nan for p in points.points])
     areas = np.log(points.area / measured)
-    areas = areas[np.isfinite(areas)]
+    known = np.isfinite(areas)
+    contact, areas = points.area[known], areas[known]
+    a_area, b_area = multiscale._AREA_BOUND
+    within = float(np.mean(np.abs(areas) <= a_area - b_area * np.log(contact)))
     print(f"area of contact over that of the maps, {areas.size} points: mean {areas.mean():+.3f}, rms {rms(areas):.3f}")
     print(f"fitted to all nine tenths: {form}\nin the package:            {multiscale.FORM}")
     print(f"|ln(mu/mu_3D)| <= {a:.4f} + {b:.4f} (-ln A) for 95 %; Persson {pa:.4f} + {pb:.4f} (-ln A)")
     record["constants"] = form._asdict()
     record["bound"] = {"multiscale": (a, b), "persson": (pa, pb)}
     record["left out"] = {"surfaces": rms(by_surface), "materials": rms(by_material)}
-    record["area"] = {"points": areas.size, "mean": float(areas.mean()), "rms": rms(areas)}
+    record["area"] = {"points": areas.size, "mean": float(areas.mean()), "rms": rms(areas), "within": within}
     shipped = points.residuals(multiscale.FORM, every)
     inside = np.array([
         multiscale.bound(em.Multiscale(), np.array([points.area[i]]), points.ratio[i], 10.0)[0] for i in every
@@ -156,6 +159,7 @@ def main() -> None:
             0.95,
             least=True,
         ),
+        verdict("share of areas of contact within their bound", within, 0.95, least=True),
         verdict("points of the map", float(points.mu.size), 250, least=True),
     ]
     print(f"the fitted bound holds for {held:.3f} of the points left out")

@@ -19,16 +19,17 @@ from mkdocs.structure.files import File, Files
 ROOT = Path(__file__).parents[1]
 KEYS = "<!-- keys of scene files -->"
 GROUPS = {
-    "Friction and rolling": ("friction", "rolling", "plan", "Heat"),
+    "Friction and rolling": ("friction", "rolling", "plan", "AdhesiveShear", "Heat"),
     "Many scenes": ("sweep",),
     "Models": ("Averaged", "Line", "Multiscale", "Persson", "HalfSpace"),
     "Motion in time": ("indent", "impact", "shear", "traction", "slide", "drive", "Mount"),
     "Materials": (
         "Prony", "KelvinVoigt", "Maxwell", "StandardSolid", "TabulatedModulus", "WLF", "Arrhenius", "VFT", "ShiftTable",
+        "EntropicVertical", "VerticalTable", "Softening",
         "materials", "load_material", "save_material",
     ),
     "Files of others": ("read_dma", "read_friction", "read_shifts", "read_spectrum", "read_surface"),
-    "From three dimensions to one": ("half_space", "springs", "Foundation", "ContactStep"),
+    "From three dimensions to one": ("half_space", "layer", "Layer", "springs", "Foundation", "ContactStep"),
     "Shapes and surfaces": (
         "Sphere", "Paraboloid", "Cone", "FlatPunch", "PowerLaw", "Profile", "Cylinder", "RoughLine", "SelfAffine",
         "Spectrum",

@@ -43,6 +43,10 @@ reference = 293.15
 
 # What is wrong: (what to replace, with what), what the message must say.
 BAD_SCENES = {
+    "model of a surface": (
+        ('"line"', '"persson"'),
+        '[contact] model must be "averaged", "line" or "half-space" for a paraboloid, got "persson"',
+    ),
     "unknown key": (('title = "Slider"', 'titel = "Slider"'), "Did you mean 'title'"),
     "unknown table": (("[numerics]", "[numeric]"), "Did you mean 'numerics'"),
     "unknown key in a table": (("load =", "laod ="), "Did you mean 'load'"),
@@ -52,7 +56,7 @@ BAD_SCENES = {
     "unknown model": (('"line"', '"lines"'), "Did you mean 'line'"),
     "option of another model": (('"line"', '"line"\ngamma = 0.5'), 'gamma belongs to model = "persson"'),
     "option without a model": (('model = "line"', "corrected = false"), 'corrected belongs to model = "averaged"'),
-    "average of a smooth body": (('"line"', '"line"\naverage = true'), "em.Averaged(corrected=False)"),
+    "average of a smooth body": (('"line"', '"line"\naverage = true'), '"averaged" with corrected=false'),
     "a model of surfaces": (('"line"', '"multiscale"'), "for a surface under a pressure"),
     "unknown unit": (('"5 mm"', '"5 milimetre"'), "milimetre"),
     "no unit": (('"5 mm"', '"5"'), "5 mm"),

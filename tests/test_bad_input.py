@@ -90,8 +90,8 @@ CASES = {
     "sharp tip": (lambda: em.friction(SOLID, em.PowerLaw(0.5, 1.0), velocity=1.0, load=1.0), "exponent must be 1"),
     "cone rolls": (lambda: em.rolling(SOLID, em.Cone(0.1), velocity=1.0, load=1.0), "shape must roll"),
     "cylinder on a half-space": (
-        lambda: em.friction(WARM, em.Cylinder(0.1, 1.0), velocity=1.0, load=1.0),
-        "layer under a Cylinder",
+        lambda: em.friction(WARM, em.Cylinder(0.1, 1.0), velocity=1.0, depth=1e-4),
+        "depth must be left out for a cylinder on a half-space",
     ),
     "beyond the profile": (
         lambda: em.friction(

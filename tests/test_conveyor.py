@@ -92,7 +92,7 @@ def test_table_summary_and_figure(tmp_path):
     found = em.conveyor(*sides(), velocity=np.array([1.0, 5.0]), belt=28.0, goods=np.array([[0.0], [120.0]]))
     found.to_csv(tmp_path / "belt.csv")
     text = (tmp_path / "belt.csv").read_text()
-    for said in ("power [W/m]", "mass of the goods [kg/m]", "3 rolls every 1.2 m", "thin layer"):
+    for said in ("power [W/m]", "mass of the goods [kg/m]", "3 rolls every 1.2 m", "independent springs"):
         assert said in text
     assert "kW per km of belt" in found.summary()
     assert found.plot().get_ylabel() == "Power per length of belt [kW/km]"

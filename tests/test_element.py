@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from elastomdr._arrays import numpy_unless_traced
 from elastomdr.foundation.episode import energies, follow, force, pressed
 from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
+from elastomdr.foundation.moments import panel_sums
 from elastomdr.foundation.step import contact_step, rest
 from elastomdr.material.relaxation import Relaxation
+from elastomdr.solve.period import Lanes, sweep
+from elastomdr.solve.period import coefficients as period_coefficients
 
 
 @pytest.fixture(autouse=True)
@@ -135,3 +139,38 @@ def test_random_elements_with_renewed_contact(seed):
         state = follow(law, modes, state, jnp.array([w0]), v, t1 - t0)
     got = [float(x[0]) for x in (state.u, force(law, state, v), state.work, state.heat)]
     np.testing.assert_allclose(got, one_element_by_events(law, corners), rtol=1e-8, atol=1e-10)
+
+
+@pytest.mark.parametrize("viscosity", [0.0, 40.0])
+def test_one_period_of_a_rough_line_is_made_of_contact_steps(viscosity):
+    """The sweep of rough lines has a step of its own, which one kernel runs; without a dashpot it is the same step."""
+    law, rise = Relaxation(1e6, np.array([2e6, 5e5]), np.array([2e-4, 3e-3]), viscosity), 1e-6 * np.cos(
+        2 * np.pi * np.arange(65) / 64
+    )  # fmt: skip
+    rise, h, depth = np.minimum(rise - rise[0], 0.0), 1e-4, 5e-7
+    lanes = Lanes(np.array(1e6), law.moduli[:, None], law.times[:, None], np.array([viscosity]), np.zeros(1))
+    start = np.array([[0.3], [0.1]])
+    found = sweep(rise, 64, 1, np.array([depth]), start, period_coefficients(lanes, np.array([h])), None, 2, True)
+    state = rest(law, 1)._replace(u=jnp.array([depth]), f=jnp.asarray(start), q=jnp.ones(1))
+    touching = 0
+    for w0, w1 in pairwise(rise + depth):
+        state = contact_step(law, state, jnp.array([w0]), jnp.array([w1]), h)
+        touching += int(state.q[0] > 0)
+    rtol = 0.2 if viscosity else 1e-12  # with a dashpot Signorini's conditions are put on another mean of the force
+    np.testing.assert_allclose(found.u, state.u, rtol=rtol)
+    np.testing.assert_allclose(found.branches, state.f, rtol=rtol, atol=0.02 if viscosity else 0.0)
+    if not viscosity:
+        assert int(found.touching[0]) == touching
+
+
+@pytest.mark.parametrize("count", [3, 6, 12, 20])
+def test_moments_on_numpy_and_on_jax_agree(count):
+    """NumPy makes an array of all moments, JAX sums as it goes: the same sums, for short and for long panels."""
+    rng = np.random.default_rng(count)
+    c, kappa = rng.normal(size=(count, *[1] * 5)), rng.normal(size=(2 * count, *[1] * 5))
+    z = np.concatenate([[0.0], np.geomspace(1e-9, 1e6, 60)]).reshape(1, 1, 1, 1, -1)
+    numbers = numpy_unless_traced(panel_sums)(c, kappa, z)
+    with jax.enable_x64(True):
+        compiled = panel_sums(jnp.asarray(c), jnp.asarray(kappa), jnp.asarray(z))
+    for here, there in zip(numbers, compiled, strict=True):
+        np.testing.assert_allclose(np.broadcast_to(here, z.shape), there, rtol=1e-11, atol=1e-13)

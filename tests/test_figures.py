@@ -219,3 +219,30 @@ def test_figure_of_a_surface():
     q, power = waves.get_lines()[0].get_data()
     assert q[np.nanargmax(power)] == pytest.approx(6000 * np.pi)
     np.testing.assert_allclose(2 * np.nansum(power) * 2000 * np.pi, 0.5e-12, rtol=1e-9)  # both sides: <h^2>
+
+
+def test_quantities_of_one_unit_share_axes_and_others_are_refused():
+    friction, rolling = friction_curve(), rolling_curve()
+    ax = friction.plot(style="paper")
+    rolling.plot(ax)
+    assert ax.get_ylabel() == "Friction coefficient, rolling resistance coefficient [-]"
+    assert ax.get_xlabel() == "Sliding velocity, rolling velocity [m/s]"
+    assert [text.partition(",")[0] for text in legend(ax)] == ["friction coefficient", "rolling resistance coefficient"]
+    lines = len(ax.get_lines())
+    rubber, ball = em.StandardSolid(1e6, 4e6, 1e-2), em.Paraboloid(5e-3)
+    pressed = em.indent(rubber, ball, time=[0.0, 1.0], depth=[0.0, 1e-4])
+    with pytest.raises(em.InputError, match=r"ax must have axes with the units of the result"):
+        pressed.plot(ax)
+    assert len(ax.get_lines()) == lines  # nothing was drawn
+
+
+def test_forces_on_the_same_axes_have_one_unit():
+    rubber, ball = em.StandardSolid(1e6, 4e6, 1e-2), em.Paraboloid(5e-3)
+    small, large = (em.indent(rubber, ball, time=[0.0, 1.0], depth=[0.0, d]) for d in (1e-7, 1e-3))
+    alone = large.plot(matplotlib.figure.Figure().add_subplot())
+    assert alone.get_ylabel() == "Force [N]"
+    given = small.plot(matplotlib.figure.Figure().add_subplot())
+    assert given.get_ylabel() == "Force [µN]"
+    large.plot(given)
+    assert given.get_ylabel() == "Force [µN]"
+    np.testing.assert_allclose(np.nanmax(given.get_lines()[-1].get_ydata()), 1e6 * large.force[-1], rtol=1e-9)

@@ -209,7 +209,7 @@ def test_refusals():
     dma = data()
     for call, said in (
         (lambda: em.fit.master_curve([1, 2]), "dma must be a Dma"),
-        (lambda: em.fit.master_curve(dma, -5), "reference must be positive"),
+        (lambda: em.fit.master_curve(dma, -5), "reference must be in kelvin"),
         (lambda: em.fit.master_curve(dma, "20 degC"), "reference must be a number"),
         (lambda: em.fit.master_curve(dma, 293.15, vertical="yes"), "vertical must be True or False"),
         (lambda: em.fit.master_curve(dma, 293.15, tolerance=0), "tolerance must be positive"),

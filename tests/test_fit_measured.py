@@ -109,7 +109,8 @@ def test_the_material_of_polyisoprene_follows_it_too(kelvin):
     published = em.WLF(4.965, 139.3, 298.15).at_reference(fit.master.reference).log10_a(at)
     for found in (fit.master.log10_a, fit.material.shift.log10_a(at)):
         assert np.sqrt(np.mean((np.asarray(found) - np.asarray(published)) ** 2)) < 0.03
-    assert any("The data leave no doubt of them" in text for text in fit.warnings)
+    assert isinstance(fit.material.vertical, em.EntropicVertical)  # a melt
+    assert fit.misfit["loss modulus"] < 0.015
 
 
 @pytest.mark.parametrize("kelvin", [293.15, 298.15])
@@ -122,12 +123,13 @@ def test_epdm_is_met_and_judged(kelvin):
         assert storage < 0.03
         assert loss < 0.08
     assert fit.prony.terms <= 12
-    assert lifted.misfit["storage modulus"] > 0.04  # so that the material without vertical shifts is the default
+    assert fit.material.vertical is None  # as likely as not
+    assert lifted.material.vertical is not None
+    assert lifted.misfit["storage modulus"] < 1.1 * fit.misfit["storage modulus"]
     for one in (fit, lifted):
         assert one.master.ambiguous[one.master.temperature > 310].all()
         assert any("Horizontal and vertical" in text and "45.98" in text for text in one.warnings)
         assert any("Not thermorheologically simple" in text for text in one.warnings)
-    assert any(text.startswith("Fitted without vertical shifts") for text in fit.warnings)
     assert np.abs(lifted.master.log10_a - fit.master.log10_a).max() < 1.96 * fit.master.log10_a_std.max()
 
 

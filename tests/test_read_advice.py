@@ -104,7 +104,6 @@ def test_advice_leads_to_the_truth(name, write):
 @pytest.mark.parametrize(
     ("titles", "columns"),
     [
-        ("Temperature [degC],Time [s],Creep compliance [1/MPa]", {"relaxation": 3}),
         ("Temperature [degC],Time [s],E' [MPa]", {"relaxation": 3}),
         ("Temperature [degC],Time [s],Dynamic stiffness [N/mm]", {"relaxation": 3}),
     ],

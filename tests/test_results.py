@@ -320,6 +320,10 @@ def test_excel_holds_the_table_and_what_it_is(tmp_path, monkeypatch):
     assert told["model"].value == MODEL
     meaning = {row[1]: row for row in book["columns"].iter_rows(values_only=True)}
     assert meaning["contact.leading"][::2] == ("leading edge", "m")
+    with pytest.raises(em.InputError, match=r"path must end in \.xlsx, got .*curve\.csv"):
+        curve.to_excel(tmp_path / "curve.csv")
+    with pytest.raises(em.InputError, match="path must not be that of a workbook"):
+        curve.to_csv(tmp_path / "curve.xlsx")
     monkeypatch.setitem(sys.modules, "openpyxl", None)
     with pytest.raises(em.InputError, match=r"openpyxl.*pip install elastomdr\[excel\]"):
         curve.to_excel(tmp_path / "curve.xlsx")
@@ -343,11 +347,12 @@ def test_every_field_of_every_result_is_declared():
 
 
 UNITS = {  # of each quantity, whatever the result
-    "-": "area area_ratio coefficient cold creepage error friction model_error mu outside ratio restitution rolling "
-    "share slip spread squeeze stick",
+    "-": "adhesion area area_ratio coefficient cold creepage error friction hysteresis linear model_error mu outside "
+    "ratio restitution road_share rolling share slip spread squeeze stick strain",
+    "m^2": "contact_area",
     "": "converged extrapolated follows stuck touching",
     "m/s": "road slowest velocity",
-    "K": "ambient steady temperature temperature_rise",
+    "K": "ambient contact_rise steady temperature temperature_rise",
     "N": "force friction_force max_force normal_force pull resistance",
     "W": "power slip_power",
     "m": "contact_radius depth diameter displacement drive height leading max_depth position separation stick_radius "

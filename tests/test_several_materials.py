@@ -74,3 +74,18 @@ def test_warnings_of_all_materials_are_one():
 def test_an_empty_list_is_refused():
     with pytest.raises(em.InputError, match="an empty list"):
         em.friction([], BALL, velocity=1.0, load=1.0)
+
+
+def test_a_plan_of_several_materials():
+    plans = em.plan([SOFT, HARD], BALL, velocity=[0.1, 1.0], load=1.0)
+    assert list(map(str, plans)) == [str(em.plan(m, BALL, velocity=[0.1, 1.0], load=1.0)) for m in (SOFT, HARD)]
+    assert [line for line in str(plans).splitlines() if line in ("soft", "hard")] == ["soft", "hard"]
+
+
+def test_a_wrong_entry_is_named_by_its_place():
+    with pytest.raises(em.InputError, match=r"^material\[1\]: material must be .*'rubber'"):
+        em.friction([SOFT, "rubber"], BALL, velocity=1.0, load=1.0)
+    with pytest.raises(em.InputError, match=r"^material\[0\]: material must be"):
+        em.friction([None, SOFT], BALL, velocity=1.0, load=1.0)
+    with pytest.raises(em.InputError, match=r"^velocity must be positive"):
+        em.friction([SOFT, HARD], BALL, velocity=-1.0, load=1.0)

@@ -8,8 +8,9 @@ import pytest
 import elastomdr as em
 from elastomdr.mapping.lines import SingleLine
 from elastomdr.material.relaxation import Relaxation
+from elastomdr.solve.carried import settle
 from elastomdr.solve.over_line import indenter
-from elastomdr.solve.slide import march, padded, settle
+from elastomdr.solve.slide import march, padded
 from elastomdr.solve.timeline import Steps, cut, timeline
 
 from .test_slide_rough import RUBBER, WAVES

@@ -8,7 +8,7 @@ import elastomdr as em
 
 SOURCE = Path(em.__file__).parent
 FLOORS = (
-    "material", "mapping", "foundation", "solve", "results", "reference", "scenes", "recipes", "sweeps",
+    "material", "mapping", "foundation", "solve", "results", "arguments", "reference", "scenes", "recipes", "sweeps",
     "io", "fit", "cli", "app",
 )  # fmt: skip
 
@@ -32,7 +32,8 @@ def imports(path: Path) -> Iterator[tuple[str, ...]]:
 
 
 def files(*parts: str) -> list[Path]:
-    found = sorted(SOURCE.joinpath(*parts).rglob("*.py"))
+    place = SOURCE.joinpath(*parts)
+    found = sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
     assert found
     return found
 

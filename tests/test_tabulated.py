@@ -445,3 +445,25 @@ def test_from_measured_data_to_friction(file, kelvin, low, high):
     assert on_table.converged.all()
     assert low < ratio.min()
     assert ratio.max() < high
+
+
+@pytest.mark.parametrize("kind", ["shear", "tensile"])
+def test_what_a_table_does_not_know_is_advised_and_the_advice_works(kind):
+    found = sampled(RUBBER, 10, -2, 6, kind=kind)
+    for name in ("relaxation", "creep_compliance", "instantaneous"):
+        with pytest.raises(InputError, match=rf"{name} is not known from a table") as caught:
+            getattr(found, name)(1.0)
+        advice = str(caught.value).partition("fit a series, ")[2].removesuffix(".")
+        names = {"em": em, "omega": found.omega, "storage": found.storage_table, "loss": found.loss_table}
+        answer = eval(advice, names)
+        if name == "relaxation":
+            assert float(answer(1e-2)) == pytest.approx(float(RUBBER.relaxation(1e-2)), rel=0.02)
+
+
+def test_a_dashpot_beside_the_glassy_modulus():
+    material = em.KelvinVoigt(2e6, 1e3)
+    assert material.instantaneous == material.relaxation(0.0) == 2e6
+    assert material.creep_compliance(0.0) == 0
+    assert material.creep_compliance(10.0) == pytest.approx(1 / 2e6)
+    solid = em.StandardSolid(1e6, 4e6, 1e-2)
+    assert float(solid.creep_compliance(0.0)) == pytest.approx(1 / float(solid.instantaneous), rel=1e-14)

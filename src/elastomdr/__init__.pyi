@@ -9,6 +9,8 @@ from .errors import ModelWarning as ModelWarning
 from .foundation.law import Foundation as Foundation
 from .foundation.law import half_space as half_space
 from .foundation.law import springs as springs
+from .foundation.layer import Layer as Layer
+from .foundation.layer import layer as layer
 from .foundation.solver import ContactStep as ContactStep
 from .io.dma import read_dma as read_dma
 from .io.friction import MeasuredFriction as MeasuredFriction
@@ -37,7 +39,10 @@ from .material.shift import VFT as VFT
 from .material.shift import WLF as WLF
 from .material.shift import Arrhenius as Arrhenius
 from .material.shift import ShiftTable as ShiftTable
+from .material.softening import Softening as Softening
 from .material.tabulated import TabulatedModulus as TabulatedModulus
+from .material.vertical import EntropicVertical as EntropicVertical
+from .material.vertical import VerticalTable as VerticalTable
 from .models import Averaged as Averaged
 from .models import HalfSpace as HalfSpace
 from .models import Line as Line
@@ -77,6 +82,7 @@ from .scenes.rolling import rolling as rolling
 from .scenes.shear import shear as shear
 from .scenes.slide import slide as slide
 from .scenes.traction import traction as traction
+from .solve.adhesive_shear import AdhesiveShear as AdhesiveShear
 from .solve.heat import Heat as Heat
 from .solve.mount import Mount as Mount
 from .solve.plan import Plan as Plan

@@ -165,6 +165,17 @@ def ascending(name: str, values: Any) -> None:
         )
 
 
+def only_one(**arguments: Any) -> str:
+    """The name of the only argument that is not None. Raises `InputError` where none is, or several are."""
+    given = [name for name, value in arguments.items() if value is not None]
+    if len(given) == 1:
+        return given[0]
+    *names, last = arguments
+    got = " and ".join(f"{name}={arguments[name]}" if np.ndim(arguments[name]) == 0 else name for name in given)
+    either = " or ".join(filter(None, (", ".join(names), last)))
+    raise InputError(f"{either} must be given, and only one of them, got {got or 'neither'}.")
+
+
 def scalar(name: str, value: Any) -> Array:
     """A float64 scalar from `value`; raises `InputError` for anything with a shape."""
     array = as_float64(name, value)

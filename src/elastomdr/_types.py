@@ -10,13 +10,16 @@ if TYPE_CHECKING:
     import numpy as np
 
     from .foundation.law import Foundation, TabulatedFoundation
+    from .foundation.layer import Layer
     from .mapping.rough_line import RoughLine
     from .mapping.shapes import AbstractShape
     from .mapping.spectrum import AbstractSpectrum
     from .material.prony import Prony
     from .material.shift import AbstractShift
+    from .material.softening import Softening
     from .material.tabulated import TabulatedModulus
     from .material.validity import Range
+    from .material.vertical import AbstractVertical
     from .models import Model
 
 
@@ -34,7 +37,7 @@ ArrayLike: TypeAlias = "Number | HasArray | Sequence[Number] | Sequence[Sequence
 
 Kind: TypeAlias = Literal["shear", "tensile"]
 Solid: TypeAlias = "Prony | TabulatedModulus"  # of which a file or the library may hold either
-Material: TypeAlias = "Prony | TabulatedModulus | Foundation | TabulatedFoundation"
+Material: TypeAlias = "Prony | TabulatedModulus | Foundation | TabulatedFoundation | Layer"
 Materials: TypeAlias = "Material | Sequence[Material]"  # one, or several along the first axis of the result
 RangeLike: TypeAlias = "Range | dict[str, tuple[float, float]] | dict[str, list[float]]"
 
@@ -45,6 +48,7 @@ ModelLike: TypeAlias = "Model | ModelName"
 
 Convention: TypeAlias = Literal["2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"]
 Motion: TypeAlias = Literal["friction", "rolling"]
+Response: TypeAlias = Literal["relaxation", "creep", "storage"]
 LawName: TypeAlias = Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"]
 Style: TypeAlias = Literal["paper"]  # of a figure
 
@@ -63,6 +67,8 @@ class Properties(TypedDict, total=False):
     poisson: Number | None
     bulk: Number | None
     shift: AbstractShift | None
+    vertical: AbstractVertical | None
+    softening: Softening | None
     name: str
     citation: str
     range: RangeLike | None

@@ -17,7 +17,7 @@ from ..errors import InputError
 from . import DONE, NOT_CONVERGED
 from .kinds import read_scene
 from .parts import Bar, Parts
-from .scene import Scene
+from .scene import Scene, models_by_name
 from .schema import named, path_from
 
 _DPI = 200
@@ -33,7 +33,8 @@ def run(options: argparse.Namespace) -> int:
             arguments = scene.arguments(path.parent)
             shown = how_drawn(scene, arguments, path.parent)
             stem = f"{path.stem}-{scene.called()}"
-            result = _computed(scene, arguments, folder / f".{stem}.parts")
+            with models_by_name():
+                result = _computed(scene, arguments, folder / f".{stem}.parts")
         notes = f"# scene: {path.name}\n" + (f"# title: {' '.join(scene.title.split())}\n" if scene.title else "")
         files: dict[str, Callable[[Path], None]] = {
             f"{stem}.csv": lambda to: _write_table(result, to, notes),

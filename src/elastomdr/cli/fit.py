@@ -4,21 +4,29 @@ import argparse
 import re
 import sys
 import warnings
+from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
 from . import DONE, NOT_CONVERGED
 
 _READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
+_SIZES = {"area": "area", "length": "length", "ramp": "time"}
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
-_FITTED = ("vertical", "terms", "balance", "law", "poisson", "citation")
+_LAWS = {"wlf": "WLF(8.9, 101.6, 20degC)", "vft": "VFT(1000, -100degC, 20degC)",
+         "arrhenius": "Arrhenius(80 kJ/mol, 20degC)"}  # fmt: skip
+_FITTED = ("vertical", "terms", "balance", "temperature_error", "law", "poisson", "citation")
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """The options of this command."""
     command._negative_number_matcher = re.compile(r"-\.?\d")  # "-20degC" is a temperature, not an option
     add = command.add_argument
-    add("data", metavar="DMA", nargs="+", help="measured isotherms; several files of one material are joined")
+    add("data", metavar="DMA", nargs="*", help="measured isotherms; several files of one material are joined")
+    add("--shore-a", metavar="H", type=float, help="no file, but the hardness: a library spectrum scaled to it, an "
+        "estimate within a factor of two")  # fmt: skip
+    add("--like", metavar="MATERIAL", default="sbr-gum-like", help="whose spectrum --shore-a scales (default: "
+        "sbr-gum-like)")  # fmt: skip
     add("--reference", metavar="T", help='reference temperature, such as "20degC" (default: the isotherm nearest it)')
     add("--out", metavar="DIR", default=".", help="folder for the files (default: this one)")
     add("--name", help="name of the material and of its files (default: that of the data)")
@@ -32,14 +40,26 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         add(f"--{quantity}-unit", metavar="UNIT", help=f"{units}, where the file does not say")
     add("--temperature", metavar="T", help='temperature of all points, such as "20degC", or one for each isotherm '
         'without, such as "-20degC,0degC,20degC"')  # fmt: skip
+    add("--strain", metavar="PERCENT", help='the strain amplitude to use, such as "0.1%%", where several were measured '
+        "(default: the smallest)")  # fmt: skip
+    for option, example, words in (
+        ("area", "100 mm2", "section of the specimen, for a file of dynamic stiffness"),
+        ("length", "20 mm", "its length, in shear its height"),
+        ("ramp", "1 s", "duration of the ramp before relaxation; times count from its start"),
+    ):
+        add(f"--{option}", metavar=option[0].upper(), help=f'{words}, such as "{example}"')
+    add("--storage-only", action="store_true", help="there is no loss modulus: it is taken from the spectrum")
     add("--column", metavar="ROLE=TITLE", action="append", default=[],
         help="a column's title or number, such as storage=4")  # fmt: skip
-    add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: without "
-        "where they are large, the data leave open whether there are any, and the material is then closer to the data "
-        "as measured)")  # fmt: skip
+    add("--shift", metavar="LAW", help=f"a shift law that is known: {', '.join(map(repr, _LAWS.values()))}, a file of "
+        "shift factors, or universal (default: the data decide)")  # fmt: skip
+    add("--vertical", action=argparse.BooleanOptionalAction, help="with or without vertical shifts (default: the "
+        "data decide)")  # fmt: skip
     add("--terms", type=int, help="number of relaxation times (default: the data decide)")
     add("--balance", type=float, metavar="FACTOR", help="how many times more exactly the storage modulus is met than "
-        "the loss modulus (default: their scatter)")  # fmt: skip
+        "the loss modulus (default: by their scatter, alike where they contradict each other)")  # fmt: skip
+    add("--temperature-error", type=float, metavar="K", help="standard error of the temperature of an isotherm "
+        "(default: by the scatter of the shift factors, about 0.3)")  # fmt: skip
     add("--law", default="auto", help="auto, WLF, Arrhenius, VFT, table or none (default: auto)")
     add("--poisson", type=float, help="Poisson's ratio (default: 0.5, with a warning for tensile moduli)")
     add("--citation", default="", help="where the data come from, for the material file")
@@ -58,12 +78,20 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--name must be letters, digits, dots and dashes, got {options.name!r}.")
     if isinstance(reference, list):
         raise InputError(f"--reference must be a single temperature, got {options.reference!r}.")
+    if (options.shore_a is None) == (not options.data):
+        raise InputError("DMA must be given, one file or more, or --shore-a instead of them.")
+    if options.shore_a is not None:
+        return _from_hardness(options, folder)
     columns = dict(map(_column, options.column))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
         read = {key: getattr(options, key) for key in _READ}
+        read |= {key: _size(key, getattr(options, key), unit) for key, unit in _SIZES.items()}
+        read["storage_only"] = options.storage_only
         dma = em.read_dma(options.data, temperature=temperature, columns=columns, **read)
-        fitted = {key: getattr(options, key) for key in _FITTED}
+        if options.strain is not None:
+            dma = dma.at_strain(_strain(options.strain))
+        fitted = {key: getattr(options, key) for key in _FITTED} | {"shift": _law(options.shift)}
         found = em.fit.material(dma, reference, name=options.name or "", **fitted)
         folder.mkdir(parents=True, exist_ok=True)
         paths = found.save(folder)
@@ -74,6 +102,20 @@ def run(options: argparse.Namespace) -> int:
         return DONE
     print("elastomdr: warning: the fit did not converge; look at its figures before using it.", file=sys.stderr)
     return NOT_CONVERGED
+
+
+def _from_hardness(options: argparse.Namespace, folder: Path) -> int:
+    """Writes a material that is known by its hardness only."""
+    from ..fit.hardness import from_hardness, save_hardness
+
+    material = from_hardness(options.shore_a, like=options.like, name=options.name or "")
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{material.name}.toml"
+    save_hardness(material, options.shore_a, options.like, path)
+    print(f"{'material':<16}{material.name}: {material.citation}")
+    print(f"{'estimated':<16}moduli within a factor of two, loss tangent of {options.like}")
+    print(f'wrote {path.name}; in a scene file here: material = "{path.as_posix()}"')
+    return DONE
 
 
 def _kelvin(name: str, text: str | None) -> Any:
@@ -87,6 +129,53 @@ def _kelvin(name: str, text: str | None) -> Any:
         parts = [f"{part} degC" if _NUMBER.fullmatch(part.strip()) else part for part in text.split(",")]
         found = [float(Temperature.read(part)) for part in parts]
     return found if len(found) > 1 else found[0]
+
+
+def _law(text: str | None) -> Any:
+    """A shift law from its name and constants, or from a file; "universal" as it is."""
+    import elastomdr as em
+
+    if text is None or text.strip() == "universal":
+        return text and text.strip()
+    match = re.fullmatch(r"\s*(WLF|Arrhenius|VFT)\s*\((.*)\)\s*", text, re.IGNORECASE)
+    if match is None:
+        return em.read_shifts(text)
+    name, parts = match[1].lower(), [part.strip() for part in match[2].split(",")]
+    units = {"wlf": ("", "K"), "vft": ("K", "degC"), "arrhenius": ("J/mol",)}[name]
+    if len(parts) != len(units) + 1:
+        raise InputError(f'--shift must be a law such as "{_LAWS[name]}", got {text!r}.')
+    constants = [_constant(part, unit, _LAWS[name]) for part, unit in zip(parts, units, strict=False)]
+    return {"wlf": em.WLF, "vft": em.VFT, "arrhenius": em.Arrhenius}[name](*constants, _kelvin("--shift", parts[-1]))
+
+
+def _constant(text: str, unit: str, example: str) -> float:
+    if unit == "degC":
+        return float(_kelvin("--shift", text))
+    match = re.fullmatch(rf"({_NUMBER.pattern})\s*(k?J/mol|K)?", text, re.IGNORECASE)
+    known = {"": ("",), "K": ("", "k"), "J/mol": ("j/mol", "kj/mol")}[unit]
+    if match is None or (found := (match[4] or "").lower()) not in known:
+        raise InputError(f'--shift must be a law such as "{example}", got {text!r} for {unit or "a number"}.')
+    return float(match[1]) * (1000 if found == "kj/mol" else 1)
+
+
+def _size(key: str, text: str | None, kind: str) -> float | None:
+    """A number with its unit in SI."""
+    from ..io.units import to_si, usual
+
+    if text is None:
+        return None
+    match = re.fullmatch(rf"\s*({_NUMBER.pattern})\s*(\S.*)", text, re.IGNORECASE)
+    si = to_si(match[4], kind) if match else None
+    if match is None or si is None:
+        raise InputError(f"--{key} must be a number with a unit of {kind} ({usual(kind)}), got {text!r}.")
+    return float(match[1]) * si[0]
+
+
+def _strain(text: str) -> float:
+    match = re.fullmatch(r"\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
+    if match is None or match[1].count(".") > 1:
+        raise InputError(f'--strain must be an amplitude such as "0.1%" or 0.001, got {text!r}.')
+    return float(match[1]) / (100 if match[2] else 1)
 
 
 def _column(text: str) -> tuple[str, Any]:

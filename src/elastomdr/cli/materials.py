@@ -71,6 +71,8 @@ def _rows(info: dict[str, Any], document: dict[str, Any]) -> Iterator[tuple[str,
     if "reference_temperature" in info:
         yield "reference", _kelvin(info["reference_temperature"])
     yield "shift law", _shift(info["shift"]) if "shift" in info else "none: temperature cannot be given"
+    if "vertical" in info:
+        yield "vertical shift", _vertical(info["vertical"])
     for key, pair in info.get("range", {}).items():
         words = f"{pair[0]:.4g} to {pair[1]:.4g} {_RANGE_UNITS[key]}" if pair else "nowhere known well enough"
         yield f"valid {key}", words
@@ -89,6 +91,14 @@ def _shift(shift: dict[str, Any]) -> str:
         return f"table, {len(temperature)} temperatures from {ends}, log10 a_T {factor[0]:.4g} to {factor[-1]:.4g}"
     numbers = (f"{key} = {value:.6g}{_SHIFT_UNITS[key]}" for key, value in shift.items() if key != "law")
     return f"{shift['law']}: " + ", ".join(numbers)
+
+
+def _vertical(vertical: dict[str, Any]) -> str:
+    if vertical["law"] == "entropic":
+        return f"b_T = T/{vertical['reference']:.6g} K, elasticity of entropy"
+    temperature, factor = vertical["temperature"], vertical["factor"]
+    ends = f"{_kelvin(temperature[0])} to {_kelvin(temperature[-1])}"
+    return f"table, {len(temperature)} temperatures from {ends}, b_T {factor[0]:.4g} to {factor[-1]:.4g}"
 
 
 def _source(source: dict[str, Any]) -> str:

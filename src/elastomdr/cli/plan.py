@@ -8,6 +8,7 @@ import elastomdr as em
 from . import DONE
 from .compute import output_folder, warned_of_at_the_end, write_all
 from .kinds import read_scene
+from .scene import models_by_name
 from .schema import named
 
 
@@ -19,7 +20,8 @@ def run(options: argparse.Namespace) -> int:
         if scene.called() != options.quantity:
             raise em.InputError(f"[{scene.mark}] belongs to elastomdr {options.quantity}, not to elastomdr plan.")
         folder = None if options.out is None else output_folder(options.out)
-        text = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"
+        with models_by_name():
+            text = f"{em.plan(**scene.arguments(path.parent), quantity=options.quantity)}\n"
     print(text, end="")
     if folder is not None:
         write_all(folder, {f"{path.stem}-plan.txt": lambda to: _write(to, text)})

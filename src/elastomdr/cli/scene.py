@@ -1,7 +1,10 @@
 """What the scenes of all commands share: material, layer, model of the contact, numerics."""
 
 import abc
+import contextlib
 import dataclasses
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -34,6 +37,22 @@ class Numerics(Table):
     def chosen(self) -> dict[str, Any]:
         """`rtol`, empty for the default."""
         return given(self, "rtol")
+
+
+@contextlib.contextmanager
+def models_by_name() -> Iterator[None]:
+    """Errors about a model in the words of scene files: "line" with average=true, not em.Line(average=True)."""
+    from ..models import KINDS
+
+    try:
+        yield
+    except InputError as error:
+        text = str(error)
+        for label, kind in KINDS.items():
+            text = re.sub(rf"em\.{kind.__name__}\(\)|(?<![.\w]){kind.__name__}\([^()]*\)", f'"{label}"', text)
+            text = re.sub(rf"em\.{kind.__name__}\(([^()]*)\)", rf'"{label}" with \1', text)
+        text = f"[contact] {text}" if text.startswith("model must") else text
+        raise InputError(text.replace("=True", "=true").replace("=False", "=false")) from error
 
 
 class Contact(Table):
@@ -108,7 +127,7 @@ class Scene(Table):
 class OfBodies(Scene):
     """A scene in which a body or a surface meets one rubber or two, or a layer."""
 
-    material: Annotated[
+    material: Annotated[  # type: ignore[assignment]
         Several[Text], "the rubber: a name in the library, or a material file beside the scene; a list compares several"
     ]
     other: Annotated[Text | None, "the second body, where it is no rigid one: two half-spaces in contact"] = None
@@ -165,9 +184,9 @@ def _pair(material: Any, other: Any, found: dict[str, Any]) -> dict[str, Any]:
     """Two bodies in contact. Where they shift differently, both are brought to the one temperature first."""
     import numpy as np
 
-    from ..foundation.law import same_shift
+    from ..material.vertical import same_thermal
 
-    if same_shift(material.shift, other.shift):
+    if same_thermal(material, other):
         return found | {"material": em.half_space(material, other)}
     temperature, *more = np.ravel(found.pop("temperature", ()))[:2].tolist() or [None]
     if temperature is None or more:
@@ -175,7 +194,8 @@ def _pair(material: Any, other: Any, found: dict[str, Any]) -> dict[str, Any]:
         raise InputError(
             f"temperature must be a single value, got {got}: material and other have different shift laws."
         )
-    pair = em.half_space(*(rubber if rubber.shift is None else rubber.at(temperature) for rubber in (material, other)))
+    bodies = [body.at(temperature) if body.shift or body.vertical else body for body in (material, other)]
+    pair = em.half_space(*bodies)
     name = f"{pair.name} at {temperature:g} K"
     return found | {"material": em.Foundation(pair.equilibrium, pair.moduli, pair.times, pair.viscosity,
                                               per_area=False, name=name, range=pair.range)}  # fmt: skip

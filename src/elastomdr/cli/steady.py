@@ -11,7 +11,7 @@ from ..errors import InputError
 from .indenter import AnyShape, Cylinder
 from .scene import Contact, Layer, OfBodies, Scene, body, load, on_axes
 from .schema import Instants, Several, Sweep, Table, Text, given, named
-from .surface import AnySurface, Heat
+from .surface import Adhesion, AnySurface, Heat
 from .units import (
     Conductance,
     Duration,
@@ -42,6 +42,13 @@ class SurfaceContact(Contact):
     pressure: Annotated[Several[Pressure] | None, "nominal pressure"] = None
     load: Annotated[Several[LineLoad] | None, "force per length of a line, in place of the pressure"] = None
     depth: Annotated[Several[Length] | None, "depth of the highest point of a line, in place of it"] = None
+    strain_share: Annotated[float | None, "strain at a scale over the rms slope up to it, of a rubber that softens"] = (
+        None
+    )
+
+    def arguments(self) -> dict[str, Any]:
+        """As of every contact, and what goes with a softening."""
+        return super().arguments() | given(self, "strain_share")
 
 
 class Rolling(OfBodies):
@@ -59,7 +66,11 @@ class BodyFriction(Rolling):
     """Friction of a body."""
 
     call: ClassVar[str] = "friction"
+    adhesion: Annotated[Adhesion | None, "adhesive shear of the contact"] = None
     measured: Annotated[Text | None, "measured friction, a table beside the scene, drawn over the curve"] = None
+
+    def arguments(self, folder: Path) -> dict[str, Any]:
+        return super().arguments(folder) | ({} if self.adhesion is None else {"adhesion": self.adhesion.make()})
 
 
 class SurfaceFriction(OfBodies):
@@ -70,13 +81,15 @@ class SurfaceFriction(OfBodies):
     surface: Annotated[AnySurface, "the rough surface"]
     contact: Annotated[SurfaceContact, "how it is pressed on and moved"]
     heat: Annotated[Heat | None, "flash temperature"] = None
+    adhesion: Annotated[Adhesion | None, "adhesive shear on the area of real contact"] = None
     measured: Annotated[Text | None, "measured friction, a table beside the scene, drawn over the curve"] = None
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         with named("[surface]"):
             surface = self.surface.isotropic(folder)
-        heat = {} if self.heat is None else {"heat": em.Heat(self.heat.conductivity, self.heat.heat_capacity)}
-        return on_axes({"shape": surface} | self.common(folder) | self.contact.arguments() | heat)
+        heat = {} if self.heat is None else {"heat": self.heat.make()}
+        shear = {} if self.adhesion is None else {"adhesion": self.adhesion.make()}
+        return on_axes({"shape": surface} | self.common(folder) | self.contact.arguments() | heat | shear)
 
 
 class WarmingContact(Contact):

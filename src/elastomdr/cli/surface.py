@@ -9,7 +9,16 @@ import elastomdr as em
 
 from ..errors import InputError
 from .schema import Count, Positive, Several, Table, Text, given, named, only_one, path_from
-from .units import Conductivity, Length, VolumeCapacity, WaveNumber
+from .units import (
+    Conductivity,
+    Length,
+    MolarEnergy,
+    Pressure,
+    Temperature,
+    Velocity,
+    VolumeCapacity,
+    WaveNumber,
+)
 
 _OF_LINE = ("equivalent_length", "seed", "periods", "samples")
 
@@ -125,11 +134,46 @@ class Measured(Surface, tag="file"):
 AnySurface = SelfAffine | Spectrum | Measured
 
 
+class Road(Table):
+    """What conducts the heat of the counterface."""
+
+    conductivity: Annotated[Conductivity, "thermal conductivity"]
+    heat_capacity: Annotated[VolumeCapacity, "heat capacity per volume"]
+
+
 class Heat(Table):
     """Flash temperature: the rubber is heated by its friction."""
 
     conductivity: Annotated[Conductivity, "thermal conductivity of the rubber"]
     heat_capacity: Annotated[VolumeCapacity, "heat capacity of the rubber per volume"]
+    road: Annotated[Road | None, "the counterface that takes its share of the heat; without it, none flows there"] = (
+        None
+    )
+
+    def make(self) -> Any:
+        """The conduction."""
+        road = None if self.road is None else (self.road.conductivity, self.road.heat_capacity)
+        return em.Heat(self.conductivity, self.heat_capacity, road=road)
+
+
+class Adhesion(Table):
+    """Adhesive shear on the area of real contact, in dry friction: stress exp(-width log10(v a_T/velocity)^2)."""
+
+    stress: Annotated[Pressure, "largest shear stress"]
+    velocity: Annotated[Velocity, "sliding velocity of the largest stress, at the reference temperature"]
+    width: Annotated[float, "width of the bell over log10 v, 0 or more"]
+    energy: Annotated[MolarEnergy | None, "activation energy of its a_T (Arrhenius); without it none"] = None
+    reference: Annotated[Temperature | None, "reference temperature, with energy"] = None
+
+    def __post_init__(self) -> None:
+        if (self.energy is None) != (self.reference is None):
+            raise InputError("energy and reference belong together: give both, or neither for an athermal stress.")
+
+    def make(self) -> Any:
+        """The law."""
+        shift = None if self.energy is None or self.reference is None else em.Arrhenius(self.energy, self.reference)
+        with named("[adhesion]"):
+            return em.AdhesiveShear(self.stress, self.velocity, self.width, shift=shift)
 
 
 def equivalent_length(text: str) -> Any:

@@ -87,8 +87,9 @@ def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, 
     for key, values in asked.vary.items():
         if not values:
             raise InputError(f"[sweep.vary] {key} must be a list of one value or more, got an empty list.")
-    materials = scene.get("material")
-    several = isinstance(materials, list) and len(materials) > 1
+    listed = scene.get("material")
+    materials = listed if isinstance(listed, list) else []
+    several = len(materials) > 1
     names = (*(("material",) if several else ()), *asked.vary)
     values = (
         *((tuple(map(str, materials)),) if several else ()),

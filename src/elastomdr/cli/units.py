@@ -29,6 +29,7 @@ USUAL = {
     "J/K": {"J/K": "1", "kJ/K": "1e3"},
     "kg/m": {"kg/m": "1", "t/m": "1e3", "g/m": "1e-3"},
     "Pa/m": {"Pa/m": "1", "MPa/m": "1e6", "N/m^3": "1", "N/mm^3": "1e9"},
+    "J/mol": {"J/mol": "1", "kJ/mol": "1e3"},
     "1/m": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6", "rad/m": "1"},
 }
 _ZERO = {"degC": Decimal("273.15")}  # where a unit's scale begins
@@ -109,6 +110,7 @@ class Conductivity(Quantity, what="a thermal conductivity", unit="W/(m*K)", exam
 class VolumeCapacity(Quantity, what="a heat capacity per volume", unit="J/(m^3*K)", example="2e6 J/(m^3*K)"): ...
 class Conductance(Quantity, what="a thermal conductance", unit="W/K", example="1.2 W/K"): ...
 class HeatCapacity(Quantity, what="a heat capacity", unit="J/K", example="1 kJ/K"): ...
+class MolarEnergy(Quantity, what="an energy per mole", unit="J/mol", example="80 kJ/mol"): ...
 # fmt: on
 
 

@@ -10,7 +10,10 @@ _HOMES = {
     "pipeline": ("MaterialFit", "material"),
     "cards": ("abaqus_card", "ansys_card", "plain_card"),
     "grosch": ("FrictionMaster", "friction_master"),
+    "hardness": ("from_hardness",),
     "calibration": ("Calibration", "calibrate"),
+    "payne": ("SofteningFit", "softening"),
+    "shear_law": ("AdhesionFit", "adhesion"),
 }
 _MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
 

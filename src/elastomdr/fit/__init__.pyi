@@ -12,9 +12,14 @@ from .cards import ansys_card as ansys_card
 from .cards import plain_card as plain_card
 from .grosch import FrictionMaster as FrictionMaster
 from .grosch import friction_master as friction_master
+from .hardness import from_hardness as from_hardness
 from .master import MasterCurve as MasterCurve
 from .master import master_curve as master_curve
+from .payne import SofteningFit as SofteningFit
+from .payne import softening as softening
 from .pipeline import MaterialFit as MaterialFit
 from .pipeline import material as material
 from .series import PronyFit as PronyFit
 from .series import prony as prony
+from .shear_law import AdhesionFit as AdhesionFit
+from .shear_law import adhesion as adhesion

@@ -143,6 +143,11 @@ def _describe(material: Prony) -> Iterator[str]:
     yield f"{'shear' if material.kind == 'shear' else 'tensile'} Prony series; units Pa, s, K"
     if material.shift is not None:
         yield f"relaxation times at {float(material.shift.reference):.6g} K"
+    if material.vertical is not None:
+        yield "moduli only at this temperature: the vertical shifts of the material have no place here"
+    if material.softening is not None:
+        last, left = float(material.softening.strain[-1]), float(material.softening.storage[-1])
+        yield f"small strains: softening (storage modulus times {left:.3g} at {last:.3g}) has no place in this card"
     if material.citation:
         yield " ".join(material.citation.split())
 

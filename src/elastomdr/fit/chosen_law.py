@@ -6,12 +6,16 @@ import numpy as np
 
 from ..errors import InputError
 from ..material.shift import ShiftTable
+from ..material.vertical import AbstractVertical, EntropicVertical, VerticalTable
+from .given_law import about
 
 if TYPE_CHECKING:
     from .master import MasterCurve
 
 LAWS = ("auto", "WLF", "Arrhenius", "VFT", "table", "none")
 TEMPERATURE_DIGITS = 2  # decimals of a material's range and of its table of shift factors, which have to agree [K]
+_NONE = 1e-4  # log10 b_T below which it is none
+_ONWARD = 100.0  # by how much a table of vertical shifts reaches beyond the data, as entropy elasticity [K]
 _DIGITS = 8  # of a law in the material: what follows is rounding, and differs between machines
 
 
@@ -23,6 +27,8 @@ def check_law(law: Any) -> None:
 
 def shift_law(master: "MasterCurve", law: str) -> tuple[str, Any]:
     """The name of a law and the law itself, None for "none"; `law` is one of `LAWS`."""
+    if master.joint.law is not None and law == "auto":
+        return "given", about(master.joint.law, master.reference, master.measured_at)
     chosen = _choose(master) if law == "auto" else law
     return chosen, None if chosen == "none" else _table(master) if chosen == "table" else _law(master, chosen)
 
@@ -54,6 +60,26 @@ def _table(master: "MasterCurve") -> ShiftTable:
     log10_a = np.append(master.log10_a[away], 0.0).round(_DIGITS)
     order = np.argsort(temperature)
     return ShiftTable(temperature[order], np.minimum.accumulate(log10_a[order]))
+
+
+def vertical_law(master: "MasterCurve") -> AbstractVertical | None:
+    """The law of vertical shifts that a material carries: none, entropy elasticity where the shifts are those, a table.
+
+    Beyond the data a table goes on by entropy elasticity: the range of the material says where they end.
+    """
+    reference, kelvin, log10_b = float(master.reference), master.temperature, -master.log10_b
+    if np.abs(log10_b).max() < _NONE:
+        return None
+    if np.abs(log10_b - np.log10(kelvin / reference)).max() < _NONE:
+        return EntropicVertical(reference)
+    away = np.abs(kelvin - reference) > 0.5
+    temperature = np.append(kelvin[away], reference).round(TEMPERATURE_DIGITS)
+    order = np.argsort(temperature)
+    temperature, factor = temperature[order], (10 ** np.append(log10_b[away], 0.0))[order]
+    beyond = np.array([max(temperature[0] - _ONWARD, temperature[0] / 2), temperature[-1] + _ONWARD])
+    ends = beyond / temperature[[0, -1]] * factor[[0, -1]]
+    temperature = np.concatenate([beyond[:1], temperature, beyond[1:]]).round(TEMPERATURE_DIGITS)
+    return VerticalTable(temperature, np.concatenate([ends[:1], factor, ends[1:]]).round(_DIGITS))
 
 
 def rounded(value: float, digits: int) -> float:

@@ -10,8 +10,10 @@ from ..results.plotting import FAINT, INK, PALETTE, Ask, begin, frame, saved, wr
 if TYPE_CHECKING:
     from .grosch import FrictionMaster
     from .master import MasterCurve
+    from .payne import SofteningFit
     from .pipeline import MaterialFit
     from .series import PronyFit
+    from .shear_law import AdhesionFit
 
 _BLUE, _RED, _BAND = PALETTE[0], PALETTE[4], "#e08214"
 _NO_VERTICAL = 1e-4  # standard deviation of log10 b_T below which a fit had no vertical shifts to find
@@ -209,6 +211,56 @@ def draw_friction_master(master: "FrictionMaster", ax: Any = None, style: str | 
     ax.add_artist(outside)
     outside.set_clip_on(False)  # else no room is left for it
     _title(ax, f"Measured friction shifted to {master.reference - 273.15:.4g} °C", "")
+    return ax
+
+
+def draw_adhesion(fit: "AdhesionFit", ax: Any = None, style: str | None = None) -> Any:
+    """Measured friction over velocity, one colour per temperature, with the fitted sum and hysteresis alone."""
+    ax = _axes(ax, style)
+    kelvin = np.zeros(fit.velocity.size) if fit.temperature is None else np.round(fit.temperature, 1)
+    levels = np.unique(kelvin)
+    for level, colour in zip(levels, _scale(levels.size), strict=True):
+        at = np.flatnonzero(kelvin == level)
+        at = at[np.argsort(fit.velocity[at], kind="stable")]
+        v, used = fit.velocity[at], fit.used[at]
+        name = "measured" if fit.temperature is None else _celsius(float(level))
+        ax.semilogx(v[used], fit.measured[at][used], "o", color=colour, markersize=_dot(ax), label=name)
+        ax.semilogx(v, (fit.hysteresis + fit.adhesion)[at], "-", color=colour, linewidth=1.3)
+        ax.semilogx(v, fit.hysteresis[at], "-.", color=colour, linewidth=0.9)
+    ax.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]")
+    ax.set_ylim(0.0, None)
+    frame(ax)
+    outside = _legend_outside(ax, *ax.get_legend_handles_labels())
+    keys = [ax.plot([], [], look, color=INK, linewidth=1.1)[0] for look in ("-", "-.")]
+    ax.legend(keys, ["fitted sum", "hysteresis"], frameon=False, fontsize=_size(ax), loc="best")
+    ax.add_artist(outside)
+    outside.set_clip_on(False)
+    low, high = (x / 1e6 for x in fit.interval["stress"])
+    _title(
+        ax,
+        "Hysteresis and adhesive shear",
+        f"stress {fit.parameters['stress'] / 1e6:.3g} MPa ({low:.3g} to {high:.3g}, 95 %)",
+    )
+    return ax
+
+
+def draw_softening(fit: "SofteningFit", ax: Any = None, style: str | None = None) -> Any:
+    """Factors on both moduli over the strain amplitude, and the measured points about their own sweeps."""
+    ax = _axes(ax, style)
+    found = fit.found
+    strain = np.geomspace(found.strain.min() / 3, found.strain.max(), 200)
+    for values, factor, colour, mark, name in (
+        (found.storage, fit.factors(strain)[0], _BLUE, "o", "storage"),
+        (found.loss, fit.factors(strain)[1], _RED, "s", "loss"),
+    ):
+        ax.semilogx(100 * strain, factor, color=colour, linewidth=1.3, label=f"{name} modulus")
+        ax.semilogx(100 * found.strain, values, mark, color=colour, markersize=_dot(ax), markerfacecolor="none")
+    ax.set(xlabel="Strain amplitude [%]", ylabel="Factor on the modulus of small strain [-]")
+    ax.set_ylim(0.0, None)
+    frame(ax)
+    ax.legend(frameon=False, fontsize=_size(ax), loc="best")
+    sweeps = f"{found.omega.size} sweep{'s' * (found.omega.size > 1)}, {found.strain.size} points"
+    _title(ax, "Softening with strain", sweeps)
     return ax
 
 

@@ -2,6 +2,7 @@
 
 import abc
 from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,6 +15,8 @@ TWO_SIGMA = 1.96  # a 95 % interval is the value plus and minus this many standa
 class AbstractFindings(abc.ABC):
     """A result that prints as a few lines of names and texts."""
 
+    intervals: ClassVar[str] = PLUS_MINUS  # what the stated intervals are
+
     @abc.abstractmethod
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the result, as pairs of a name and a text."""
@@ -21,7 +24,7 @@ class AbstractFindings(abc.ABC):
     def summary(self) -> str:
         """All findings in a few lines; intervals are 95 %, and the first line says so."""
         lines = [f"{name:<16}{text}" for name, text in self.findings()]
-        return "\n".join([f"{'intervals':<16}{PLUS_MINUS}", *lines])
+        return "\n".join([f"{'intervals':<16}{self.intervals}", *lines])
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}\n{self.summary()}"

@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..io.data import Dma, untold
+from ..io.data import Dma, in_strain_sweep, strains, untold
+from ..material.shift import AbstractShift
+from .given_law import log10_a
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
 
 _HOTTEST = 1500.0  # above which no DMA is run [K]
@@ -21,10 +23,11 @@ class Isotherms(NamedTuple):
     deviation: np.ndarray  # of each point's temperature from that mean [K]
 
 
-def isotherms(dma: Dma, tolerance: float) -> Isotherms:
+def isotherms(dma: Dma, tolerance: float, law: AbstractShift | None = None) -> Isotherms:
     """Groups the points of `dma` into isotherms: temperatures with no gap above `tolerance` [K] are one.
 
-    Temperatures that run through without gaps, as in a ramp, are cut into bins. Raises `InputError` where a temperature
+    Temperatures that run through without gaps, as in a ramp, are cut into bins. With a shift `law` one frequency is
+    enough. Raises `InputError` where a temperature
     is not known or there are too few points.
     """
     every = np.concatenate([dma.temperature, dma.time_temperature])
@@ -35,25 +38,35 @@ def isotherms(dma: Dma, tolerance: float) -> Isotherms:
         raise InputError(
             f"temperature must be at most {_HOTTEST:g} K, got {every.max():.4g} K: check its column and unit."
         )
+    if dma.omega.size and in_strain_sweep(dma).all():
+        raise InputError(
+            f"dma must have sweeps of frequency, got a sweep of strain, {strains(dma.strain)}: it has no master curve; "
+            "em.fit.softening(dma) makes its em.Softening."
+        )
     if every.size < 5:
         raise InputError(f"dma must have five points at least, got {every.size}.")
     rates = np.concatenate([dma.omega, 1 / dma.time])
+    if law is not None:
+        a = 10 ** log10_a(law, every)
+        rates = rates * a / a.min()
     if rates.max() < 1.5 * rates.min():
         raise InputError(
             f"dma must span a range of frequencies (or times), got {rates.min():.4g} to {rates.max():.4g} rad/s only: "
-            "a sweep of strain or temperature at one frequency has no master curve."
+            "a sweep of temperature at one frequency needs a shift law, as shift=em.WLF(8.86, 101.6, 293.15) "
+            "(--shift 'WLF(8.86, 101.6, 20degC)'), a file of factors, or 'universal' (--shift universal)."
         )
     number, mean = group(every, tolerance)
     n = dma.omega.size
     frequency, time = number[:n], number[n:]
     rate = np.log(dma.omega)
     offset = every - mean[number]
+    extra = np.zeros(every.size) if law is None else log10_a(law, every) - log10_a(law, mean)[number]
     points = Points(
         np.repeat([STORAGE, LOSS, RELAXATION], [n, n, dma.time.size]),
         np.concatenate([rate, rate, -np.log(dma.time)]),
         np.log(np.concatenate([dma.storage, dma.loss, dma.relaxation])),
         np.concatenate([frequency, frequency, time]),
-        np.zeros(2 * n + dma.time.size),
+        np.concatenate([extra[:n], extra]),
     )
     return Isotherms(points, mean, np.concatenate([offset[:n], offset[:n], offset[n:]]))
 

@@ -5,13 +5,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..material.shift import AbstractShift
 from .fast_end import hidden, skewed
+from .given_law import log10_a
 from .isotherms import Isotherms, alike, own_noise
 from .laws import LawFit, fit_laws
-from .reference import Place, locate
+from .reference import Place, locate, of_law
 from .shifting import LN10, Shifts, guess_shifts, join
+from .thermometer import slopes, thermometer
 
 _GAP = 0.15  # what a gap between isotherms adds to the standard deviation of the step across it, per decade beyond
+_RANGE = float(np.log(2.0))  # of ln(rate) within an isotherm, from which its level says something
+_EVEN = 0.02  # by how much vertical shifts may differ from entropy elasticity and still be taken for it, relatively
 _BRIDGED = 1.0  # the width that a smooth spectrum bridges [decades]
 
 
@@ -33,6 +38,8 @@ class Joint(NamedTuple):
     misfit: float  # scatter about the common curve over that of each isotherm about a smooth curve of its own
     plain: Shifts  # without a vertical part
     weight: float  # that the data leave to it
+    law: AbstractShift | None = None  # that the shifts follow exactly, since the user gave it
+    thermometer: float | None = None  # standard error of an isotherm's temperature [K]; None: found from its scatter
 
 
 class AtReference(NamedTuple):
@@ -45,42 +52,99 @@ class AtReference(NamedTuple):
     place: Place  # of the reference temperature among the isotherms
     level: np.ndarray  # takes the unknowns to ln b at the reference temperature
     laws: dict[str, LawFit]
+    thermometer: float  # standard error of an isotherm's temperature [K]
 
 
-def fit_jointly(data: Isotherms, vertical: bool) -> Joint:
+def fit_jointly(
+    data: Isotherms, vertical: bool, law: AbstractShift | None = None, thermometer: float | None = None
+) -> Joint:
     """Shifts without a vertical part first, then with one, starting from that answer.
 
     The choice between both enters the uncertainty with the weight that the data leave to the simpler one; data count
-    for less where their misfit is not noise.
+    for less where their misfit is not noise. With a `law` the shifts are those of the law.
     """
+    if law is not None:
+        return _along(law, data, vertical)
     guess = guess_shifts(data.points, data.temperature)
-    plain = join(_with_offsets(data, guess).points, data.temperature, guess, False, roughly=True)
+    plain = join(_with_offsets(data, guess).points, data.temperature, guess, "none", roughly=True)
     found = plain.horizontal(plain.posterior.mean)[0]
     points, several = _with_offsets(data, found).points, data.temperature.size > 1
     both = vertical and several
-    shifts = join(points, data.temperature, found, both, near=plain, roughly=True) if both else plain
+    lift = "free" if both else "none"
+    shifts = join(points, data.temperature, found, lift, near=plain, roughly=True) if both else plain
     temper = alike(shifts.points, shifts.posterior.residuals)
-    shifts = join(points, data.temperature, found, both, temper, near=shifts)
-    plain = join(points, data.temperature, found, False, temper, near=plain) if both else shifts
+    shifts = join(points, data.temperature, found, lift, temper, near=shifts)
+    plain = join(points, data.temperature, found, "none", temper, near=plain) if both else shifts
     misfit = _misfit(shifts)
     gain = (shifts.posterior.evidence - plain.posterior.evidence) / max(1.0, misfit) ** 2
     weight = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
     here, there = (s.horizontal(s.posterior.mean)[0] for s in (shifts, plain))
     difference = (there - there[shifts.anchor]) - (here - here[shifts.anchor])
     choice = Doubt(np.sqrt(weight) * difference, 0.0, (np.inf, np.inf))
-    return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain, float(weight))
+    return Joint(shifts, (choice, *_gaps(shifts)), temper, misfit, plain, float(weight), None, thermometer)
+
+
+def rough_shifts(data: Isotherms, law: AbstractShift | None, near: Shifts | None = None) -> Shifts:
+    """Shifts and spectrum of isotherms without a vertical part, roughly; `near` is a fit of nearly the same data."""
+    if law is not None:
+        x = log10_a(law, data.temperature)
+    elif near is None:
+        x = guess_shifts(data.points, data.temperature)
+    else:
+        x = near.horizontal(near.posterior.mean)[0]
+        data = _with_offsets(data, x)
+    near = near if near is not None and near.points.channel.size == data.points.channel.size else None
+    return join(data.points, data.temperature, x, "none", near=near, roughly=True, fixed=law is not None)
+
+
+def _along(law: AbstractShift, data: Isotherms, vertical: bool) -> Joint:
+    """The spectrum, and vertical shifts, along a law."""
+    x, points = log10_a(law, data.temperature), data.points
+    slow, fast = (np.full(data.temperature.size, end) for end in (np.inf, -np.inf))
+    np.minimum.at(slow, points.isotherm, points.log_rate)
+    np.maximum.at(fast, points.isotherm, points.log_rate)
+    both = vertical and data.temperature.size > 1 and float(np.median(fast - slow)) > _RANGE
+    plain = join(points, data.temperature, x, "none", roughly=True, fixed=True)
+    temper = alike(points, plain.posterior.residuals)
+    plain = join(points, data.temperature, x, "none", temper, near=plain, fixed=True)
+    shifts = join(points, data.temperature, x, "free", temper, near=plain, fixed=True) if both else plain
+    misfit = _misfit(shifts)
+    gain = (shifts.posterior.evidence - plain.posterior.evidence) / max(1.0, misfit) ** 2
+    return Joint(shifts, (), temper, misfit, plain, float(1 / (1 + np.exp(np.clip(gain, -50, 50)))), law)
 
 
 def without_vertical(joint: Joint) -> Joint:
     """The fit of the same isotherms that has no vertical part; what that changes is in the uncertainty."""
+    if joint.law is not None:
+        return joint._replace(shifts=joint.plain, misfit=_misfit(joint.plain), weight=1.0)
     plain = joint.plain
     temper = alike(plain.points, plain.posterior.residuals)
     x, lifted = (s.horizontal(s.posterior.mean)[0] for s in (plain, joint.shifts))
-    plain = join(plain.points, plain.temperature, x, False, temper, near=plain)
+    plain = join(plain.points, plain.temperature, x, "none", temper, near=plain)
     x = plain.horizontal(plain.posterior.mean)[0]
     difference = (lifted - lifted[plain.anchor]) - (x - x[plain.anchor])
     choice = Doubt(np.sqrt(1 - joint.weight) * difference, 0.0, (np.inf, np.inf), of_law=False)
-    return Joint(plain, (choice, *_gaps(plain)), temper, _misfit(plain), plain, 1.0)
+    return Joint(plain, (choice, *_gaps(plain)), temper, _misfit(plain), plain, 1.0, None, joint.thermometer)
+
+
+def entropic(joint: Joint) -> Joint | None:
+    """The fit of the same isotherms with the vertical shifts of entropy elasticity; None where data ask for others.
+
+    What other shifts would change is in the uncertainty, with the weight that their evidence leaves them.
+    """
+    free = joint.shifts
+    x = free.horizontal(free.posterior.mean)[0]
+    law = joint.law is not None
+    shifts = join(free.points, free.temperature, x, "entropic", joint.inflation, near=free, fixed=law)
+    gain = (shifts.posterior.evidence - free.posterior.evidence) / max(1.0, joint.misfit) ** 2
+    lift, lifted = shifts.vertical() @ shifts.posterior.mean, free.vertical() @ free.posterior.mean
+    if gain < 0 and np.ptp(lifted - lift) > _EVEN:
+        return None
+    here = shifts.horizontal(shifts.posterior.mean)[0]
+    difference = (x - x[shifts.anchor]) - (here - here[shifts.anchor])
+    other = 1 / (1 + np.exp(np.clip(gain, -50, 50)))
+    choice = Doubt(np.sqrt(other) * difference, 0.0, (np.inf, np.inf))
+    return joint._replace(shifts=shifts, doubts=() if law else (choice, *_gaps(shifts)), misfit=_misfit(shifts))
 
 
 def about(joint: Joint, reference: float) -> AtReference:
@@ -90,17 +154,25 @@ def about(joint: Joint, reference: float) -> AtReference:
     covariance = shifts.posterior.covariance
     x, by_x = shifts.horizontal(p)
     spread = by_x @ covariance @ by_x.T + _outer((d.by_isotherm * d.of_law for d in joint.doubts), n)
-    place = locate(temperature, x, spread, reference)
+    error = joint.thermometer if joint.thermometer is not None else 0.0
+    if n > 1 and joint.thermometer is None and joint.law is None:
+        error = thermometer(temperature, x, spread + _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n))
+    spread = spread + np.diag((error * slopes(temperature, x)) ** 2)
+    if joint.law is None:
+        place = locate(temperature, x, spread, reference)
+    else:
+        step = log10_a(joint.law, np.array([reference])) - log10_a(joint.law, temperature[[shifts.anchor]])
+        place = of_law(float(x[shifts.anchor] + step[0]), temperature, reference)
     change = np.eye(n) - place.weights
-    of_law = change @ spread @ change.T + place.variance
-    full = of_law + change @ _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n) @ change.T
-    log10_a = x - place.log10_a
+    laws_own = change @ spread @ change.T + place.variance
+    full = laws_own + change @ _outer((d.by_isotherm * (not d.of_law) for d in joint.doubts), n) @ change.T
+    shifted = x - place.log10_a
     level = place.near @ shifts.vertical()  # of the reference: the free part is that of the isotherms nearby,
     level[shifts.slopes.stop] = np.log(temperature[shifts.anchor] / reference)  # entropy elasticity its own
     lift = shifts.vertical() - level
     std = np.sqrt(np.maximum(np.diag(lift @ covariance @ lift.T), 0.0))
-    laws = fit_laws(temperature, log10_a, of_law, reference) if n >= 2 else {}
-    return AtReference(log10_a, full, lift @ p, std, place, level, laws)
+    laws = fit_laws(temperature, shifted, laws_own, reference) if n >= 2 and joint.law is None else {}
+    return AtReference(shifted, full, lift @ p, std, place, level, laws, error)
 
 
 def curve(
@@ -123,7 +195,8 @@ def curve(
     jacobian[:, shifts.equilibrium] += answer.by_equilibrium
     jacobian[:, shifts.places] += answer.by_place
     variance = np.einsum("ij,jk,ik->i", jacobian, shifts.posterior.covariance, jacobian)
-    variance += (LN10 * answer.by_rate) ** 2 * reference.place.variance
+    warmer = weights * reference.thermometer * slopes(shifts.temperature, x)
+    variance += (LN10 * answer.by_rate) ** 2 * (reference.place.variance + float(warmer @ warmer))
     for doubt in joint.doubts:
         along = doubt.size * ((at_anchor > doubt.between[0]) & (at_anchor < doubt.between[1]))
         variance += (LN10 * answer.by_rate * (weights @ doubt.by_isotherm - along)) ** 2

@@ -69,6 +69,8 @@ def _ambiguous(master: "MasterCurve") -> Iterator[str]:
 
 
 def _choice(master: "MasterCurve") -> Iterator[str]:
+    if master.joint.law is not None:
+        return
     choice = master.joint.doubts[0].by_isotherm
     moved = np.abs(choice - np.interp(master.reference, master.temperature, choice))
     if moved.max() > _CHOICE:
@@ -80,6 +82,8 @@ def _choice(master: "MasterCurve") -> Iterator[str]:
 
 
 def _gaps(master: "MasterCurve") -> Iterator[str]:
+    if master.joint.law is not None:
+        return
     rates = np.concatenate([master.omega, 1 / master.time])
     number = np.concatenate([master.isotherm, master.time_isotherm])
     celsius = master.temperature - 273.15
@@ -135,13 +139,14 @@ def judge_series(
     points: Points,
     residuals: np.ndarray,
     data: Data,
-    contradiction: bool,
+    contradiction: str,
     excess: float | None,
     converged: bool,
 ) -> Iterator[str]:
     """Warnings on what a series does not meet; single outliers are not held against it.
 
-    `contradiction` is that of storage and loss modulus, `excess` that of relaxation and both.
+    `contradiction` says what the closest passive material shows of storage and loss modulus, `excess` is that of
+    relaxation and both.
     """
     if not converged:
         yield "The refinement of the times did not converge: look at the figure before using the series."
@@ -159,7 +164,7 @@ def judge_series(
                 f"{max(excess, 1 / excess):.2g}."
             )
         elif contradiction:
-            yield f"{met}: storage and loss modulus contradict each other, no passive material comes closer to both."
+            yield f"{met}{contradiction}"
         elif size > 1.5 * data.noise[channel]:
             yield f"{met}; more terms may help (terms=...)."
         else:

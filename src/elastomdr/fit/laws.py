@@ -13,7 +13,7 @@ _LN10 = float(np.log(10.0))
 _LEAST = 0.003  # standard deviation by which any such law may be off [decades]
 POLE = 1.0  # least distance of a law's pole below the data [K]
 _AT_BOUND = 0.01  # distance of a logarithm from its limit at which it is held by it
-_MISSES = 0.1  # error of its own above which a law is not that of the shift factors [decades]
+MISSES = 0.1  # error of its own above which a law is not that of the shift factors [decades]
 
 
 class LawFit(NamedTuple):
@@ -33,7 +33,7 @@ class LawFit(NamedTuple):
     @property
     def holds(self) -> bool:
         """Whether the shift factors follow the law, within what they are known to."""
-        return self.own <= _MISSES
+        return self.own <= MISSES
 
     @property
     def determined(self) -> bool:

@@ -6,23 +6,26 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .._runtime import positive, scalar, significant
+from .._runtime import not_negative, positive, scalar, significant
 from ..errors import InputError
-from ..io.data import Dma, without_copies
+from ..io.data import Dma, in_kelvin, of_one_strain, strains, without_copies
+from ..material.shift import AbstractShift, Arrhenius
 from ..material.tabulated import TabulatedModulus
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
-from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law
+from .chosen_law import TEMPERATURE_DIGITS, check_law, shift_law, vertical_law
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
+from .given_law import given_law, words
 from .isotherms import isotherms
-from .joint import AtReference, Joint, about, fit_jointly, without_vertical
+from .joint import AtReference, Joint, about, entropic, fit_jointly, without_vertical
 from .judge import judge
 from .laws import LawFit
 from .posterior import one_thread
+from .responses import as_relaxation
 from .separable import separable
 from .shifting import LN10
 from .spectrum import CHANNELS, LOSS, RELAXATION, STORAGE
@@ -33,7 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Kind, LawName, Number, Style
-    from ..material.shift import VFT, WLF, Arrhenius
+    from ..material.shift import VFT, WLF
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,7 +45,8 @@ class MasterCurve(AbstractFindings):
 
     There is one entry per isotherm in `temperature`, `log10_a`, `log10_b`, their standard deviations and `ambiguous`,
     and one per measured point in `omega` and the fields after it. A standard deviation covers noise, the freedom of the
-    vertical shift and the choice whether there is any. `warnings` says in words what cannot be relied on.
+    vertical shift, the choice whether there is any, and the error of the isotherms' temperatures. `warnings` says in
+    words what cannot be relied on.
     """
 
     reference: float  # T_ref [K]
@@ -67,6 +71,7 @@ class MasterCurve(AbstractFindings):
     converged: bool
     source: str
     dma: Dma
+    given: str  # the shift law that the user gave, in words; "" where the data gave it
     joint: Joint  # the posterior of spectrum and shifts that all of this is read from
     state: AtReference
 
@@ -130,13 +135,13 @@ class MasterCurve(AbstractFindings):
         Raises `InputError` for relaxation data, or fewer than three bands with data.
         """
         check_law(law)
-        return tabulate(self, per_decade, shift_law(self, law)[1], poisson, name, citation)
+        return tabulate(self, per_decade, shift_law(self, law)[1], vertical_law(self), poisson, name, citation)
 
     def at_reference(self, temperature: float) -> "MasterCurve":
         """The same master curve about another reference temperature [K]."""
         temperature = float(scalar("temperature", temperature))
         positive("temperature", temperature)
-        return _assemble(self.dma, self.joint, temperature, self.ambiguous)
+        return _assemble(self.dma, self.joint, temperature, self.ambiguous, self.given)
 
     @one_thread
     def without_vertical(self) -> "MasterCurve":
@@ -145,7 +150,13 @@ class MasterCurve(AbstractFindings):
         As `master_curve(..., vertical=False)` does, but the uncertainty contains what vertical shifts would change, and
         `ambiguous` says still where they cannot be separated.
         """
-        return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous)
+        return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous, self.given)
+
+    @one_thread
+    def with_entropy(self) -> "MasterCurve | None":
+        """The same isotherms with b_T = T_ref/T, as of entropy elasticity; None where the data ask for other shifts."""
+        joint = entropic(self.joint)
+        return None if joint is None else _assemble(self.dma, joint, self.reference, self.ambiguous, self.given)
 
     def band(self, omega: ArrayLike) -> Band:
         """The smooth curve through the data with its 95 % intervals, at angular frequencies [rad/s], any shape.
@@ -170,15 +181,21 @@ class MasterCurve(AbstractFindings):
     def findings(self) -> Iterator[tuple[str, str]]:
         """What a person needs to judge the shifts, as pairs of a name and a text."""
         yield "data", self.dma.summary()
+        yield "strain", strains(self.dma.strain) or "amplitude not known"
         yield "reference", f"{significant(self.reference - 273.15, 5)} degC"
         low, high = self.window
         yield "reduced window", f"{low:.3g} to {high:.3g} rad/s, {np.log10(high / low):.1f} decades"
         yield "scatter", ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.noise.items())
+        if self.temperature.size > 1:
+            yield "thermometer", f"isotherms to +- {TWO_SIGMA * self.state.thermometer:.2g} K (95 %), in all intervals"
         vertical = [
             f"   log10 b_T {y:7.4f} +- {TWO_SIGMA * std:.4f}{'  (not separable)' * bool(mark)}"
             for y, std, mark in zip(self.log10_b, self.log10_b_std, self.ambiguous, strict=True)
         ]
-        yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical)
+        if self.given:
+            yield "shift factors", self.given
+        if not self.given or (np.abs(self.log10_b) > 1e-4).any():
+            yield from of_shifts(self.temperature, self.log10_a, self.log10_a_std, self.laws, vertical)
         for text in self.warnings:
             yield "warning", text
 
@@ -192,7 +209,13 @@ class MasterCurve(AbstractFindings):
 
 @one_thread
 def master_curve(
-    dma: Dma, reference: float | None = None, vertical: bool = True, *, tolerance: float = 1.5
+    dma: Dma,
+    reference: float | None = None,
+    vertical: bool = True,
+    *,
+    shift: AbstractShift | Literal["universal"] | None = None,
+    tolerance: float = 1.5,
+    temperature_error: float | None = None,
 ) -> MasterCurve:
     """Shifts all isotherms jointly to one reference temperature.
 
@@ -205,7 +228,13 @@ def master_curve(
             it is reached by a shift law, whose uncertainty enters.
         vertical: vertical shifts between none and those of entropy elasticity, with a free part as wide as the data
             need; False for none.
+        shift: a law that the shifts follow as it is, with which temperature sweeps at one frequency have a master curve
+            as well: `em.WLF`, ..., factors shifted by hand (`em.read_shifts`), or "universal", WLF's law with
+            universal constants about the T_g at which storage and loss modulus suit each other best. By default the
+            data decide.
         tolerance: temperatures with no gap above it [K] are one isotherm.
+        temperature_error: standard error of the temperature of an isotherm [K], part of every interval; by default
+            what the scatter of the shift factors about a law says, and 0.3 K where it says nothing.
 
     Returns:
         A `MasterCurve` with shifts, laws, uncertainties and warnings.
@@ -222,19 +251,32 @@ def master_curve(
         raise InputError(f"vertical must be True or False, got {vertical!r}.")
     tolerance = float(scalar("tolerance", tolerance))
     positive("tolerance", tolerance)
+    if temperature_error is not None:
+        temperature_error = float(scalar("temperature_error", temperature_error))
+        not_negative("temperature_error", temperature_error)
     if reference is not None:
         reference = float(scalar("reference", reference))
-        positive("reference", reference)
-    sorted_dma = isotherms(dma, tolerance)
-    refuse_swapped(dma)
+        in_kelvin("reference", reference, 70.0)  # liquid nitrogen is colder than any reference
+    dma, left = of_one_strain(dma)
+    if shift is not None and not isinstance(shift, AbstractShift):
+        isotherms(dma, tolerance, Arrhenius(1e5, 293.15))  # whether there are temperatures at all
+    law, origin = given_law(shift, dma)
+    dma = as_relaxation(dma, tolerance, law)
+    sorted_dma = isotherms(dma, tolerance, law)
+    refuse_swapped(dma, law)
     if (once := without_copies(dma)) is not dma:
-        dma, sorted_dma = once, isotherms(once, tolerance)
+        dma, sorted_dma = once, isotherms(once, tolerance, law)
     if reference is None:
         reference = float(sorted_dma.temperature[np.argmin(np.abs(sorted_dma.temperature - 293.15))])
-    return _assemble(dma, fit_jointly(sorted_dma, bool(vertical)), reference)
+    dma = replace(dma, warnings=(*dma.warnings, *left))
+    given = f"{words(law)}, {origin}" if law is not None else ""
+    joint = fit_jointly(sorted_dma, bool(vertical), law, temperature_error)
+    return _assemble(dma, joint, reference, None, given)
 
 
-def _assemble(dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | None = None) -> MasterCurve:
+def _assemble(
+    dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | None = None, given: str = ""
+) -> MasterCurve:
     shifts, state = joint.shifts, about(joint, reference)
     points = shifts.points
     reduced = points.log_rate + LN10 * (state.log10_a[points.isotherm] + points.offset)
@@ -267,6 +309,7 @@ def _assemble(dma: Dma, joint: Joint, reference: float, ambiguous: np.ndarray | 
         converged=shifts.posterior.converged,
         source=dma.source,
         dma=dma,
+        given=given,
         joint=joint,
         state=state,
     )

@@ -1,4 +1,4 @@
-"""How far a material with its shift law, and no vertical shift, is from moduli as they were measured."""
+"""How far a material with its laws of shifts is from moduli as they were measured."""
 
 from typing import Any
 
@@ -19,12 +19,14 @@ def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:
     times, moduli, level = np.asarray(material.times), np.asarray(material.moduli), float(material.equilibrium)
     parts = {}
     if dma.omega.size:
+        b = _lift(material.vertical, dma.temperature)
         x = (dma.omega * _factor(material.shift, dma.temperature))[:, None] * times
-        parts["storage modulus"] = (level + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
-        parts["loss modulus"] = (moduli / (x + 1 / x)).sum(axis=1) / dma.loss - 1
+        parts["storage modulus"] = b * (level + (moduli * x / (x + 1 / x)).sum(axis=1)) / dma.storage - 1
+        parts["loss modulus"] = b * (moduli / (x + 1 / x)).sum(axis=1) / dma.loss - 1
     if dma.time.size:
         x = (dma.time / _factor(material.shift, dma.time_temperature))[:, None] / times
-        parts["relaxation modulus"] = (level + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
+        b = _lift(material.vertical, dma.time_temperature)
+        parts["relaxation modulus"] = b * (level + (moduli * np.exp(-x)).sum(axis=1)) / dma.relaxation - 1
     return parts
 
 
@@ -44,6 +46,11 @@ def with_misfit(material: Prony, dma: Dma) -> Prony:
         dma.omega * _factor(material.shift, dma.temperature), parts["storage modulus"], parts["loss modulus"]
     )
     return replaced(material, range=material.range._replace(misfit=rows))
+
+
+def _lift(law: Any, temperature: np.ndarray) -> Any:
+    """b_T; 1 without a law."""
+    return 1.0 if law is None else np.asarray(law.b(temperature))
 
 
 def _factor(law: Any, temperature: np.ndarray) -> np.ndarray:

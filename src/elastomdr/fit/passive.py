@@ -24,6 +24,8 @@ class Passive(NamedTuple):
     equilibrium: float
     level: float  # median ln(modulus)
     misfit: float
+    storage: float  # rms relative misfit of the storage modulus,
+    loss: float  # and of the loss modulus
 
     def log_relaxation(self, log_rate: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
         """ln G(t) at ln(1/t)."""
@@ -32,9 +34,13 @@ class Passive(NamedTuple):
 
 
 def closest(
-    log_rate: Float[np.ndarray, " m"], log_value: Float[np.ndarray, " m"], storage: Bool[np.ndarray, " m"]
-) -> Passive | None:
-    """The closest one to ln(modulus) at ln(omega), `storage` or else loss; None where none is found."""
+    log_rate: Float[np.ndarray, " m"], log_value: Float[np.ndarray, " m"], storage: Bool[np.ndarray, " m"],
+    balance: float = 1.0,
+) -> Passive | None:  # fmt: skip
+    """The closest one to ln(modulus) at ln(omega), `storage` or else loss; None where none is found.
+
+    `balance` is by how much more a relative deviation of the storage modulus counts.
+    """
     low, high = log_rate.min() - _MARGIN, log_rate.max() + _MARGIN
     count = min(int(np.ceil(_PER_DECADE * (high - low) / np.log(10.0))) + 1, _MOST_TIMES)
     rates = np.linspace(high, low, count)
@@ -44,10 +50,12 @@ def closest(
     level = float(np.median(log_value))
     scale = np.exp(np.clip(level - log_value, -_LARGEST, _LARGEST))[:, None]
     matrix = np.hstack([np.where(storage, x / (x + 1 / x), 1 / (x + 1 / x)), spring, dashpot]) * scale
-    largest = matrix.max(axis=0)
+    largest, weight = matrix.max(axis=0), np.where(storage, balance, 1.0)
     try:
-        moduli, distance = nnls(matrix / largest, np.ones(log_value.size))
+        moduli, _ = nnls(matrix / largest * weight, weight[:, 0])
     except RuntimeError:  # too many iterations
         return None
     moduli = moduli / largest
-    return Passive(rates, moduli[:count], float(moduli[count]), level, float(distance) / np.sqrt(log_value.size))
+    off, at = (matrix @ moduli - 1) ** 2, storage[:, 0]
+    parts = (float(np.sqrt(part.mean())) if part.size else 0.0 for part in (off, off[at], off[~at]))
+    return Passive(rates, moduli[:count], float(moduli[count]), level, *parts)

@@ -8,18 +8,20 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from .. import __version__
-from ..io.data import Dma
+from ..errors import InputError
+from ..io.data import Dma, strains
 from ..material.library import save_material
 from ..material.prony import Prony
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range
+from ..material.vertical import EntropicVertical
 from .cards import abaqus_card, ansys_card, plain_card
-from .chosen_law import check_law, rounded, shift_law
+from .chosen_law import check_law, rounded, shift_law, vertical_law
 from .findings import TWO_SIGMA, AbstractFindings
 from .master import MasterCurve, master_curve
 from .misfit import misfit, with_misfit
@@ -29,10 +31,10 @@ from .tabulate import tabulate
 
 if TYPE_CHECKING:
     from .._types import LawName
+    from ..material.shift import AbstractShift
 
-_LIFT = 0.03  # relative vertical shift above which its absence from the material is worth a warning
-_MISSED = 0.1  # misfit above which a warning names the material without vertical shifts as well
-_UNLIKELY = 0.01  # chance that there are no vertical shifts below which the data have decided that there are
+_OPEN = 0.05  # chance that there are no vertical shifts above which the material has none
+_MISSED = 0.1  # misfit of the data as measured that is worth a warning
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,7 +58,8 @@ class MaterialFit(AbstractFindings):
         yield "material", self.material.name
         yield from (("columns", text) for text in self.master.dma.columns)
         yield from ((name, text) for name, text in self.master.findings() if name != "warning")
-        yield "shift law", f"{self.law} in the material" if self.law != "none" else "none in the material"
+        yield "shift law", "none in the material" if self.law == "none" else f"{self.law} in the material"
+        yield "vertical shift", _lifted(self.material.vertical)
         yield from ((name, text) for name, text in self.prony.findings() if name != "warning")
         if self.misfit:
             parts = ", ".join(f"{name} {100 * size:.2g} %" for name, size in self.misfit.items())
@@ -74,7 +77,7 @@ class MaterialFit(AbstractFindings):
             A table of moduli, of the name, citation, Poisson's ratio and shift law of `material`.
         """
         own = self.material
-        return tabulate(self.master, per_decade, own.shift, own.poisson, own.name, own.citation)
+        return tabulate(self.master, per_decade, own.shift, own.vertical, own.poisson, own.name, own.citation)
 
     def info(self) -> dict[str, Any]:  # texts, numbers and tables
         """What a material file holds beside the numbers: description, range, sources with the quality of the fit."""
@@ -87,12 +90,14 @@ class MaterialFit(AbstractFindings):
             moduli[f"{name}_residual"] = rounded(self.misfit.get(f"{of} modulus", own[of]), 2)
         sources = {
             "moduli": moduli,
-            "shift": fitted | {"note": self._shift_note()},
+            "shift": (fitted if not self.master.given else self._given()) | {"note": self._shift_note()},
             "poisson": {"citation": "Assumed, not measured", "grade": "illustrative"},
             "range": {"citation": f"Span of the data: {self.citation}", "grade": "measured"},
         }
         if self.material.shift is None:
             del sources["shift"]
+        if self.material.vertical is not None:
+            sources["vertical"] = fitted | {"note": f"{_lifted(self.material.vertical).capitalize()}."}
         return {
             "description": self.description,
             "reference_temperature": float(master.reference),
@@ -103,10 +108,12 @@ class MaterialFit(AbstractFindings):
     def _note(self) -> str:
         fit = self.prony
         parts = [f"{fit.terms} terms over {np.log10(fit.window[1] / fit.window[0]):.1f} decades."]
+        if amplitude := strains(self.master.dma.strain):
+            parts.append(f"Measured at a strain amplitude of {amplitude}.")
         if not fit.storage.size:
             parts.append(f"From relaxation; both residuals are of the relaxation modulus. Loss: {fit.loss_known}.")
         if self.misfit:
-            parts.append(f"Residuals are of the data as measured, by this file with its shift law; {self._own()}.")
+            parts.append(f"Residuals are of the data as measured, by this file with its laws of shifts; {self._own()}.")
         return " ".join([*parts, *self.warnings])
 
     def _own(self) -> str:
@@ -114,11 +121,16 @@ class MaterialFit(AbstractFindings):
         fit = self.prony
         sizes = {"storage": fit.storage_residual, "loss": fit.loss_residual, "relaxation": fit.relaxation_residual}
         met = ", ".join(f"{name} {100 * size:.2g} %" for name, size in sizes.items() if np.isfinite(size))
-        lifted = ", with its vertical shifts," if np.abs(self.master.log10_b).max() > 1e-4 else ""
-        return f"the master curve{lifted} is met to: {met} rms"
+        return f"the master curve is met to: {met} rms"
+
+    def _given(self) -> dict[str, str]:
+        estimated = "estimated" in self.master.given
+        return {"citation": "Given with the data", "grade": "estimated" if estimated else "published fit"}
 
     def _shift_note(self) -> str:
         master = self.master
+        if master.given:
+            return f"{master.given}."
         worst = TWO_SIGMA * float(master.log10_a_std.max())
         parts = [f"{master.temperature.size} isotherms shifted jointly, log10 a_T to +- {worst:.2g} (95 %) at worst."]
         if self.law in master.laws:
@@ -158,10 +170,12 @@ def material(
     dma: Dma,
     reference: float | None = None,
     *,
+    shift: AbstractShift | Literal["universal"] | None = None,
     vertical: bool | None = None,
     terms: int | None = None,
     equilibrium: bool | None = None,
     balance: float | None = None,
+    temperature_error: float | None = None,
     poisson: float | None = None,
     law: LawName = "auto",
     name: str = "",
@@ -170,17 +184,19 @@ def material(
 ) -> MaterialFit:
     """A material from measured isotherms: `master_curve`, then `prony`, then a shift law.
 
-    A material has no vertical shift, and `misfit` says how close it comes to the data as measured. Where vertical
-    shifts are large and the data leave open whether there are any, isotherms are shifted a second time without, and the
-    material that comes closer to the data is the answer.
+    The material carries the vertical shifts that the data ask for by their evidence: those of entropy elasticity
+    (`em.EntropicVertical`), a table (`em.VerticalTable`), or none where that is as likely as one in twenty. `misfit`
+    says how close it comes to the data as measured.
 
     Args:
         dma: the measurement, with temperatures.
         reference: reference temperature [K]; by default the measured temperature nearest to 20 degC.
-        vertical: True or False with or without vertical shifts; None to choose as above.
+        shift: a shift law that is known, as for `master_curve`; the material carries it.
+        vertical: True or False with or without vertical shifts; None lets the data choose.
         terms: number of terms of the series, as for `prony`.
         equilibrium: whether there is an equilibrium modulus, as for `prony`.
         balance: weight of the storage modulus, as for `prony`.
+        temperature_error: standard error of the temperature of an isotherm [K], as for `master_curve`.
         poisson: Poisson's ratio of the material.
         law: "WLF", "Arrhenius", "VFT", "table" (the shift factors themselves), "none", or "auto": WLF where it is
             within 0.1 decades of the shift factors, or within their uncertainty, and a table otherwise.
@@ -195,18 +211,22 @@ def material(
         InputError: as `master_curve` and `prony`, and for a law that is none of these.
     """
     check_law(law)
+    if shift is not None and law != "auto":
+        raise InputError(f"law must be left out where shift is given, got {law!r}.")
     name = name or re.sub(r"[^\w.-]+", "-", Path(dma.source.split(",")[0]).stem).strip("-.").lower() or "rubber"
     citation = citation or f"Measured data: {dma.source or 'arrays'}"
 
     def fitted(master: MasterCurve) -> MaterialFit:
-        chosen, shift = shift_law(master, law)
+        dma = master.dma  # of one strain
+        chosen, own = shift_law(master, law)
         fit = prony(
             master,
             terms=terms,
             equilibrium=equilibrium,
             balance=balance,
             poisson=poisson,
-            shift=shift,
+            shift=own,
+            vertical=vertical_law(master),
             name=name,
             citation=citation,
         )
@@ -216,28 +236,18 @@ def material(
             with_misfit(fit.material, dma), master, fit, chosen, misfit(fit.material, dma), texts, citation, about
         )
 
-    lifted = fitted(master_curve(dma, reference, True if vertical is None else vertical))
-    size, celsius = _lift(lifted.master)
-    if size <= _LIFT:
-        return replace(lifted, warnings=(*lifted.warnings, *_misses(lifted)))
-    there = _decided(lifted.master)
-    flat = lifted.master.without_vertical() if vertical is None and not there else None
-    # A series is hardly closer to the data than the smooth curve through them: where that is worse, none is made.
-    promising = flat is not None and _squares(flat.noise) < _squares(lifted.misfit)
-    plain = fitted(flat) if flat is not None and promising else lifted
-    if _squares(plain.misfit) < _squares(lifted.misfit):
-        return replace(plain, warnings=(*plain.warnings, _said(plain, lifted)))
-    text = (
-        f"Vertical shifts reach {100 * size:.2g} % (at {celsius:.3g} degC), and a material file has none: "
-        "away from the reference temperature its moduli are off by as much."
-    )
-    if there:
-        text += " The data leave no doubt of them: without, shift factors would make up for what is none of theirs."
-    if there and vertical is None and max(lifted.misfit.values(), default=0.0) > _MISSED:
-        text += _instead(lifted, fitted(lifted.master.without_vertical()))
-    elif vertical or there:
-        text += " vertical=False (--no-vertical) fits a material that has none from the start."
-    return replace(lifted, warnings=(*lifted.warnings, text))
+    free = master_curve(dma, reference, vertical is not False, shift=shift, temperature_error=temperature_error)
+    found = fitted(_shifted(free, vertical))
+    return replace(found, warnings=(*found.warnings, *_misses(found)))
+
+
+def _shifted(free: MasterCurve, vertical: bool | None) -> MasterCurve:
+    """The master curve with the vertical shifts that the data ask for, by their evidence: none, entropic, or free."""
+    if vertical is False or free.temperature.size < 2:
+        return free
+    if vertical is None and free.joint.weight > _OPEN:
+        return free.without_vertical()
+    return free.with_entropy() or free
 
 
 def _misses(fit: MaterialFit) -> Iterator[str]:
@@ -254,50 +264,13 @@ def _misses(fit: MaterialFit) -> Iterator[str]:
         )
 
 
-def _lift(master: MasterCurve) -> tuple[float, float]:
-    """The largest relative vertical shift that is known not to be zero, and the temperature it is at [degC]."""
-    known = np.abs(master.log10_b) > TWO_SIGMA * master.log10_b_std
-    log10_b = np.abs(master.log10_b * known)
-    size = float(np.abs(np.expm1(np.log(10) * master.log10_b * known)).max())
-    return size, float(master.temperature[log10_b.argmax()] - 273.15)
-
-
-def _decided(master: MasterCurve) -> bool:
-    """Whether the data decide that there are vertical shifts, and separate them from horizontal ones.
-
-    Then shift factors found without any are wrong: they make up for a change of level, as that of entropy elasticity in
-    a melt. A material of the right shift factors has its loss tangent where it belongs at every temperature, and only
-    the level of its moduli is off; friction is a matter of the former.
-    """
-    return master.joint.weight < _UNLIKELY and not bool(master.ambiguous.any())
-
-
-def _squares(sizes: dict[str, float]) -> float:
-    return sum(size**2 for size in sizes.values())
-
-
-def _said(plain: MaterialFit, lifted: MaterialFit) -> str:
-    """What a fit with vertical shifts would have been, beside the one without."""
-    own = lifted.prony.storage_residual, lifted.prony.loss_residual, lifted.prony.relaxation_residual
-    met = ", ".join(f"{100 * size:.2g}" for size in own if np.isfinite(size))
-    return (
-        "Fitted without vertical shifts, which a material cannot have. With them (vertical=True, --vertical), shift "
-        f"factors move by up to {_moved(plain, lifted):.2g} decades, the master curve is met to {met} % rms "
-        f"({_names(lifted)}), but the moduli as measured only to {_met(lifted)} %."
-    )
-
-
-def _instead(lifted: MaterialFit, plain: MaterialFit) -> str:
-    """What to do where the data have vertical shifts and the material, which has none, misses them."""
-    return (
-        f" The moduli as measured are met to {_met(lifted)} % rms only ({_names(lifted)}), worst far from the "
-        "reference temperature: let that be where the material is used (--reference). Or give vertical=False "
-        f"(--no-vertical): {_met(plain)} %, by shift factors moved by up to {_moved(plain, lifted):.2g} decades."
-    )
-
-
-def _moved(one: MaterialFit, other: MaterialFit) -> float:
-    return float(np.abs(one.master.log10_a - other.master.log10_a).max())
+def _lifted(law: Any) -> str:
+    """A law of vertical shifts in words."""
+    if law is None:
+        return "none: the data ask for none, or none were looked for"
+    if isinstance(law, EntropicVertical):
+        return "entropy elasticity, moduli as the temperature"
+    return f"table in the material, by up to {100 * float(np.abs(law.factor[1:-1] - 1).max()):.2g} %"
 
 
 def _met(fit: MaterialFit) -> str:

@@ -87,6 +87,12 @@ def locate(temperature: np.ndarray, log10_a: np.ndarray, covariance: np.ndarray,
     return Place(at, weights, near, variance, half)
 
 
+def of_law(log10_a: float, temperature: np.ndarray, reference: float) -> Place:
+    """The place of a reference temperature that a given law has at `log10_a`: nothing about it is uncertain."""
+    near = _interpolation(temperature, reference)
+    return Place(log10_a, near, near, 0.0, 0.0)
+
+
 def _interpolation(temperature: np.ndarray, reference: float) -> np.ndarray:
     """Weights of linear interpolation between neighbours, all on the last isotherm beyond the ends."""
     n = temperature.size

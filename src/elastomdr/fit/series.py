@@ -17,7 +17,7 @@ from ..io.data import KINDS, lists
 from ..material.prony import Prony
 from ..material.validity import Range, misfit_bands
 from .agree import relaxation_excess
-from .balance import weigh
+from .balance import Met, trade_off, verdict, weigh
 from .bands import Band, RelaxationBand, dynamic_band, relaxation_band
 from .findings import TWO_SIGMA, AbstractFindings
 from .from_relaxation import known_range, known_to, with_loss
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
     from .._types import ArrayLike, Kind, Style
     from ..material.shift import AbstractShift
+    from ..material.vertical import AbstractVertical
 
 _INCOMPRESSIBLE = (
     "Poisson's ratio is assumed to be 0.5; tensile moduli become those of shear and of contact with it, so give it "
@@ -71,6 +72,7 @@ class PronyFit(AbstractFindings):
     warnings: tuple[str, ...]
     converged: bool
     asked: int | None  # number of terms asked for; None: the data chose. Terms without a modulus are left out
+    trade_off: tuple[Met, ...]  # where both moduli contradict each other: how closely passive materials meet them
     joint: Joint  # the smooth spectrum whose intervals `band` uses
     master: MasterCurve | None
 
@@ -145,6 +147,9 @@ class PronyFit(AbstractFindings):
         sizes = (self.storage_residual, self.loss_residual, self.relaxation_residual)
         named = zip(("storage", "loss", "relaxation"), sizes, strict=True)
         yield "residuals", ", ".join(f"{name} {100 * size:.2g} %" for name, size in named if np.isfinite(size)) + " rms"
+        if self.trade_off:
+            rows = (f"{100 * m.storage:.2g}, {100 * m.loss:.2g} % (balance {m.balance:g})" for m in self.trade_off)
+            yield "trade-off", "storage and loss of the closest passive materials: " + "; ".join(rows)
         if known := self.loss_known:
             yield "loss modulus", known
         level = float(self.material.equilibrium)
@@ -172,6 +177,7 @@ def prony(
     kind: Kind | None = None,
     poisson: float | None = None,
     shift: AbstractShift | None = None,
+    vertical: AbstractVertical | None = None,
     name: str = "",
     citation: str = "",
 ) -> PronyFit:
@@ -189,10 +195,11 @@ def prony(
             decade.
         equilibrium: whether there is an equilibrium modulus; by default chosen likewise.
         balance: how many times more exactly the storage modulus is to be met than the loss modulus; by default this
-            follows their scatter, and is 20 where they contradict each other.
+            follows their scatter, and is 1 where no passive material meets both: `trade_off` has what others give.
         kind: "shear" or "tensile"; by default what the master curve says, or shear.
         poisson: Poisson's ratio of the material; by default 0.5, with a warning for tensile moduli.
         shift: shift law of the material.
+        vertical: its law of vertical shifts.
         name: name of the material.
         citation: source of the material.
 
@@ -233,7 +240,7 @@ def prony(
         balance = float(scalar("balance", balance))
         positive("balance", balance)
     joint = master.joint if master is not None else _smooth(points)
-    noise, contradiction = weigh(joint.shifts.posterior.noise, points, balance)
+    noise, systematic = weigh(joint.shifts.posterior.noise, points, balance)
     data = Data(points, noise, joint.shifts.posterior.weights, joint.inflation)
     state = master.state if master is not None else about(joint, joint.shifts.temperature[0])
     found = choose_terms(with_loss(data, joint, state), terms, equilibrium)
@@ -245,6 +252,7 @@ def prony(
     }
     rms = {key: float(np.sqrt(np.mean(part**2))) if part.size else float("nan") for key, part in parts.items()}
     chi = float((data.weights * (off / noise[points.channel]) ** 2).sum() / data.weights.sum())
+    met = trade_off(points) if systematic else ()
     covariance = found.posterior.covariance * max(1.0, chi)  # misfit is not noise
     std = np.sqrt(np.diag(covariance))
     count = found.log_times.size
@@ -256,7 +264,7 @@ def prony(
     measured_at = None if master is None else master.measured_at
     material = Prony(
         level, numbers[:count], numbers[count:], kind=kind, poisson=0.5 if poisson is None else poisson, shift=shift,
-        name=name, citation=citation,
+        vertical=vertical, name=name, citation=citation,
         range=Range(limits, measured_at, misfit=misfit_bands(omega, parts["storage"], parts["loss"])),
     )  # fmt: skip
     end = slow_end(points, noise)
@@ -286,7 +294,7 @@ def prony(
                 points,
                 residuals,
                 data,
-                contradiction,
+                verdict(met, rms["storage"], rms["loss"]),
                 relaxation_excess(joint),
                 found.posterior.converged,
             ),
@@ -296,6 +304,7 @@ def prony(
         ),
         converged=found.posterior.converged,
         asked=None if terms is None else int(terms),
+        trade_off=met,
         joint=joint,
         master=master,
     )
@@ -303,8 +312,8 @@ def prony(
 
 def _smooth(points: Points) -> Joint:
     """The smooth spectrum through data of one temperature."""
-    shifts = join(points, np.array([293.15]), np.zeros(1), False)
+    shifts = join(points, np.array([293.15]), np.zeros(1), "none")
     count = alike(points, shifts.posterior.residuals)
     if count > 1:
-        shifts = join(points, np.array([293.15]), np.zeros(1), False, count, near=shifts)
+        shifts = join(points, np.array([293.15]), np.zeros(1), "none", count, near=shifts)
     return Joint(shifts, (), count, 1.0, shifts, 1.0)

@@ -11,7 +11,7 @@ change slowly, how slowly the data decide. All isotherms are fitted at once: the
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -21,10 +21,12 @@ from .spectrum import LOSS, PER_DECADE, Points, Prediction, nodes, predict
 
 LN10 = float(np.log(10.0))
 _ENTROPY = (0.5, 0.75)  # mean and width of s
+Lift = Literal["none", "entropic", "free"]  # vertical shifts: none, those of entropy elasticity, or what data ask for
 _FREE = (0.003, 0.3)  # limits of the standard deviation of delta_i
 _FIXED = 1e-5  # width of a prior that fixes an unknown
 _SLOPE = np.log(0.06)  # usual -d(log10 a_T)/dT of rubbers and melts [1/K]
 _LEAST = 0.03  # least slope to begin with [1/K]
+_FLAT = 1e-6  # and of a law that is given
 _BIN = 0.5  # decades of time from which a first slope of relaxation is taken,
 _LEAST_FALL = 1e-3  # and the least one, -d(ln G)/d(ln t)
 _BEND = -0.012  # usual d(ln slope)/dT: that of WLF laws 150 K above their pole [1/K]
@@ -111,25 +113,31 @@ def slope_priors(slopes: np.ndarray, temperature: np.ndarray, usual: tuple[float
     return [Prior(slopes, 1.5, None, _SLOPE), Prior(change, 0.2, _CHANGE, 10.0 * _BEND * gap, usual=usual)]
 
 
-def first_slopes(guess: np.ndarray, temperature: np.ndarray) -> np.ndarray:
+def first_slopes(guess: np.ndarray, temperature: np.ndarray, least: float = _LEAST) -> np.ndarray:
     """ln slopes to begin with, from a guess of log10 a_i."""
-    return np.log(np.maximum(-np.diff(guess) / np.diff(temperature), _LEAST))
+    return np.log(np.maximum(-np.diff(guess) / np.diff(temperature), least))
+
+
+def _held(rows: np.ndarray, target: np.ndarray) -> Prior:
+    """Unknowns that stay where they are."""
+    return Prior(rows, _FIXED, None, target)
 
 
 def join(
     points: Points,
     temperature: np.ndarray,
     first_guess: np.ndarray,
-    vertical: bool,
+    vertical: Lift,
     temper: float = 1.0,
     near: Shifts | None = None,
     roughly: bool = False,
+    fixed: bool = False,
 ) -> Shifts:
     """The most probable shifts and spectrum of isotherms at ascending temperatures [K]; `temper` as for `infer`.
 
     `near` is a fit of nearly the same points: the search begins at its answer, noise and roughness, but not at the
     widths that it gave to the shifts, which would hold them where it had them. `roughly` stops early: such a fit is
-    there to begin another one.
+    there to begin another one. `fixed` keeps the shifts of the first guess.
     """
     anchor = _anchor(points, first_guess)
     guess = first_guess - first_guess[anchor]
@@ -143,7 +151,7 @@ def join(
         points.log_value[points.channel != LOSS].min() if (points.channel != LOSS).any() else points.log_value.min()
     )
     start[shifts.equilibrium] = lowest - 1.0
-    start[shifts.slopes] = first_slopes(guess, temperature)
+    start[shifts.slopes] = first_slopes(guess, temperature, _FLAT if fixed else _LEAST)
     noise, roughness = np.full(3, 0.03), 0.6 / PER_DECADE
     if near is not None:
         _begin(start, shifts, near)
@@ -171,7 +179,7 @@ def join(
         points.log_value,
         points.channel,
         start,
-        _priors(shifts, start, vertical, roughness, early(points, reduced, log_times, n)),
+        _priors(shifts, start, vertical, roughness, early(points, reduced, log_times, n), fixed),
         noise,
         temper=temper,
         wary=lambda p: model(p, wary=True)[1](),
@@ -181,7 +189,9 @@ def join(
     return shifts._replace(posterior=posterior)
 
 
-def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float, fast: list[Prior]) -> list[Prior]:
+def _priors(
+    shifts: Shifts, start: np.ndarray, vertical: Lift, roughness: float, fast: list[Prior], fixed: bool
+) -> list[Prior]:
     """The first of them is that of the spectrum's smoothness, `roughness` its width to begin with."""
     n, k = start.size, shifts.log_times.size
     every = np.eye(n)
@@ -194,15 +204,16 @@ def _priors(shifts: Shifts, start: np.ndarray, vertical: bool, roughness: float,
     curvature, change = (_USUAL_CURVATURE, _USUAL_CHANGE) if blind else ((0.0, 0.0), (0.0, 0.0))
     # Relaxation shows lines worse than a loss modulus does: how far off the grid they are has to be learnt from all.
     near, far = (LN10 / PER_DECADE * part for part in _PLACE)
-    free = every[entropy + 1 : shifts.places.start]
+    free, is_free = every[entropy + 1 : shifts.places.start], vertical == "free"
+    mean, width = _ENTROPY if is_free else (float(vertical == "entropic"), _FIXED)
     return [
         Prior(second, roughness, _CURVATURE, 0.0, _LOOSEN, curvature),
         Prior(every[shifts.spectrum], 12.0, None, start[shifts.spectrum].mean()),
         Prior(every[[shifts.equilibrium]], 3.0, None, start[shifts.equilibrium]),
-        *slope_priors(slopes, shifts.temperature, change),
-        Prior(every[[entropy]], _ENTROPY[1] if vertical else _FIXED, None, _ENTROPY[0] if vertical else 0.0),
+        *([_held(slopes, start[shifts.slopes])] if fixed else slope_priors(slopes, shifts.temperature, change)),
+        Prior(every[[entropy]], width, None, mean),
         Prior(every[shifts.places], near, (near, far) if blind else None),
-        Prior(free, 0.01 if vertical else _FIXED, _FREE if vertical else None),
+        Prior(free, 0.01 if is_free else _FIXED, _FREE if is_free else None),
         *fast,
     ]
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from ..errors import InputError
 from ..io.data import Dma
+from ..material.shift import AbstractShift
+from .given_law import log10_a
 from .isotherms import group
 from .passive import closest
 
@@ -21,9 +23,15 @@ _FEWEST = 5  # points that say anything
 _MOST = 100  # points of an isotherm that are looked at
 
 
-def refuse_swapped(dma: Dma) -> None:
-    """Raises `InputError` where no passive material has the moduli as named, and one has them exchanged."""
-    if look_swapped(dma.temperature, dma.omega, dma.storage, dma.loss):
+def refuse_swapped(dma: Dma, law: AbstractShift | None = None) -> None:
+    """Raises `InputError` where no passive material has the moduli as named, and one has them exchanged: the isotherms,
+    or the master curve along a `law`.
+    """
+    swapped = look_swapped(dma.temperature, dma.omega, dma.storage, dma.loss)
+    if law is not None and not swapped and dma.omega.size:
+        reduced = dma.omega * 10 ** log10_a(law, dma.temperature)
+        swapped = look_swapped(np.zeros(reduced.size), reduced, dma.storage, dma.loss)
+    if swapped:
         said = f" (read were {'; '.join(text.split(';')[0] for text in dma.columns)})" if dma.columns else ""
         raise InputError(
             f"storage and loss modulus of {dma.source!r} look exchanged: no passive material has them as they are "

@@ -11,7 +11,9 @@ from .findings import PLUS_MINUS
 
 if TYPE_CHECKING:
     from .master import MasterCurve
+    from .payne import Sweeps
     from .series import PronyFit
+    from .shear_law import AdhesionFit
 
 
 def master_csv(master: "MasterCurve") -> str:
@@ -63,11 +65,41 @@ def prony_csv(fit: "PronyFit") -> str:
     return _csv("Prony series", [(k, v) for k, v in fit.findings() if k != "term"], columns)
 
 
-def _csv(what: str, findings: Iterable[tuple[str, str]], columns: Mapping[str, Any]) -> str:
+def adhesion_csv(fit: "AdhesionFit") -> str:
+    """Measured points with both parts of the friction, one row per point."""
+    columns: dict[str, Any] = {"velocity [m/s]": fit.velocity}
+    if fit.temperature is not None:
+        columns["temperature [K]"] = fit.temperature
+    columns |= {
+        "measured friction coefficient [-]": fit.measured,
+        "hysteresis [-]": fit.hysteresis,
+        "adhesive shear [-]": fit.adhesion,
+        "residual [-]": fit.residuals,
+        "standard deviation of a measurement [-]": fit.error,
+        "used": fit.used,
+    }
+    return _csv("adhesive shear", fit.findings(), columns, fit.intervals)
+
+
+def softening_csv(found: "Sweeps") -> str:
+    """Measured factors on both moduli, one row per point."""
+    columns = {
+        "strain amplitude [-]": found.strain,
+        "factor on storage modulus [-]": found.storage,
+        "factor on loss modulus [-]": found.loss,
+        "temperature [K]": found.temperature[found.number],
+        "angular frequency [rad/s]": found.omega[found.number],
+    }
+    return _csv("strain softening", found.findings(), columns, found.intervals)
+
+
+def _csv(
+    what: str, findings: Iterable[tuple[str, str]], columns: Mapping[str, Any], intervals: str = PLUS_MINUS
+) -> str:
     header = [
         f"elastomdr {__version__}: {what}",
         "units: SI, in brackets in the column titles",
-        f"intervals: {PLUS_MINUS}; a column of standard deviations holds one of them",
+        f"intervals: {intervals}; a column of standard deviations holds one of them",
         *(f"{name.strip()}: {text}" for name, text in findings),
     ]
     return csv_text(header, columns)

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._trees import replaced
 from ..errors import InputError
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, misfit_bands
@@ -15,7 +16,7 @@ _MOST = 100  # bands per decade
 
 
 def tabulate(
-    master: "MasterCurve", per_decade: int, shift: Any, poisson: Any, name: str, citation: str
+    master: "MasterCurve", per_decade: int, shift: Any, vertical: Any, poisson: Any, name: str, citation: str
 ) -> TabulatedModulus:
     """A table from the shifted data: in each band of log omega the means of log omega, log storage and log loss."""
     whole = isinstance(per_decade, int) and not isinstance(per_decade, bool)
@@ -31,11 +32,10 @@ def tabulate(
         )
     omega, storage, loss = np.exp([logs[:, band == number].mean(axis=1) for number in numbers]).T
     table = TabulatedModulus(
-        omega, storage, loss, kind=master.kind, poisson=poisson, shift=shift, name=name, citation=citation
-    )
+        omega, storage, loss, kind=master.kind, poisson=poisson, shift=shift, vertical=vertical, name=name,
+        citation=citation,
+    )  # fmt: skip
     stored, lost = table.storage(master.omega), table.loss(master.omega)
     scatter = misfit_bands(master.omega, stored / master.storage - 1, lost / master.loss - 1)
     known = Range((float(omega[0]), float(omega[-1])), master.measured_at, misfit=scatter)
-    return TabulatedModulus(
-        omega, storage, loss, kind=master.kind, poisson=poisson, shift=shift, name=name, citation=citation, range=known
-    )
+    return replaced(table, range=known)

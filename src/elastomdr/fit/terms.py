@@ -20,6 +20,8 @@ _PLATEAU = 0.1  # least part of the lowest storage modulus that an equilibrium m
 _DECISIVE = 10.0  # by how much a liquid must do better before a body that levels off counts as one
 _IDLE = 0.001  # largest share of any value below which a term is left out, in noise standard deviations
 _STIFFEST = 30.0  # largest modulus of a term to begin with, in largest values: one beyond the data may seem boundless
+_USUAL, _PATIENT = 3, 6  # numbers of terms that are worse, one after the other, before a series is taken for the best,
+_MET = 3.0  # the latter where its mean square residual, in standard deviations, is larger
 _BINS = 12  # per decade of frequency, into which points are gathered while the number of terms is looked for
 _ROUGHLY = 0.1  # gain of a step, in the criterion, at which the search for that number stops climbing
 
@@ -89,7 +91,7 @@ def _search(data: Data, terms: int | None, solid: bool | None) -> Terms:
             best, worse = trial, 0
         else:
             worse += 1
-        if worse == 3:
+        if worse == (_PATIENT if _off(data, best) > _MET else _USUAL):
             break
     assert best is not None
     if solid is None:
@@ -99,6 +101,12 @@ def _search(data: Data, terms: int | None, solid: bool | None) -> Terms:
         if liquid.criterion < best.criterion - _DECISIVE or not _levels_off(points, best):
             return liquid
     return best
+
+
+def _off(data: Data, found: Terms) -> float:
+    """Mean square residual of a series in standard deviations."""
+    squares = (found.criterion - 2.0 * found.posterior.mean.size) * data.alike
+    return squares / float(data.weights.sum())
 
 
 def _pruned(data: Data, found: Terms) -> Terms:

@@ -50,6 +50,11 @@ def panel_sums(c: Array, kappa: Array | None, z: Array) -> tuple[Any, Any, Any, 
     return zeroth, both, forth, back, rest
 
 
+# The recurrences stand twice. On NumPy all moments are one array, made in place by passes over long rows, and sums are
+# products of matrices. On JAX such arrays in the body of a loop take several times as long as sums made along the way,
+# and derivatives would pass through each of their rows. `tests/test_element.py` holds one against the other.
+
+
 def _dot(rows: Any, mu: Any) -> Any:
     """sum_j rows_j mu_j for as many j as there are rows; on NumPy."""
     mu = mu[: len(rows)]

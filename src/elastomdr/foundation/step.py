@@ -64,6 +64,16 @@ class Fading(NamedTuple):
     end: Array | None  # at its end, unless that is the first
 
 
+class Pressed(NamedTuple):
+    """What Signorini's conditions make of the end of a step."""
+
+    pushed: Array  # change of u were the element to follow the surface
+    recovery: Array  # change of u without a force at the end
+    contact: Array
+    change: Array  # of u
+    q: Array  # force density at the end, zero out of contact
+
+
 def rest(law: AbstractRelaxation, n: int) -> Elements:
     """n elements that have never been touched."""
     zero = jnp.zeros(n)
@@ -131,11 +141,8 @@ def advance(
     """`contact_step` with its coefficients, and `fade` if it is known, at hand; `keep` as in `solve.slide.kept`."""
     u, f = state.u, state.f
     fading = fade(c, f) if fading is None else fading
-    held = c.equilibrium * u + fading.seen  # force if u stays where it is
-    recovery, pushed = -held / c.stiffness, w_end - u
-    contact = pushed > recovery
+    pushed, recovery, contact, change, q = pressed(c, u, fading.seen, w_end - u, keep)
     free = ~contact & (state.q <= 0)
-    change = keep(jnp.where, contact, pushed, recovery)
     end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
     f_end = c.decay * f + c.gain * change
     stored = keep(lambda f: over_branches(c.energy * f**2), f_end)
@@ -148,7 +155,7 @@ def advance(
     return Elements(
         u=end,
         f=f_end,
-        q=jnp.where(contact, jnp.maximum(held + c.stiffness * pushed, 0.0), 0.0),
+        q=q,
         velocity=change / c.h,
         impulse=state.impulse + impulse,
         work=inelastic + 0.5 * c.equilibrium * end**2,
@@ -156,6 +163,43 @@ def advance(
         stored=stored,
         away=jnp.where(contact, 0.0, state.away) + c.h * (1 - kept),
     )
+
+
+def released(c: Coefficients, u: Array, seen: Array) -> Array:
+    """u_free [m]: the displacement at the end of the step that needs no force; `seen` as in `Fading`."""
+    return u - (c.equilibrium * u + seen) / c.stiffness
+
+
+def pressed(
+    c: Coefficients,
+    u: Array,
+    seen: Array,
+    pushed: Array,
+    keep: Callable[..., Any] = lambda function, *args: function(*args),
+) -> Pressed:
+    """Signorini's conditions at the end of a step in which the surface would push the elements by `pushed`."""
+    held = c.equilibrium * u + seen  # force if u stays where it is
+    recovery = -held / c.stiffness
+    contact = pushed > recovery
+    change = keep(jnp.where, contact, pushed, recovery)
+    q = jnp.where(contact, jnp.maximum(held + c.stiffness * pushed, 0.0), 0.0)
+    return Pressed(pushed, recovery, contact, change, q)
+
+
+def lag(c: Coefficients) -> Array:
+    """How far before the end of a step its force belongs, as a part of the step: 0 without a dashpot, else up to 1/2.
+
+    With a dashpot the force is a mean over the step with the weight exp(-(h - t) K/eta) (`contact_step`), whose centre
+    is 1/z - 1/(exp(z) - 1) before the end, z = h K/eta.
+    """
+    rate, static = c.rate[0], (c.end - c.rate)[0]
+    z = static / jnp.where(rate > 0, rate, 1.0)
+    small, large = jnp.minimum(z, 0.1), jnp.clip(z, 0.1, _SETTLED)
+    series = 0.5 - small / 12 + small**3 / 720 - small**5 / 30240
+    centre = jnp.where(
+        z < 0.1, series, jnp.where(z < _SETTLED, 1 / large - 1 / jnp.expm1(large), 1 / jnp.maximum(z, 1.0))
+    )
+    return jnp.where(rate > 0, centre, 0.0)
 
 
 def _integrals(

@@ -26,7 +26,7 @@ class Quantity:
     role: str
     kind: str  # of unit, a key of `units.KINDS`
     titles: tuple[str, ...]
-    valid: str = "positive"  # or "not negative", "between 0 and 90 deg"
+    valid: str = "positive"  # or "not negative", "between 0 and 90 deg"; "": of no row, NaN where not positive
     option: str = ""  # the argument by which a user gives the unit
     limits: tuple[float, float] | None = None  # of the largest number, and of all temperatures [SI]
 
@@ -170,7 +170,7 @@ def choose(name: str, columns: Sequence[Column], table: Table, units: Mapping[st
 
     for column in sorted(columns, key=order):
         first = chosen.setdefault(column.role, column)
-        if first is column or order(column)[:3] != order(first)[:3]:
+        if first is column or order(column)[:3] != order(first)[:3] or not column.quantity.valid:
             continue
         one, other = (_si(each, table, units) for each in (first, column))
         if one is not None and other is not None and _differ(one, other, column.quantity.kind):
@@ -201,6 +201,9 @@ def measured(
                 good[i], wrong[i] = False, f"it has {len(row.cells)} cells in place of {table.width}"
     for role, column in chosen.items():
         x = values[role]
+        if not column.quantity.valid:
+            values[role] = np.where(x > 0, x, np.nan)
+            continue
         valid = {"positive": x > 0, "not negative": x >= 0}.get(column.quantity.valid, (x > 0) & (x < np.pi / 2))
         for i in np.flatnonzero(good & ~(np.isfinite(x) & valid)):
             cells = table.rows[i].cells
@@ -213,6 +216,8 @@ def measured(
     kept = {role: x[good] for role, x in values.items()}
     if good.any():
         for role, column in chosen.items():
+            if not column.quantity.valid and not np.isfinite(kept[role]).any():
+                continue
             alike = [one for one in chosen.values() if one.quantity.kind == column.quantity.kind]
             alike = [column, *(one for one in alike if one is not column and given[one.role] == given[role])]
             _within(name, column, kept[role], given[role], alike)
@@ -313,6 +318,7 @@ def _within(name: str, column: Column, values: np.ndarray, unit: str, alike: Seq
     if column.quantity.limits is None or column.users:
         return
     low, high = column.quantity.limits
+    values = values[np.isfinite(values)]
     least = float(values.min()) if column.quantity.kind == "temperature" else float(values.max())
     if least < low or values.max() > high:
         si = KINDS[column.quantity.kind][0]
@@ -373,7 +379,11 @@ def _rank(quantity: Quantity, name: str) -> int | None:
 
 def _letter(quantity: Quantity, name: str) -> str:
     """ "G" or "E", where the name of a modulus says which it is."""
-    if quantity.kind != "modulus":
+    if quantity.kind == "viscosity":
+        return "G"
+    if quantity.kind == "compliance" and re.match(r"\|?D[*'(_12]", name):
+        return "E"
+    if quantity.kind not in ("modulus", "compliance", "strain"):
         return ""
     if re.match(r"((storage|loss)[ _])?shear", name, re.IGNORECASE):
         return "G"

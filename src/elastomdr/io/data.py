@@ -7,15 +7,21 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
-from .._runtime import as_float64, positive
+from .._runtime import as_float64, positive, scalar
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Kind
+    from .._types import ArrayLike, Kind, Response
 
 KINDS = ("shear", "tensile")
+COLDEST = 100.0  # temperature below which a number is one of degrees [K]
+SAME_STRAIN = float(np.log(1.15))  # of ln(strain amplitude), within which two are one
+_SAME_RATE = 0.01  # of ln(omega), likewise,
+_SAME_PLACE = 2.0  # and of temperature [K]: a sweep of strain warms its sample
+_SWEEP = 4  # different strains at one temperature and frequency that make a sweep of them
+_OF_OMEGA = ("temperature", "omega", "storage", "loss", "strain")
 _NONE = np.zeros(0)
 _NEW = 0.75  # frequencies that are not met twice, relative to all, below which they are those of several sweeps
 
@@ -47,12 +53,17 @@ class Dma:
     source: str = ""
     copies: int = 0  # points that were left out because they repeat others
     columns: tuple[str, ...] = ()  # which columns of the file were taken as what
+    response: Response = "relaxation"  # "creep": `relaxation` is 1/J(t); "storage": G'(omega) alone, at t = 1/omega
+    ramp: float = 0.0  # duration of the ramp of strain, from whose start `time` counts [s]; 0: a step
+    strain: Float[np.ndarray, " n"] = field(default_factory=lambda: _NONE)  # its amplitude [-]; NaN: not known
 
     def __post_init__(self) -> None:
         _kind(self.kind)
-        for name, like in (("storage", self.omega), ("loss", self.omega), ("temperature", self.omega),
-                           ("relaxation", self.time), ("time_temperature", self.time)):  # fmt: skip
-            _same(name, np.asarray(getattr(self, name)), "omega" if like is self.omega else "time", like)
+        if np.size(self.strain) == 0:
+            object.__setattr__(self, "strain", np.full(np.shape(self.omega), np.nan))
+        for name in (*_OF_OMEGA, "relaxation", "time_temperature"):
+            like = "omega" if name in _OF_OMEGA else "time"
+            _same(name, np.asarray(getattr(self, name)), like, getattr(self, like))
         for name in ("omega", "storage", "loss", "time", "relaxation"):
             if np.size(getattr(self, name)):
                 _positive(name, getattr(self, name))
@@ -72,11 +83,44 @@ class Dma:
             low, high = self.omega.min(), self.omega.max()
             parts.append(f"{self.omega.size} points of storage and loss modulus, {low:.3g} to {high:.3g} rad/s")
         if self.time.size:
-            parts.append(f"{self.time.size} points of relaxation, {self.time.min():.3g} to {self.time.max():.3g} s")
+            low, high, unit = self.time.min(), self.time.max(), "s"
+            if self.response == "storage":
+                low, high, unit = 1 / high, 1 / low, "rad/s"
+            parts.append(f"{self.time.size} points of {self.described}, {low:.3g} to {high:.3g} {unit}")
         temperature = np.concatenate([self.temperature, self.time_temperature])
         known = temperature[np.isfinite(temperature)] - 273.15
         parts.append(f"{known.min():.1f} to {known.max():.1f} degC" if known.size else "temperature not known")
+        if words := strains(self.strain):
+            parts.append(f"strain amplitude {words}")
         return f"{self.kind}, " + ", ".join(parts)
+
+    @property
+    def described(self) -> str:
+        """What was measured over time, in words."""
+        words = {"creep": "creep compliance", "storage": "storage modulus without loss"}
+        words = words.get(self.response, "relaxation")
+        return f"{words} after a ramp of {self.ramp:g} s" if self.ramp else words
+
+    def where(self, points: Bool[np.ndarray, " n"]) -> "Dma":
+        """The same measurement with some of its points in frequency only; those in time stay."""
+        return replace(self, **{name: getattr(self, name)[points] for name in _OF_OMEGA})
+
+    def strain_sweeps(self) -> "Dma":
+        """The points of its amplitude sweeps: only the strain varies there. Empty where there are none."""
+        return replace(self.where(in_strain_sweep(self)), time=_NONE, relaxation=_NONE, time_temperature=_NONE)
+
+    def at_strain(self, strain: float) -> "Dma":
+        """The frequency sweeps at one strain amplitude [-], within 15 % of it.
+
+        Raises `InputError` where nothing was measured at it.
+        """
+        strain = float(scalar("strain", strain))
+        positive("strain", strain)
+        near = np.abs(np.log(np.where(self.strain > 0, self.strain, np.nan) / strain)) < SAME_STRAIN
+        if not near.any():
+            said = strains(self.strain) or "not known"
+            raise InputError(f"strain must be one of those measured ({said}), got {100 * strain:.3g} %.")
+        return self.where(near)
 
     def at(self, temperature: float) -> "Dma":
         """The same data, all of them taken at one temperature [K]."""
@@ -129,15 +173,22 @@ def join(*parts: Dma) -> Dma:
     if len({part.shifted for part in parts}) > 1:
         raise InputError("parts must be all raw or all shifted, got isotherms and a master curve.")
 
+    timed = [part for part in parts if part.time.size] or [parts[0]]
+    if len({(part.response, part.ramp) for part in timed}) > 1:
+        words = " and ".join(dict.fromkeys(part.described for part in timed))
+        raise InputError(f"parts must be of one response over time, got {words}: fit them one by one.")
+
     def chain(name: str) -> np.ndarray:
         return np.concatenate([getattr(part, name) for part in parts])
 
     several = len({part.source for part in parts}) > 1
     differ = several and len({part.columns for part in parts}) > 1
-    arrays = ("temperature", "omega", "storage", "loss", "time", "relaxation", "time_temperature")
+    arrays = (*_OF_OMEGA, "time", "relaxation", "time_temperature")
     return replace(
         parts[0],
         **{name: chain(name) for name in arrays},
+        response=timed[0].response,
+        ramp=timed[0].ramp,
         units={
             key: ", ".join(_each((part.units[key],) for part in parts if key in part.units))
             for key in dict.fromkeys(key for part in parts for key in part.units)
@@ -184,7 +235,20 @@ def _same(name: str, values: np.ndarray, other: str, others: np.ndarray) -> None
         raise InputError(f"{name} must have as many entries as {other}, {others.size}, got {values.size}.")
 
 
+def in_kelvin(name: str, value: Any, coldest: float = COLDEST) -> None:
+    """Raises `InputError` for temperatures that can only be meant in degrees Celsius."""
+    array = np.asarray(value, dtype=float)
+    known = array[np.isfinite(array)]
+    if known.size and known.min() < coldest:
+        low = float(known.min())
+        raise InputError(
+            f"{name} must be in kelvin, {coldest:g} at least, got {low:g}: {low:g} degC is {low + 273.15:.6g} K "
+            f"({low:g}degC on the command line)."
+        )
+
+
 def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
+    in_kelvin("temperature", value)
     array = _positive("temperature", value)
     if array.size == 1:
         return np.full(like.size, array[0])
@@ -194,15 +258,90 @@ def _temperatures(value: Any, like: np.ndarray) -> np.ndarray:
 
 def without_copies(dma: Dma) -> Dma:
     """The same data, each point once: a point that agrees in all its numbers with another one is no measurement."""
-    dynamic = np.stack([dma.temperature, dma.omega, dma.storage, dma.loss], axis=1)
+    dynamic = np.stack([*(getattr(dma, name) for name in _OF_OMEGA[:4]), np.nan_to_num(dma.strain)], axis=1)
     timed = np.stack([dma.time_temperature, dma.time, dma.relaxation], axis=1)
     kept, of_time = (np.sort(np.unique(rows, axis=0, return_index=True)[1]) for rows in (dynamic, timed))
     copies = dma.size - kept.size - of_time.size
     if not copies:
         return dma
-    parts = {name: getattr(dma, name)[kept] for name in ("temperature", "omega", "storage", "loss")}
+    parts = {name: getattr(dma, name)[kept] for name in _OF_OMEGA}
     parts |= {name: getattr(dma, name)[of_time] for name in ("time", "relaxation", "time_temperature")}
     return replace(dma, **parts, copies=dma.copies + copies)
+
+
+def strains(strain: np.ndarray) -> str:
+    """The strain amplitudes of a measurement in words, such as "0.1 %" or "0.1 to 5 %"; "" where none is known."""
+    known = 100 * strain[np.isfinite(strain)]
+    if not known.size:
+        return ""
+    levels = [f"{x:.3g}" for x in (known.min(), known.max())]
+    alike = known.max() < known.min() * np.exp(SAME_STRAIN)
+    return f"{np.median(known):.3g} %" if alike else f"{levels[0]} to {levels[1]} %"
+
+
+def in_strain_sweep(dma: Dma) -> np.ndarray:
+    """Which points are those of a sweep of strain: several strains at their temperature and frequency, and at their
+    temperature and strain no other frequency.
+    """
+    found = np.zeros(dma.omega.size, bool)
+    known = np.flatnonzero(dma.strain > 0)
+    kelvin = np.nan_to_num(dma.temperature)
+    rate, level = np.log(dma.omega), np.log(np.where(dma.strain > 0, dma.strain, 1.0))
+    for i in known:
+        here = known[np.abs(kelvin[known] - kelvin[i]) < _SAME_PLACE]
+        sweep = here[np.abs(rate[here] - rate[i]) < _SAME_RATE]
+        if sweep.size < _SWEEP or 1 + (np.diff(np.sort(level[sweep])) > 1e-3).sum() < _SWEEP:
+            continue
+        alone = np.abs(rate[here[np.abs(level[here] - level[i]) < SAME_STRAIN]] - rate[i]) < _SAME_RATE
+        found[i] = np.ptp(level[sweep]) > 2 * SAME_STRAIN and alone.all()
+    return found
+
+
+def of_one_strain(dma: Dma) -> tuple[Dma, tuple[str, ...]]:
+    """What makes one sample of a measurement at several strains, and in words what was left out.
+
+    Sweeps of strain are left out, and, where a temperature and frequency were measured at several strains, all but the
+    smallest of them. Strains that follow the temperature, as those of a rheometer that holds its torque, stay.
+    """
+    swept = in_strain_sweep(dma)
+    said: list[str] = []
+    if swept.all():
+        return dma, ()
+    if swept.any():
+        said.append(
+            f"A sweep of strain, {int(swept.sum())} points from {strains(dma.strain[swept])}, is left out: "
+            "em.fit.softening reads it."
+        )
+    rest = dma.where(~swept) if said else dma
+    levels = _levels(rest)
+    if len(levels) > 1:
+        others = [strains(rest.strain[at]) for at in levels[1:]]
+        said.append(
+            f"Sweeps at several strain amplitudes are not one sample: that at {strains(rest.strain[levels[0]])} is "
+            f"used, that at {' and '.join(others)} left out (dma.at_strain(...), --strain, chooses another)."
+        )
+        rest = rest.where(levels[0])
+    return rest, tuple(said)
+
+
+def _levels(dma: Dma) -> list[np.ndarray]:
+    """The points of each strain amplitude, the smallest with a range of frequencies first; [] where no temperature and
+    frequency were measured at two of them.
+    """
+    known = np.flatnonzero(dma.strain > 0)
+    order = known[np.argsort(dma.strain[known], kind="stable")]
+    steps = np.diff(np.log(dma.strain[order])) > SAME_STRAIN
+    groups = np.split(order, np.flatnonzero(steps) + 1)
+    kelvin = np.round(np.nan_to_num(dma.temperature) / _SAME_PLACE)
+    places = [set(zip(kelvin[at], np.round(np.log(dma.omega[at]) / (2 * _SAME_RATE)), strict=True)) for at in groups]
+    if sum(len(one) for one in places) < len(set().union(*places)) + 2:
+        return []
+    groups.sort(key=lambda at: not _is_sweep(dma.omega[at]))  # a stable sort: ascending strains
+    return [np.isin(np.arange(dma.omega.size), at) for at in groups]
+
+
+def _is_sweep(omega: np.ndarray) -> bool:
+    return omega.size >= _SWEEP and bool(omega.max() > 1.5 * omega.min())
 
 
 def describe_list(values: Sequence[float] | np.ndarray, unit: str, most: int = 12) -> str:
@@ -240,3 +379,29 @@ def untold(rates: np.ndarray) -> str:
             "a line 'T = -20 degC' above its block."
         )
     return "give temperature, such as temperature=293.15 (--temperature 20degC)."
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredFriction:
+    """Points of measured friction in SI units, one entry per row of the table; None where there is no such column."""
+
+    velocity: Float[np.ndarray, " n"]  # [m/s]
+    mu: Float[np.ndarray, " n"]
+    temperature: Float[np.ndarray, " n"] | None  # [K]
+    pressure: Float[np.ndarray, " n"] | None  # [Pa]
+    error: Float[np.ndarray, " n"] | None  # standard deviation of mu
+    source: str  # name of the file
+    report: tuple[str, ...]  # what was left out
+
+    @property
+    def points(self) -> dict[str, np.ndarray]:
+        """The points as `curve.plot(measured=...)` takes them."""
+        found = {"velocity": self.velocity, "mu": self.mu, "temperature": self.temperature}
+        return {name: values for name, values in found.items() if values is not None}
+
+    def __repr__(self) -> str:
+        spans = [("velocity", self.velocity, "m/s"), ("temperature", self.temperature, "K"),
+                 ("pressure", self.pressure, "Pa"), ("mu", self.mu, "")]  # fmt: skip
+        parts = [f"{name} {x.min():.4g} to {x.max():.4g} {unit}".rstrip() for name, x, unit in spans if x is not None]
+        return "\n".join([f"MeasuredFriction({self.mu.size} points of {self.source!r}: {', '.join(parts)})",
+                          *self.report])  # fmt: skip

@@ -8,14 +8,14 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from .._runtime import plain, positive
 from ..errors import InputError
 from .columns import Column, Quantity, choose, left_out, measured, missing, named, taken, understand
-from .data import KINDS, Dma, FitWarning, describe_list, join, untold
+from .data import COLDEST, KINDS, Dma, FitWarning, describe_list, in_kelvin, in_strain_sweep, join, untold
 from .formats import Format, format_of
 from .sheets import read_sheet
 from .tables import Head, Table
@@ -35,7 +35,7 @@ QUANTITIES = (
               r"(?-i:T)|temp\.?|temperature|temperatur|온도",
               r"t[ _]set|(set|set ?point|program(med)?|target|nominal|furnace|oven|chamber) temp(\.|erature)?|"
               "solltemperatur"),
-             option="temperature_unit", limits=(100.0, 800.0)),
+             option="temperature_unit", limits=(COLDEST, 800.0)),
     Quantity("time", "time", (r"(?-i:t)|(step )?time|zeit|시간",), option="time_unit"),
     Quantity("storage", "modulus",
              (r"storage modulus|storage|stor|s torage|speichermodul|저장 ?탄성(률|계수)|(modulus )?[ge]'|"
@@ -54,8 +54,44 @@ QUANTITIES = (
     Quantity("relaxation", "modulus",
              (r"[ge]_?(relax|t)|[ge]\(t\)|relaxationsmodul|relax|relaxation|완화탄성률|relaxation modulus [ge]|"
               r"(stress |shear |tensile )?relaxation modulus( [ge]\(t\))?",), option="modulus_unit", limits=_POLYMERS),
+    Quantity("strain", "strain",
+             (r"(oscillation|oscillatory|dynamic) strain( amplitude)?|strain (amplitude|ampl\.?|dyn|dynamic)",
+              r"((shear|tensile) )?strain( \u03b3| gamma)?|(strain )?amplitude|\u03b3|\u03b3_?0|gamma|(?-i:g)|"
+              r"epsilon|ε|dehnung|scherdehnung|deformation|scherdeformation|(dehnungs|deformations)amplitude",),
+             valid="", limits=(1e-8, 5.0)),
+    Quantity("viscosity", "viscosity",
+             (r"\|?(eta|η|h)\*\|?|complex viscosity|komplexe viskosität|eta_?(abs|star)",)),
+    Quantity("viscosity_real", "viscosity", (r"(eta|η|h)(_?1|'|_?prime)|(dynamic|real|storage) viscosity",)),
+    Quantity("viscosity_imaginary", "viscosity",
+             (r"(eta|η|h)(_?2|''|_?(double_?prime|dprime|pp))|(imaginary|loss|out[- ]of[- ]phase) viscosity",)),
+    Quantity("compliance", "compliance", (r"\|[jd]\*\|?|[jd]\*|[jd]_?abs|(complex|dynamic) compliance",)),
+    Quantity("compliance_storage", "compliance",
+             (r"[jd](_?1|'|_?(prime|stor|storage))|storage compliance|speichernachgiebigkeit",)),
+    Quantity("compliance_loss", "compliance",
+             (r"[jd](_?2|''|_?(pp|dprime|double_?prime|loss))|loss compliance|verlustnachgiebigkeit",)),
+    Quantity("creep", "compliance",
+             (r"[jd]\(t\)|((creep|shear|tensile|shear creep|tensile creep) )?compliance( [jd](\(t\))?)?|"
+              r"kriechnachgiebigkeit|creep|[jd]_?(creep|t)|(?-i:[JD])",)),
+    Quantity("stiffness", "stiffness",
+             (r"\|?k\*\|?|k_?(abs|dyn)|((dynamic|complex) )?stiffness|(dynamische )?steifigkeit",)),
+    Quantity("stiffness_storage", "stiffness", (r"k(_?1|'|_?(prime|stor|storage))|(storage|elastic) stiffness",)),
+    Quantity("stiffness_loss", "stiffness", (r"k(_?2|''|_?(pp|dprime|double_?prime|loss))|(loss|viscous) stiffness",)),
+    Quantity("stress", "modulus", (r"((shear|tensile) )?stress( \u03c3| sigma)?|(schub)?spannung|\u03c3|sigma",)),
 )  # fmt: skip
-_PAIRS = (("storage", "loss"), ("storage", "tangent"), ("absolute", "phase"), ("absolute", "tangent"))
+_PAIRS = (
+    ("storage", "loss"), ("storage", "tangent"), ("absolute", "phase"), ("absolute", "tangent"), ("storage", "phase"),
+    ("loss", "tangent"), ("compliance_storage", "compliance_loss"), ("compliance_storage", "tangent"),
+    ("compliance", "phase"), ("compliance", "tangent"), ("viscosity_real", "viscosity_imaginary"),
+    ("viscosity", "phase"), ("viscosity", "tangent"), ("stiffness_storage", "stiffness_loss"),
+    ("stiffness_storage", "tangent"), ("stiffness", "phase"), ("stiffness", "tangent"),
+)  # fmt: skip
+_TIMED = (("relaxation",), ("creep",), ("stress", "strain"))
+_CONSTANT = 1.05  # ratio of the largest to the smallest stress (or strain) that counts as held
+_ALONE = "if it was not measured, give storage_only=True (--storage-only)"
+_STEP = r"(step|schritt|segment|interval|intervall|block|set|sweep|(mess)?abschnitt)( (no\.?|nr\.?|number|index))?"
+_HOLD = 4  # points at one frequency and temperature that make a sweep of something else
+_HELD = 3.0  # range of temperatures within it [K]
+_SWEPT = 1.5  # ratio of the highest to the lowest frequency of a sweep
 _SAME = 0.5  # [K], within which two temperatures are one, rounded
 _LAST = 10**9  # behind all columns
 _SHARED = {"time", "frequency"}  # that may stand once, before the columns of several isotherms
@@ -68,7 +104,26 @@ _TEMPERATURE = re.compile(  # a remark with nothing but the temperature, and wha
     re.IGNORECASE,
 )
 _NUMBERED = re.compile(rf"\W*(?:{_PARTS})\s*\d+\s*[CK]\b", re.IGNORECASE)  # "Run 3 C" is its number
-_CONDITION = re.compile(rf"\s*[(\[]\s*([+-]?\d+(?:[.,]\d+)?)\s*({_UNIT}|k?Hz|rad/s)\s*[)\]]")  # E' (-40 °C) [MPa]
+_VALUE = rf"(?:T\s*=\s*)?([+-]?\d+(?:[.,]\d+)?)\s*_?({_UNIT}|k?Hz|rad/s)(?![\w/])"
+_CONDITIONS = (  # in titles: E' (-40 °C) [MPa], E' [MPa] @ -40 °C, E'_-40C, E', 10 Hz, MPa
+    re.compile(rf"\s*[(\[]\s*{_VALUE}\s*[)\]]"),
+    re.compile(rf"[\s,;_@]+(?:(?:at|bei|@)\s*)?{_VALUE}"),
+)
+_RATE = re.compile(
+    r"[^\w]*(?:(?:step|block|sweep|set)\s*\d*[^\w]*)?(?:f|freq\.?|frequency|frequenz)\s*[=:,;]?\s*(\d+(?:[.,]\d+)?)\s*[\[(]?"
+    r"(k?Hz|rad/s)\W*",
+    re.IGNORECASE,
+)
+_NAME = re.compile(rf"(?<![A-Za-z0-9.,])([+-]?\d+(?:[.,]\d+)?)[ _]?({_UNIT})(?![A-Za-z0-9])")  # of a file
+
+
+class Specimen(NamedTuple):
+    """What files seldom say of a test: section [m^2] and length [m] of the specimen, duration of a ramp [s]."""
+
+    area: float | None
+    length: float | None
+    ramp: float | None
+    storage_only: bool
 
 
 def read_dma(
@@ -81,6 +136,10 @@ def read_dma(
     modulus_unit: str | None = None,
     temperature_unit: str | None = None,
     time_unit: str | None = None,
+    area: float | None = None,
+    length: float | None = None,
+    ramp: float | None = None,
+    storage_only: bool = False,
 ) -> Dma:
     """Dynamic moduli or relaxation from a file, or from several files of one material.
 
@@ -93,14 +152,19 @@ def read_dma(
         temperature: temperature of all points that have none in the files [K], or one for each isotherm without, in
             their order.
         kind: "shear" or "tensile": what the moduli are, where the file does not say.
-        columns: columns by quantity (frequency, temperature, storage, loss, absolute, phase, tangent, time,
-            relaxation), for titles that are not recognised or are wrong: a title, or a number from 1, with the unit
-            where the file's is missing or wrong: {"storage": "Modulus 1", "loss": 4, "frequency": "2 [Hz]"};
-            "log10(3)" for logarithms; "10 Hz" for a number that holds for all rows.
+        columns: columns by quantity (frequency, temperature, storage, loss, absolute, phase, tangent, time, relaxation,
+            creep, stress, strain, and viscosity, compliance, stiffness with _real, _imaginary or _storage, _loss), for
+            titles that are not recognised or are wrong: a title, or a number from 1, with the unit where the file's is
+            missing or wrong: {"storage": "Modulus 1", "loss": 4, "frequency": "2 [Hz]"}; "log10(3)" for logarithms;
+            "10 Hz" for a number that holds for all rows.
         frequency_unit: unit of frequencies without one, such as "Hz" or "rad/s"; it overrules none in a file.
         modulus_unit: likewise of moduli, such as "MPa".
         temperature_unit: likewise of temperatures, "degC" or "K".
         time_unit: likewise of times, such as "s".
+        area: section of the specimen, of which files hold the dynamic stiffness [m^2].
+        length: its length in tension, its height in shear [m]: modulus = stiffness length/area.
+        ramp: duration of the ramp of strain before relaxation, from whose start times count [s].
+        storage_only: whether a storage modulus without a loss modulus is all there is.
 
     Returns:
         The measurement in SI units; `columns` says what was read as what, `bad_rows` which rows are no measurement.
@@ -113,6 +177,7 @@ def read_dma(
     if columns is not None and not isinstance(columns, Mapping):
         raise InputError(f"columns must be a dict such as {{'storage': 'Modulus 1'}}, got {columns!r}.")
     units = checked_units(frequency=frequency_unit, modulus=modulus_unit, temperature=temperature_unit, time=time_unit)
+    specimen = _specimen(area, length, ramp, storage_only)
     paths = [path_or_paths] if isinstance(path_or_paths, (str, os.PathLike)) else path_or_paths
     if not isinstance(paths, Sequence) or not paths or not all(isinstance(one, (str, os.PathLike)) for one in paths):
         raise InputError(f"path_or_paths must be a file or a list of files, got {path_or_paths!r}.")
@@ -120,13 +185,24 @@ def read_dma(
     if twice:
         raise InputError(f"path_or_paths must name every file once, got {', '.join(sorted(twice))} twice or more.")
     unmet = dict(columns or {})
-    parts = [part for path in paths for part in _read(Path(path), kind, columns, units, unmet)]
+    parts = [part for path in paths for part in _read(Path(path), kind, columns, units, unmet, specimen)]
     if unmet:
         raise InputError(f"columns must name titles or numbers of columns, got {unmet}, which no file has.")
-    dma = join(*_with_temperatures(parts, temperature))
+    if temperature is None:
+        parts = _from_names(parts)
+    dma = join(*_with_temperatures(_without_holds(parts), temperature))
     for text in dma.warnings:
         warnings.warn(text, FitWarning, stacklevel=2)
     return dma
+
+
+def _specimen(area: Any, length: Any, ramp: Any, storage_only: Any) -> Specimen:
+    given = {"area": area, "length": length, "ramp": ramp}
+    numbers = {name: None if value is None else float(plain(name, value)) for name, value in given.items()}
+    for name, number in numbers.items():
+        if number is not None:
+            positive(name, number)
+    return Specimen(numbers["area"], numbers["length"], numbers["ramp"], bool(storage_only))
 
 
 def checked_units(**given: Any) -> dict[str, str]:
@@ -138,7 +214,12 @@ def checked_units(**given: Any) -> dict[str, str]:
 
 
 def _read(
-    path: Path, kind: str | None, columns: Mapping[str, Any] | None, units: dict[str, str], unmet: dict[str, Any]
+    path: Path,
+    kind: str | None,
+    columns: Mapping[str, Any] | None,
+    units: dict[str, str],
+    unmet: dict[str, Any],
+    specimen: Specimen,
 ) -> list[Dma]:
     """Each table of a file as a measurement; the temperature is NaN where the file has none.
 
@@ -156,7 +237,11 @@ def _read(
         places = {column.place for column in user.values()}
         read = [column for head in table.heads if (column := understand(head, QUANTITIES))]
         read = [one for one in read if one.role not in (*user, *constants) and one.place not in places]
-        lack = _lacking({one.role for one in (*read, *user.values())} | constants.keys() | table.fixed.keys())
+        roles = {one.role for one in (*read, *user.values())} | constants.keys() | table.fixed.keys()
+        lack = _lacking(roles)
+        if lack and {"frequency", "storage"} <= roles and not {"absolute", "loss"} & roles:
+            every = {head.place for head in table.heads if head.title} <= {one.place for one in (*read, *user.values())}
+            lack = "" if specimen.storage_only or every else f"{lack}; {_ALONE}"
         if lack:
             if not absent:
                 absent = lack
@@ -172,7 +257,7 @@ def _read(
         table = table._replace(fixed=table.fixed | constants)
         needed = _needed({*(one.role for one in read), *table.fixed})
         chosen = choose(sheet.name, [one for one in read if one.role in needed], table, units)
-        parts.append(_measurement(sheet.name, layout, table, chosen, kind, units))
+        parts.append(_measurement(sheet.name, layout, table, chosen, kind, units, specimen))
         lines.append(table.rows[0].line)
         width = len(table.heads)
     if not parts:
@@ -189,10 +274,14 @@ def _read(
 def _lacking(roles: set[str]) -> str:
     """What is missing to make a measurement of columns, in words; an empty text where nothing is."""
     moduli = any(set(pair) <= roles for pair in _PAIRS)
-    if (moduli and "frequency" in roles) or {"time", "relaxation"} <= roles:
+    timed = any(set(group) <= roles for group in _TIMED)
+    if (moduli and "frequency" in roles) or (timed and "time" in roles):
         return ""
-    if "relaxation" in roles:
+    if {"relaxation", "creep"} & roles:
         return "there is no column of time"
+    if "time" in roles and {"stress", "strain"} & roles:
+        other, example = ("stress", "0.1 MPa") if "strain" in roles else ("strain", "1 %")
+        return f"there is no column of {other}; where it was held, give it, as '{example}'"
     lack = [] if "frequency" in roles else ["frequency"]
     if not moduli:
         lack += (
@@ -202,14 +291,17 @@ def _lacking(roles: set[str]) -> str:
 
 
 def _needed(roles: set[str]) -> tuple[str, ...]:
-    """The roles that make the measurement: rate and both moduli, or time and relaxation, and the temperature."""
+    """The roles that make the measurement: rate and both moduli, or time and what was measured over it; temperature."""
     pair = next((pair for pair in _PAIRS if set(pair) <= roles and "frequency" in roles), None)
-    return ("frequency", *pair, "temperature") if pair else ("time", "relaxation", "temperature")
+    if pair:
+        return ("frequency", *pair, "temperature", "strain")
+    timed = next((group for group in _TIMED if set(group) <= roles and "time" in roles), None)
+    return ("time", *timed, "temperature") if timed else ("frequency", "storage", "temperature", "strain")
 
 
 def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Column]:
     """The columns without moduli of the other kind. Raises `InputError` where nobody says which kind is meant."""
-    letters = {column.letter for column in columns} - {""}
+    letters = {column.letter for column in columns if column.quantity.kind == "modulus"} - {""}
     if len(letters) < 2:
         return list(columns)
     if kind is None:
@@ -223,10 +315,18 @@ def _of_kind(name: str, columns: Sequence[Column], kind: str | None) -> list[Col
 
 
 def _measurement(
-    name: str, layout: Format, table: Table, chosen: dict[str, Column], kind: str | None, units: dict[str, str]
+    name: str,
+    layout: Format,
+    table: Table,
+    chosen: dict[str, Column],
+    kind: str | None,
+    units: dict[str, str],
+    specimen: Specimen,
 ) -> Dma:
     needed = _needed({*chosen, *table.fixed})
     chosen = {role: chosen[role] for role in needed if role in chosen}
+    if needed[0] == "frequency" and "strain" in chosen and not _is_strain(table, chosen["strain"]):
+        del chosen["strain"]
     kind = _kind(name, table, chosen, kind, layout)
     values, good, bad = measured(name, table, chosen, units)
     if not good.any():
@@ -247,20 +347,90 @@ def _measurement(
         "columns": (taken(table, chosen, said) + "; temperature from the text" * ("temperature" in table.fixed),),
     }
     if needed[0] == "time":
-        return Dma(none, none, none, none, time=values["time"], relaxation=values["relaxation"],
-                   time_temperature=values["temperature"], **common)  # fmt: skip
-    pair = needed[1], needed[2]
-    return Dma(values["temperature"], values["frequency"], *_moduli(values[pair[0]], values[pair[1]], pair), **common)
+        return _timed(name, values, needed, specimen, common)
+    rate, kelvin = values["frequency"], values["temperature"]
+    pair = needed[1:-2]
+    if len(pair) == 1:
+        text = f"{name}: there is no loss modulus: the fit takes it from the spectrum, with a wide band."
+        common["warnings"] = (*common["warnings"], text)
+        return Dma(none, none, none, none, time=1 / rate, relaxation=values["storage"], time_temperature=kelvin,
+                   response="storage", **common)  # fmt: skip
+    first, second = values[pair[0]], values[pair[1]]
+    if pair[0].startswith("stiffness"):
+        scale = _scale(name, specimen)
+        first, second = first * scale, second * scale if pair[1].startswith("stiffness") else second
+    moduli = _moduli(first, second, pair, rate)
+    return Dma(kelvin, rate, *moduli, strain=values["strain"], **common)
 
 
-def _moduli(first: np.ndarray, second: np.ndarray, pair: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
-    """Storage and loss modulus from two columns in SI units: G* = |G*| e^(i delta)."""
-    if pair[1] == "loss":
-        return first, second
-    if pair[1] == "phase":
-        return first * np.cos(second), first * np.sin(second)
-    storage = first if pair[0] == "storage" else first / np.hypot(1.0, second)
-    return storage, storage * second
+def _timed(
+    name: str, values: dict[str, np.ndarray], needed: tuple[str, ...], specimen: Specimen, common: dict[str, Any]
+) -> Dma:
+    """Relaxation or creep; of stress and strain over time the one that was held decides."""
+    none, response = np.zeros(0), "relaxation"
+    ramp = specimen.ramp or 0.0
+    if needed[1] == "relaxation":
+        modulus = values["relaxation"]
+    elif needed[1] == "creep":
+        modulus, response = 1 / values["creep"], "creep"
+    else:
+        modulus = values["stress"] / values["strain"]
+        held = [np.nanmax(values[role]) < _CONSTANT * np.nanmin(values[role]) for role in ("stress", "strain")]
+        if held[0] == held[1]:
+            raise InputError(
+                f"{name}: stress and strain {'both vary' if not held[0] else 'are both constant'} over time, which is "
+                "neither creep nor relaxation: give the one that was held, as columns={'stress': '0.1 MPa'} "
+                "(--column 'stress=0.1 MPa') or columns={'strain': '1 %'} (--column 'strain=1 %')."
+            )
+        response = "creep" if held[0] else "relaxation"
+    time, kelvin = values["time"], values["temperature"]
+    good = np.isfinite(modulus) & (time > ramp)
+    if ramp and response == "creep":
+        raise InputError(f"ramp must be left out for creep, got {ramp:g} s ({name}).")
+    if not good.any():
+        raise InputError(f"{name}: no point is behind the ramp of {ramp:g} s; times count from its start.")
+    if not good.all():
+        text = f"{name}: {int((~good).sum())} points within the ramp of {ramp:g} s left out."
+        common["warnings"] = (*common["warnings"], text)
+    return Dma(none, none, none, none, time=time[good], relaxation=modulus[good], time_temperature=kelvin[good],
+               response=response, ramp=ramp, **common)  # fmt: skip
+
+
+def _scale(name: str, specimen: Specimen) -> float:
+    """What turns a stiffness into a modulus: length over section."""
+    if specimen.area is None or specimen.length is None:
+        raise InputError(
+            f"{name}: the columns hold a stiffness; give the specimen's section and length (in shear: height), as "
+            "area=1e-4, length=0.02 (--area '100 mm2' --length '20 mm')."
+        )
+    return specimen.length / specimen.area
+
+
+def _is_strain(table: Table, column: Column) -> bool:
+    """Whether a column of strain is wanted: in a unit of strain, or, without one, different from row to row."""
+    if column.unit:
+        return column.known
+    numbers = table.column(column.place)
+    numbers = numbers[numbers > 0]
+    return bool(numbers.size and numbers.max() > 1.5 * numbers.min())
+
+
+def _moduli(
+    first: np.ndarray, second: np.ndarray, pair: tuple[str, ...], omega: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Storage and loss modulus from two columns in SI units: G* = |G*| e^(i delta) = 1/J* = i omega eta*."""
+    if pair[0] == "viscosity_real":
+        return omega * second, omega * first
+    if pair[1] in ("phase", "tangent"):
+        if pair[0] == "loss":
+            return first / second, first
+        tangent = np.tan(second) if pair[1] == "phase" else second
+        size = first if pair[0].endswith("storage") else first / np.hypot(1.0, tangent)
+        first, second = size, size * tangent
+    if pair[0].startswith("compliance"):
+        square = first**2 + second**2
+        return first / square, second / square
+    return (first * omega, second * omega) if pair[0] == "viscosity" else (first, second)
 
 
 def _said(column: Column, units: dict[str, str]) -> str:
@@ -286,11 +456,24 @@ def _kind(name: str, table: Table, chosen: Mapping[str, Column], kind: str | Non
 
 def _parts(name: str, table: Table, columns: Mapping[str, Any] | None) -> list[Table]:
     """The isotherms in a table; of those side by side only the ones with all the columns that the user names."""
-    parts = _isotherms(name, table)
+    parts = [part for one in _steps(table) for part in _isotherms(name, one)]
     users = named(name, columns, table, QUANTITIES)[0].keys()
     if len(parts) < 2 or not users:
         return parts
     return [part for part in parts if named(name, columns, part, QUANTITIES)[0].keys() == users] or [table]
+
+
+def _steps(table: Table) -> list[Table]:
+    """A table for each number in a column of steps; or the table."""
+    for head in table.heads:
+        if not re.fullmatch(_STEP, head.title.strip(), re.IGNORECASE):
+            continue
+        numbers = table.column(head.place)
+        steps = np.unique(numbers[np.isfinite(numbers)])
+        if 1 < steps.size <= len(table.rows) / 3 and (steps == np.round(steps)).all() and np.isfinite(numbers).all():
+            rows = {step: [row for row, n in zip(table.rows, numbers, strict=True) if n == step] for step in steps}
+            return [table._replace(rows=rows[step]) for step in steps]
+    return [table]
 
 
 def _isotherms(name: str, table: Table) -> list[Table]:
@@ -303,9 +486,11 @@ def _by_condition(table: Table) -> list[Table]:
     groups: dict[tuple[str, float], list[Head]] = {}
     shared: list[Head] = []
     for head in table.heads:
-        match = _CONDITION.search(head.title)
+        match = next((found for one in _CONDITIONS if (found := one.search(head.title))), None)
         kind = next((kind for kind in ("temperature", "frequency") if match and to_si(match[2], kind)), "")
-        own = head._replace(title=_CONDITION.sub(" ", head.title, count=1).replace(" /", "/").strip())
+        title = f"{head.title[: match.start()]} {head.title[match.end() :]}" if match else ""
+        title = re.sub(r"\(\s*\)|\[\s*\]|[(\[]\s*(?=[(\[])", " ", title).replace(" /", "/")
+        own = head._replace(title=re.sub(r"\s*,\s*(?=[,\[(]|$)|[\s_@]+$", "", title).strip())
         column = understand(own, QUANTITIES)
         if match is None or not kind or column is None or column.role in ("frequency", "temperature", "time"):
             shared.append(head)
@@ -322,6 +507,8 @@ def _beside(name: str, table: Table) -> list[Table]:
     columns = [column for head in table.heads if (column := understand(head, QUANTITIES))]
     roles = [column.role for column in columns]
     found = _repeated(roles)
+    if "frequency" not in roles and "time" not in roles and "frequency" not in table.fixed:
+        table = table._replace(fixed=table.fixed | _rate_above(table))
     if found is None:
         above = {} if "temperature" in roles else _between(name, table, 0, _LAST)
         return [table._replace(fixed=above | table.fixed)]
@@ -349,6 +536,16 @@ def _between(name: str, table: Table, first: int, end: int) -> dict[str, float]:
             "theirs."
         )
     return {"temperature": min(found)} if found else {}
+
+
+def _rate_above(table: Table) -> dict[str, float]:
+    """The frequency [rad/s] in the last line above a table that says one and nothing else."""
+    for row in reversed(table.above):
+        for text in (" ".join(cell for cell in row.cells if cell), *row.cells):
+            match = _RATE.fullmatch(text.strip())
+            if match and (si := to_si(match[2], "frequency")):
+                return {"frequency": float(match[1].replace(",", ".")) * si[0]}
+    return {}
 
 
 def _repeated(roles: Sequence[str]) -> tuple[int, int] | None:
@@ -380,6 +577,50 @@ def _temperatures(cells: Sequence[str]) -> Iterator[tuple[int, float, str]]:
             yield place, kelvin, text
 
 
+def _without_holds(parts: list[Dma]) -> list[Dma]:
+    """The measurements without steps at one frequency and temperature beside sweeps of frequency.
+
+    Nobody says what was changed in them: strain, time or preload. Where the strain is known, the fit sorts them out.
+    """
+    held = [_is_hold(part) for part in parts]
+    swept = [part.omega.size > 1 and part.omega.max() > _SWEPT * part.omega.min() for part in parts]
+    if not any(held) or not any(swept):
+        return parts
+    kept = [part for part, hold in zip(parts, held, strict=True) if not hold]
+    count = sum(part.size for part, hold in zip(parts, held, strict=True) if hold)
+    text = (
+        f"{parts[held.index(True)].source}: {count} points in steps at one frequency and temperature are left out: a "
+        "sweep of something that no column holds, such as strain or time."
+    )
+    return [replace(kept[0], warnings=(*kept[0].warnings, text)), *kept[1:]]
+
+
+def _is_hold(part: Dma) -> bool:
+    if part.omega.size < _HOLD or np.isfinite(part.strain).any() or part.time.size:
+        return False
+    one_rate = part.omega.max() < 1.01 * part.omega.min()
+    return bool(one_rate and np.ptp(part.temperature) < _HELD)  # NaN where no temperature is known: not held
+
+
+def _from_names(parts: list[Dma]) -> list[Dma]:
+    """The measurements with the temperatures that the names of their files give to those without, one to each file.
+
+    A dash right behind a word ("rubber-20C") may be a minus or not: such names say nothing.
+    """
+    every = [part.source for part in parts]
+    for i, part in enumerate(parts):
+        stem = re.sub("[\u2212\u2013]", "-", Path(part.source).stem)
+        found = _NAME.findall(stem)
+        dash = re.search(r"[A-Za-z0-9)]-\d+(?:[.,]\d+)?[ _]?(?:deg ?C|°C|C|K)(?![A-Za-z0-9])", stem)
+        without = not np.isfinite([*part.temperature, *part.time_temperature]).any()
+        if without and len(found) == 1 and not dash and every.count(part.source) == 1:
+            factor, offset = to_si(found[0][1].replace(" ", ""), "temperature") or (1.0, 0.0)
+            kelvin = float(found[0][0].replace(",", ".")) * factor + offset
+            words = f"temperature {kelvin - 273.15:g} degC from the name of the file"
+            parts[i] = replace(part.at(kelvin), columns=tuple(f"{text}; {words}" for text in part.columns))
+    return parts
+
+
 def _with_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
     """The measurements with the temperatures that the user gives to those without."""
     without = [i for i, one in enumerate(parts) if not np.isfinite([*one.temperature, *one.time_temperature]).all()]
@@ -387,12 +628,13 @@ def _with_temperatures(parts: list[Dma], temperature: Any) -> list[Dma]:
         for i in without:
             known = np.isfinite(np.concatenate([parts[i].temperature, parts[i].time_temperature]))
             rates = np.concatenate([parts[i].omega, 1 / parts[i].time])[~known]
+            if parts[i].omega.size and in_strain_sweep(parts[i]).all():
+                continue  # nobody shifts it
             text = f"{parts[i].source}: there is no temperature, which shifting needs: {untold(rates)}"
             parts[i] = replace(parts[i], warnings=(*parts[i].warnings, text))
         return parts
     given = [float(plain("temperature", one)) for one in (temperature if np.ndim(temperature) else [temperature])]
-    for kelvin in given:
-        positive("temperature", kelvin)
+    in_kelvin("temperature", given)
     if not without:
         celsius = np.unique(np.concatenate([[*one.temperature, *one.time_temperature] for one in parts]) - 273.15)
         raise InputError(

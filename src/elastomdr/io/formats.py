@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .sheets import Row, Sheet, number
+from .sheets import Row, Sheet, number, with_points
 from .tables import Head, Table, tables
 
 
@@ -41,6 +41,7 @@ def _q800(sheet: Sheet) -> list[Table]:
     titles = [cells[1].strip() for cells in lines if re.fullmatch(r"Sig\d+", cells[0]) and len(cells) > 1]
     start = next(i for i, cells in enumerate(lines) if cells[0].strip().lower() == "startofdata")
     rows = [Row(i, [cell.strip() for cell in cells]) for i, cells in enumerate(lines, start=1) if i > start + 1]
+    rows = with_points(rows, "\t")
     rows = [row for row in rows if len(row.cells) > 1 and not number(row.cells[0]) < 0]  # -1, -2: marks of events
     return [Table([Head(i, title, "") for i, title in enumerate(titles)], rows, [])]
 
@@ -53,21 +54,24 @@ def _reptate(sheet: Sheet) -> list[Table]:
         return []
     above = [line.split("\t") for line in sheet.lines[: rows[0].line - 1] if "\t" in line]
     heads, units = [*above, [], []][:2]
-    in_time = re.search(r"\.gt$", sheet.name, re.IGNORECASE)
-    if len(heads) < 2:
-        heads, units = (["t", "G(t)"], ["s", "Pa"]) if in_time else (["omega", "G'", "G''"], ["rad/s", "Pa", "Pa"])
-    given = re.search(r"(?:^|;)T=([+-]?[\d.]+);", sheet.lines[0])
-    fixed = {"temperature": float(given[1]) + 273.15} if given else {}
+    kind = sheet.name.lower().rpartition(".")[2]
+    if len(heads) < 2 or kind in _BARE:
+        heads, units = _BARE.get(kind, (["omega", "G'", "G''"], ["rad/s", "Pa", "Pa"]))
+    given = dict(re.findall(r"(?:^|;)\s*(T|stress)\s*=\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?=;|$)", sheet.lines[0]))
+    fixed = {"temperature": float(given["T"]) + 273.15} if "T" in given else {}
+    if kind == "creep" and "stress" in given:
+        fixed["stress"] = float(given["stress"])
     master = re.search(r"\.tts$", sheet.name, re.IGNORECASE)  # its column of temperatures is that of the isotherms
     units = [*units, *[""] * len(heads)]
     read = [Head(i, title, units[i]) for i, title in enumerate(heads) if not (master and title.startswith("T"))]
     return [Table(read, rows, [], fixed=fixed)]
 
 
+_BARE = {"gt": (["t", "G(t)"], ["s", "Pa"]), "creep": (["t", "strain [-]"], ["s", ""])}  # RepTate's columns and units
 _PARAMETERS = r"\A\s*(?!sep=)(\w+=[^;\n]*;)+\s*$"
 FORMATS = (
     Format("RepTate master curve", r"^file name: .*\.[tT][tT][sS]$", _reptate, "shear", shifted=True),
-    Format("RepTate", rf"^file name: .*\.(osc|gt|OSC|GT)$|{_PARAMETERS}", _reptate, "shear"),
+    Format("RepTate", rf"^file name: .*\.(osc|gt|creep|OSC|GT|CREEP)$|{_PARAMETERS}", _reptate, "shear"),
     Format("TA Q800", r"^StartOfData\s*$", _q800),
     Format("TRIOS", r"^\[[Ss]tep\]", tables),
     Format("Netzsch DMA", r"^##Temp\.?/", tables),

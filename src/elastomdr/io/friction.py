@@ -3,16 +3,14 @@
 import os
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import plain, positive
 from ..errors import InputError
 from .columns import Quantity, left_out, read_columns
-from .data import FitWarning
+from .data import FitWarning, MeasuredFriction
 from .dma import checked_units
 
 QUANTITIES = (
@@ -29,32 +27,6 @@ QUANTITIES = (
     Quantity("error", "ratio",
              (r"error|std|sigma|standard deviation|(error|std|standard deviation) of (mu|friction)|mu (error|std)",)),
 )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class MeasuredFriction:
-    """Points of measured friction in SI units, one entry per row of the table; None where there is no such column."""
-
-    velocity: Float[np.ndarray, " n"]  # [m/s]
-    mu: Float[np.ndarray, " n"]
-    temperature: Float[np.ndarray, " n"] | None  # [K]
-    pressure: Float[np.ndarray, " n"] | None  # [Pa]
-    error: Float[np.ndarray, " n"] | None  # standard deviation of mu
-    source: str  # name of the file
-    report: tuple[str, ...]  # what was left out
-
-    @property
-    def points(self) -> dict[str, np.ndarray]:
-        """The points as `curve.plot(measured=...)` takes them."""
-        found = {"velocity": self.velocity, "mu": self.mu, "temperature": self.temperature}
-        return {name: values for name, values in found.items() if values is not None}
-
-    def __repr__(self) -> str:
-        spans = [("velocity", self.velocity, "m/s"), ("temperature", self.temperature, "K"),
-                 ("pressure", self.pressure, "Pa"), ("mu", self.mu, "")]  # fmt: skip
-        parts = [f"{name} {x.min():.4g} to {x.max():.4g} {unit}".rstrip() for name, x, unit in spans if x is not None]
-        return "\n".join([f"MeasuredFriction({self.mu.size} points of {self.source!r}: {', '.join(parts)})",
-                          *self.report])  # fmt: skip
 
 
 def read_friction(

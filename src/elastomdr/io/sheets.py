@@ -68,9 +68,13 @@ def cut(name: str, text: str) -> Sheet:
 
 
 def decode(raw: bytes, name: str) -> str:
-    """Text from UTF-16 (with a mark), UTF-8, Windows-1252 or cp949, whichever fits; Latin-1 fits always."""
+    """Text from UTF-16, UTF-8, Windows-1252 or cp949, whichever fits; Latin-1 fits always."""
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return raw.decode("utf-16", errors="replace")
+    for start, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):  # without a mark
+        half = raw[start:4096:2]
+        if half.count(0) > 0.9 * len(half) and b"\0" not in raw[1 - start : 4096 : 2]:
+            return raw.decode(encoding, errors="replace")
     if b"\0" in raw[:4096]:
         raise InputError(f"path must be a text file or a spreadsheet (.xls, .xlsx), got {name!r} with binary data.")
     for encoding in ("utf-8-sig", "cp1252", "cp949"):
@@ -141,7 +145,7 @@ def _separator(lines: list[str]) -> str:
         for line in sample:
             cells = line.split() if separator == " " else line.split(separator)
             known = sum(_MARKED.fullmatch(cell.strip().strip('"')) is not None for cell in cells)
-            score += known if known >= 2 else 0
+            score += known if known >= 2 and (separator != " " or 2 * known >= len(cells)) else 0
         if score > 1.05 * most:
             best, most = separator, score
     return best

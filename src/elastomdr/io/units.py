@@ -12,6 +12,11 @@ KINDS = {  # kind of quantity -> its SI unit, and units that are recognised in c
     "time": ("s", "s ms min h"),
     "angle": ("rad", "deg rad"),
     "ratio": ("-", "- %"),
+    "strain": ("-", "% -"),
+    "viscosity": ("Pa*s", "Pa*s mPa*s kPa*s"),
+    "compliance": ("1/Pa", "1/Pa 1/kPa 1/MPa"),
+    "stiffness": ("N/m", "N/m N/mm kN/m"),
+    "area": ("m^2", "m^2 cm^2 mm^2"),
     "velocity": ("m/s", "m/s mm/s um/s km/h m/min"),
     "length": ("m", "m mm um nm"),
     "wave number": ("rad/m", "rad/m cycles/m 1/m"),
@@ -23,11 +28,12 @@ _SPELLED = str.maketrans({"μ": "µ", "⁻": "-", "¹": "1", "²": "2", "³": "3
 _ALIASES = {  # in small letters, without blanks
     "c": "degC", "°c": "degC", "℃": "degC", "oc": "degC", "degc": "degC", "deg_c": "degC", "celsius": "degC",
     "°f": "degF", "℉": "degF", "degf": "degF", "deg_f": "degF", "k": "kelvin", "kelvin": "kelvin",
+    "pas": "Pa*s", "mpas": "mPa*s", "kpas": "kPa*s", "pct": "percent", "prozent": "percent",
     "°": "degree", "deg": "degree", "sec": "second", "hr": "hour", "rads": "rad/s", "rad_s": "rad/s",
     "rad_per_s": "rad/s", "rad/sec": "rad/s", "rads**-1": "rad/s", "hertz": "Hz", "dyne/cm**2": "dyn/cm**2",
     "kg/cm**2": "kgf/cm**2", "kg/mm**2": "kgf/mm**2", "-": "", "1": "", "none": "",
 }  # fmt: skip
-_OTHERS = ("N", "N*m", "Pa*s", "1/Pa", "N/m", "m^2")  # units of columns that are passed over
+_OTHERS = ("N", "N*m")  # units of columns that are passed over
 
 
 @functools.cache

@@ -118,6 +118,10 @@ class Disc(Tree):
         radius = self.radius_of_area(area)
         return xp.where(xp.isnan(radius), xp.nan, self.profile(xp.nan_to_num(radius)))
 
+    def measure(self, depth: Array) -> Array:
+        """W at a depth: dA/dd while the contact grows."""
+        return self.width(self.radius_of_depth(depth))
+
     @property
     def _tip(self) -> Any:
         """A length of the order of the tip's radius [m], to begin a search with."""

@@ -61,8 +61,8 @@ def layer_operator(material: Prony, bonded: bool) -> Relaxation:
         return Relaxation(law.equilibrium + bulk, law.moduli, law.times, law.viscosity)
     if not is_traced(material.poisson) and material.poisson >= 0.5:
         raise InputError(
-            f"poisson must be below 0.5 for a bonded layer, got {float(material.poisson):g}: a bonded incompressible "
-            "layer does not act as a row of springs. Give the Poisson's ratio if it is below 0.5, or set bonded=False "
-            "for a layer that slips on its base."
+            f"poisson must be below 0.5 for bonded springs, got {float(material.poisson):g}: a bonded incompressible "
+            "layer does not act as a row of springs. Use em.layer(material, thickness), which holds for any thickness "
+            "and any Poisson's ratio; a bulk modulus in its place would make the springs hundreds of times too stiff."
         )
     return scaled(shear, 2 * (1 - material.poisson) / (1 - 2 * material.poisson))

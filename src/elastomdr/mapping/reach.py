@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from .._arrays import fixed, fori_loop, xp
 from .._runtime import Array
+from .disc import Disc
 from .profile import Profile
 from .shapes import AbstractShape, Cone, Cylinder, FlatPunch, Paraboloid, PowerLaw, Sphere
 
@@ -27,8 +28,13 @@ _STEPS = 6  # Newton's on a sphere: from 13 % to rounding
 _ROUNDS = 12  # of Newton inside a bracket between two points of a profile
 
 
-def contact_measure(shape: AbstractShape, depth: Float[Array, "..."], per_area: bool) -> Float[Array, "..."]:
-    """A'(d) of this module's docstring [m, or m^2 on a layer], at depths d > 0 [m]; exact."""
+def contact_measure(shape: AbstractShape | Disc, depth: Float[Array, "..."], per_area: bool) -> Float[Array, "..."]:
+    """A'(d) of this module's docstring [m, or m^2 on springs], at depths d > 0 [m]; exact.
+
+    In place of a shape it takes the `Disc` of a contact on rubber of finite thickness, which knows its own.
+    """
+    if isinstance(shape, Disc):
+        return shape.measure(depth)
     size = contact_size(shape, depth, per_area and not isinstance(shape, Cylinder))
     if isinstance(shape, Cylinder):
         return 2 * size * shape.length

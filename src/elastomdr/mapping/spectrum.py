@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import as_float64, ascending, is_traced, numpy_unless_traced, positive, require, scalar
+from .._runtime import as_float64, ascending, is_traced, numpy_unless_traced, only_one, positive, require, scalar
 from .._trees import Tree, fill, static
 from ..errors import InputError, closest
 
@@ -166,9 +166,7 @@ class SelfAffine(AbstractSpectrum):
     ):
         hurst = _plain(scalar("hurst", hurst))
         require("hurst", hurst, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
-        if (rms_slope is None) == (rms_height is None):
-            given = "neither" if rms_slope is None else "both"
-            raise InputError(f"rms_slope or rms_height must be given, and only one of them, got {given}.")
+        only_one(rms_slope=rms_slope, rms_height=rms_height)
         if q_low is None or q_high is None:
             raise InputError("q_low and q_high must be given [rad/m]: friction depends on both cutoffs.")
         low, high = scalar("q_low", q_low), scalar("q_high", q_high)

@@ -15,6 +15,8 @@ _TIMES = (1e-15, 1e12)  # [s]
 _OMEGA = (1e-15, 1e20)  # [rad/s]
 _FALLS = 0.1  # relative, by which a measured storage modulus may fall with the frequency
 _ROUNDED = 0.01  # relative, by which a range may be wider than the table
+_STRAINS = (1e-6, 5.0)  # amplitudes
+_UNSOFTENED = (0.5, 2.0)  # factors at the smallest strain of a sweep, where a material has hardly softened
 _TEMPERATURES = (100.0, 600.0)  # [K]
 
 
@@ -22,10 +24,10 @@ def check_material(name_or_path: str | os.PathLike[str]) -> list[str]:
     """What is wrong with a material file, one line per finding; an empty list where nothing is.
 
     Looks at moduli, times and temperatures outside what a polymer in SI units has, storage and loss moduli below zero
-    or a relaxation function that rises within the range of validity, a reference temperature or a shift law that does
-    not cover that range, and missing ranges, sources and grades. Of a table of moduli it looks at a storage modulus
-    that falls with the frequency by more than a tenth, and a range that is wider than the table. A file that does not
-    load is a finding, not an error.
+    or a relaxation function that rises within the range of validity, a reference temperature or a law of shifts that
+    does not cover that range, a softening whose sweep does not begin at small strain, and missing ranges, sources and
+    grades. Of a table of moduli it looks at a storage modulus that falls with the frequency by more than a tenth, and a
+    range that is wider than the table. A file that does not load is a finding, not an error.
     """
     try:
         path = locate(name_or_path)
@@ -38,7 +40,7 @@ def check_material(name_or_path: str | os.PathLike[str]) -> list[str]:
         findings = _table(material, document, limits)
     else:
         findings = _numbers(document) + _not_positive(limits) + _passivity(material, limits)
-    findings += _temperatures(material, document) + _sources(document)
+    findings += _softening(document) + _temperatures(material, document) + _sources(document)
     if document.get("name") != path.stem:
         findings.append(f"name is {document.get('name')!r}, but the file is called {path.name}")
     if not document.get("description"):
@@ -109,6 +111,19 @@ def _passivity(material: Any, limits: dict[str, Any]) -> list[str]:
     return findings
 
 
+def _softening(document: dict[str, Any]) -> list[str]:
+    """Findings on a softening, whose factors are positive and whose strains ascend since it has loaded."""
+    softening = document.get("softening")
+    if softening is None:
+        return []
+    findings = [_outside(f"strain[{k}] in [softening]", x, _STRAINS, "") for k, x in enumerate(softening["strain"])]
+    findings += [
+        _outside(f"{key}[0] in [softening], at the smallest strain,", softening[key][0], _UNSOFTENED, "")
+        for key in ("storage", "loss")
+    ]
+    return [finding for finding in findings if finding]
+
+
 def _temperatures(material: Any, document: dict[str, Any]) -> list[str]:
     limits, reference = document.get("range", {}).get("temperature"), document.get("reference_temperature")
     if limits is None:
@@ -123,13 +138,20 @@ def _temperatures(material: Any, document: dict[str, Any]) -> list[str]:
             material.shift.a(np.asarray(limits, dtype=float))
         except InputError as error:
             findings.append(f"the shift law does not cover the range: {error}")
+    if material.vertical is not None:
+        try:
+            material.vertical.b(np.asarray(limits, dtype=float))
+            off = 0.0 if reference is None else abs(float(material.vertical.b(reference)) - 1)
+            if off > _ROUNDED:
+                findings.append(f"b_T is off 1 by {off:.3g} at the reference temperature")
+        except InputError as error:
+            findings.append(f"the law of vertical shifts does not cover the range: {error}")
     return [finding for finding in findings if finding]
 
 
 def _sources(document: dict[str, Any]) -> list[str]:
     groups = ["moduli", "poisson" if "poisson" in document else "bulk", "range"]
-    if "shift" in document:
-        groups.insert(1, "shift")
+    groups[1:1] = [group for group in ("shift", "vertical", "softening") if group in document]
     sources = document.get("source", {})
     findings = [f"[source.{group}] describes numbers that are not there" for group in sources if group not in groups]
     for group in groups:
@@ -147,4 +169,5 @@ def _sources(document: dict[str, Any]) -> list[str]:
 
 def _outside(name: str, value: float, limits: tuple[float, float], unit: str) -> str:
     low, high = limits
-    return "" if low <= value <= high else f"{name} is {value:g} {unit}, outside {low:g} to {high:g} {unit}"
+    unit = unit and f" {unit}"
+    return "" if low <= value <= high else f"{name} is {value:g}{unit}, outside {low:g} to {high:g}{unit}"

@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import InputError, closest
 from ..files import read_bytes, write_files
 
-GRADES = ("measured", "published fit", "fitted here", "illustrative")
+GRADES = ("measured", "published fit", "fitted here", "estimated", "illustrative")
 
 _TEXT, _NUMBER, _NUMBERS, _PAIR, _PAIR_OR_NONE, _TABLE = (
     "a text in quotes",
@@ -34,6 +34,8 @@ _KEYS = {
     "storage": _NUMBERS,
     "loss": _NUMBERS,
     "shift": _TABLE,
+    "vertical": _TABLE,
+    "softening": _TABLE,
     "range": _TABLE,
     "misfit": _TABLE,
     "source": _TABLE,
@@ -46,9 +48,15 @@ SHIFT_KEYS = {
     "VFT": {"b": _NUMBER, "t0": _NUMBER, "reference": _NUMBER},
     "table": {"temperature": _NUMBERS, "log10_a": _NUMBERS},
 }
+VERTICAL_KEYS = {
+    "entropic": {"reference": _NUMBER},
+    "table": {"temperature": _NUMBERS, "factor": _NUMBERS},
+}
+_SOFTENING_KEYS: dict[str, str] = dict.fromkeys(("strain", "storage", "loss"), _NUMBERS)
 _RANGE_KEYS = {"omega": _PAIR_OR_NONE, "time": _PAIR, "temperature": _PAIR}
 _MISFIT_KEYS: dict[str, str] = dict.fromkeys(("omega", "storage_residual", "loss_residual"), _NUMBERS)
-_SOURCE_GROUPS: dict[str, str] = dict.fromkeys(("moduli", "shift", "poisson", "bulk", "range"), _TABLE)
+_GROUPS = ("moduli", "shift", "vertical", "softening", "poisson", "bulk", "range")
+_SOURCE_GROUPS: dict[str, str] = dict.fromkeys(_GROUPS, _TABLE)
 _SOURCE_KEYS = {
     "citation": _TEXT,
     "grade": _TEXT,
@@ -74,11 +82,17 @@ _COMMENTS = {
     "t0": "[K]",
     "reference": "[K]",
     "log10_a": "[1]",
+    "factor": "b_T, of all moduli [1]",
     "omega": "at the reference temperature [rad/s]",
     "time": "at the reference temperature [s]",
     "temperature": "[K]",
     "storage_residual": "relative, root mean square [1]",
     "loss_residual": "relative, root mean square [1]",
+}
+_IN_SOFTENING = {
+    "strain": "amplitudes of strain, ascending [1]",
+    "storage": "factors on the storage modulus, 1 at small strain [1]",
+    "loss": "factors on the loss modulus, 1 at small strain [1]",
 }
 _HEADER = "# Material of elastomdr, SI units throughout; the format is described in materials/README.md.\n"
 
@@ -108,7 +122,11 @@ def write_document(document: Mapping[str, Any], path: Path) -> None:
 
     validate(path, document)
     # Texts hold no line breaks once written, so that every line starts with a key, a bracket or a list's entry.
-    text = _HEADER + "".join(line + _comment(line) + "\n" for line in tomli_w.dumps(document).splitlines())
+    lines, table = [], ""
+    for line in tomli_w.dumps(document).splitlines():
+        table = line if line.startswith("[") else table
+        lines.append(f"{line}{_comment(line, _IN_SOFTENING if table == '[softening]' else _COMMENTS)}\n")
+    text = _HEADER + "".join(lines)
     write_files({path: text.encode()})
 
 
@@ -131,13 +149,17 @@ def validate(path: Path, document: Mapping[str, Any]) -> None:
     if "poisson" not in document and "bulk" not in document:
         raise InputError(f"{path}: key 'poisson' (or 'bulk') is missing.")
     _same_length(path, "", document, lists[1:] if lists is _SERIES else lists)
-    if "shift" in document:
-        shift = document["shift"]
-        law = shift.get("law")
-        if not isinstance(law, str) or law not in SHIFT_KEYS:
-            hint = closest(law, SHIFT_KEYS) if isinstance(law, str) else ""
-            raise InputError(f"{path}: law in [shift] must be one of {', '.join(SHIFT_KEYS)}, got {law!r}.{hint}")
-        _validate_table(path, "shift", shift, {"law": _TEXT, **SHIFT_KEYS[law]}, SHIFT_KEYS[law])
+    for where, laws in (("shift", SHIFT_KEYS), ("vertical", VERTICAL_KEYS)):
+        if where not in document:
+            continue
+        law = document[where].get("law")
+        if not isinstance(law, str) or law not in laws:
+            hint = closest(law, laws) if isinstance(law, str) else ""
+            raise InputError(f"{path}: law in [{where}] must be one of {', '.join(laws)}, got {law!r}.{hint}")
+        _validate_table(path, where, document[where], {"law": _TEXT, **laws[law]}, laws[law])
+    if "softening" in document:
+        _validate_table(path, "softening", document["softening"], _SOFTENING_KEYS, _SOFTENING_KEYS)
+        _same_length(path, " in [softening]", document["softening"], tuple(_SOFTENING_KEYS))
     _validate_table(path, "range", document.get("range", {}), _RANGE_KEYS)
     if "misfit" in document:
         _validate_table(path, "misfit", document["misfit"], _MISFIT_KEYS, _MISFIT_KEYS)
@@ -196,6 +218,6 @@ def _is_of_type(value: Any, accepted: str) -> bool:
     return isinstance(value, str if accepted == _TEXT else dict)
 
 
-def _comment(line: str) -> str:
+def _comment(line: str, comments: Mapping[str, str]) -> str:
     key, equals, _ = line.partition(" = ")
-    return f"  # {_COMMENTS[key]}" if equals and key in _COMMENTS else ""
+    return f"  # {comments[key]}" if equals and key in comments else ""

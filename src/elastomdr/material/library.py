@@ -38,7 +38,9 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
     document = read_document(path)
     from .prony import Prony
     from .shift import VFT, WLF, Arrhenius, ShiftTable
+    from .softening import Softening
     from .tabulated import TabulatedModulus
+    from .vertical import EntropicVertical, VerticalTable
 
     kind, keys = Prony, ("equilibrium", "moduli", "times")
     if is_tabulated(document):
@@ -49,10 +51,17 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
         if shift is not None:
             laws = {"WLF": WLF, "Arrhenius": Arrhenius, "VFT": VFT, "table": ShiftTable}
             shift = laws[shift["law"]](**{key: value for key, value in shift.items() if key != "law"})
+        vertical = document.get("vertical")
+        if vertical is not None:
+            laws = {"entropic": EntropicVertical, "table": VerticalTable}
+            vertical = laws[vertical["law"]](**{key: value for key, value in vertical.items() if key != "law"})
+        softening = Softening(**document["softening"]) if "softening" in document else None
         material = kind(
             *(document[key] for key in keys),
             kind=document["kind"],
             shift=shift,
+            vertical=vertical,
+            softening=softening,
             name=document.get("name", path.stem),
             citation=_citation(document.get("source", {})),
             range=_range(document),
@@ -129,6 +138,8 @@ def save_material(
         "poisson": None if material.poisson is None else float(material.poisson),
         **(_series(material) if isinstance(material, Prony) else _tabulated(material)),
         "shift": _shift_table(material.shift),
+        "vertical": _vertical_table(material.vertical),
+        "softening": _softening_table(material.softening),
         "range": info.get("range", known.table() if known is not None and known.table() else None),
         "misfit": _misfit_table(known),
         "source": info.get("source", cited or None),
@@ -200,6 +211,11 @@ def _tabulated(material: "TabulatedModulus") -> dict[str, Any]:
     return {key: [float(value) for value in values] for key, values in lists.items()}
 
 
+def _softening_table(softening: Any) -> dict[str, Any] | None:
+    keys = ("strain", "storage", "loss")
+    return None if softening is None else {key: [float(value) for value in getattr(softening, key)] for key in keys}
+
+
 def _misfit_table(known: Any) -> dict[str, list[float]] | None:
     if known is None or not known.misfit:
         return None
@@ -221,8 +237,8 @@ def _range(document: Mapping[str, Any]) -> Any:
 
 
 def _citation(source: Mapping[str, Mapping[str, Any]]) -> str:
-    """The papers behind the moduli and the shift law, each once."""
-    texts = (source.get(group, {}).get("citation", "") for group in ("moduli", "shift"))
+    """The papers behind the moduli, the shift law and the softening, each once."""
+    texts = (source.get(group, {}).get("citation", "") for group in ("moduli", "shift", "softening"))
     return "; ".join(dict.fromkeys(filter(None, texts)))
 
 
@@ -238,3 +254,18 @@ def _shift_table(shift: Any) -> dict[str, Any] | None:
         if isinstance(shift, law):
             return {"law": law.__name__, **{key: float(getattr(shift, key)) for key in SHIFT_KEYS[law.__name__]}}
     raise InputError(f"material.shift must be a WLF, Arrhenius, VFT or ShiftTable to be saved, got {brief(shift)}.")
+
+
+def _vertical_table(vertical: Any) -> dict[str, Any] | None:
+    from .vertical import EntropicVertical, VerticalTable
+
+    if isinstance(vertical, EntropicVertical):
+        return {"law": "entropic", "reference": float(vertical.reference)}
+    if isinstance(vertical, VerticalTable):
+        lists = {"temperature": vertical.temperature, "factor": vertical.factor}
+        return {"law": "table", **{key: [float(entry) for entry in value] for key, value in lists.items()}}
+    if vertical is not None:
+        raise InputError(
+            f"material.vertical must be an EntropicVertical or a VerticalTable to be saved, got {brief(vertical)}."
+        )
+    return None

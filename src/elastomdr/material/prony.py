@@ -22,8 +22,10 @@ from .relaxation import (
     to_kelvin,
     to_relaxation,
 )
-from .shift import AbstractShift, shift_factor
+from .shift import AbstractShift
+from .softening import Softening, as_softening
 from .validity import Range, as_range
+from .vertical import AbstractVertical, check_vertical, thermal_factors
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -37,8 +39,9 @@ class Prony(AbstractRelaxation):
     Give either a constant Poisson's ratio (default 0.5, incompressible) or a constant bulk modulus. An equilibrium
     modulus of zero makes it a liquid. All fields and methods speak of the `kind` of modulus that was given; `shear()`
     and `tensile()` are the same material in the other kind. `range` says where the numbers hold, as a dict like the
-    [range] of a material file: `em.friction` flags what lies beyond. Raises `InputError` for negative or NaN moduli,
-    times that are not positive and ascending, a Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`.
+    [range] of a material file: `em.friction` flags what lies beyond. `softening` (`em.Softening`) has the factors
+    on the moduli at larger strains. Raises `InputError` for negative or NaN moduli, times that are not positive and
+    ascending, a Poisson's ratio outside (-1, 0.5], or both `poisson` and `bulk`.
     """
 
     equilibrium: Float[Array, ""]  # M_inf, as given [Pa]
@@ -48,6 +51,8 @@ class Prony(AbstractRelaxation):
     poisson: Array | None  # constant Poisson's ratio, a scalar; None where `bulk` is given
     bulk: Array | None  # constant bulk modulus, a scalar [Pa]; None where `poisson` is given
     shift: AbstractShift | None
+    vertical: AbstractVertical | None  # b_T, which multiplies all moduli
+    softening: Softening | None  # factors on the moduli by strain; None: linear
     kind: Literal["shear", "tensile"] = static()
     name: str = static()
     citation: str = static()
@@ -64,6 +69,8 @@ class Prony(AbstractRelaxation):
         bulk: Number | None = None,
         viscosity: Number = 0.0,
         shift: AbstractShift | None = None,
+        vertical: AbstractVertical | None = None,
+        softening: Softening | None = None,
         name: str = "",
         citation: str = "",
         range: RangeLike | None = None,
@@ -80,13 +87,15 @@ class Prony(AbstractRelaxation):
             )
         if shift is not None and not isinstance(shift, AbstractShift):
             raise InputError(f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}.")
+        check_vertical(vertical)
         if bulk is not None:
             bulk = scalar("bulk", bulk)
             positive("bulk", bulk)
         else:
             poisson = scalar("poisson", 0.5 if poisson is None else poisson)
             require("poisson", poisson, "above -1 and at most 0.5", lambda nu: (nu > -1) & (nu <= 0.5))
-        fill(self, **vars(law), poisson=poisson, bulk=bulk, shift=shift)
+        fill(self, **vars(law), poisson=poisson, bulk=bulk, shift=shift, vertical=vertical)
+        fill(self, softening=as_softening(softening))
         fill(self, kind=kind, name=name, citation=citation, range=as_range(range))
         if kind == "tensile" and self.bulk is not None:
             if not is_traced(law.viscosity) and law.viscosity > 0:
@@ -136,13 +145,19 @@ class Prony(AbstractRelaxation):
 
     @numpy_unless_traced
     def at(self, temperature: Number) -> "Prony":
-        """The same material at a temperature [K]: its times multiplied by a_T. Raises without a shift law."""
+        """The same material at a temperature [K]: its times multiplied by a_T, its moduli by b_T, the bulk modulus too.
+
+        Raises without a shift law.
+        """
         temperature = scalar("temperature", temperature)
-        factor = shift_factor(self.name, self.shift, temperature)
-        if not is_traced(factor):
-            factor = np.asarray(factor)
-        known = None if self.range is None else self.range.at(temperature, factor)
-        return replaced(self, times=self.times * factor, viscosity=self.viscosity * factor, shift=None, range=known)
+        a, b = thermal_factors(self, temperature)
+        a, b = (x if is_traced(x) else np.asarray(x) for x in (a, b))
+        known = None if self.range is None else self.range.at(temperature, a)
+        law = scaled(self.law(), b)
+        return replaced(
+            self, equilibrium=law.equilibrium, moduli=law.moduli, times=self.times * a, viscosity=law.viscosity * a,
+            bulk=None if self.bulk is None else self.bulk * b, shift=None, vertical=None, range=known,
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""

@@ -53,6 +53,7 @@ class AbstractRelaxation(Tree):
     def creep_compliance(self, t: ArrayLike) -> Array:
         """Strain after a unit stress step, J(t) [1/Pa], at times t >= 0 [s], any shape.
 
+        A parallel dashpot lets nothing happen at once: J(0) = 0, though `instantaneous`, without it, is finite.
         Exact: the Kelvin chain with the same law, from the zeros of the relaxation function (`to_kelvin`).
         """
         chain, t = to_kelvin(self.law()), as_float64("t", t)

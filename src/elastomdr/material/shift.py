@@ -184,18 +184,7 @@ class ShiftTable(AbstractShift):
         fill(self, temperature=temperature, log10_a_table=log10_a, slopes=slopes, reference=reference)
 
     def _log10_a(self, temperature: Array) -> Array:
-        table, values, slopes = map(xp.asarray, (self.temperature, self.log10_a_table, self.slopes))
-        left = xp.clip(xp.searchsorted(table, temperature, side="right") - 1, 0, table.shape[0] - 2)
-        width = table[left + 1] - table[left]
-        s = (temperature - table[left]) / width
-        outside = (temperature < table[0]) | (temperature > table[-1])
-        value = (
-            (1 + 2 * s) * (1 - s) ** 2 * values[left]
-            + s * (1 - s) ** 2 * width * slopes[left]
-            + s**2 * (3 - 2 * s) * values[left + 1]
-            + s**2 * (s - 1) * width * slopes[left + 1]
-        )
-        return xp.where(outside, xp.nan, value)
+        return hermite(self.temperature, self.log10_a_table, self.slopes, temperature)
 
     def _check(self, temperature: Any) -> None:
         if is_traced(self):
@@ -205,18 +194,24 @@ class ShiftTable(AbstractShift):
         require("temperature", temperature, accepted, lambda t: (t >= low) & (t <= high))
 
 
+def hermite(table: Any, values: Any, slopes: Any, at: Array) -> Array:
+    """Cubics through the values of a table with its slopes; NaN outside."""
+    table, values, slopes = map(xp.asarray, (table, values, slopes))
+    left = xp.clip(xp.searchsorted(table, at, side="right") - 1, 0, table.shape[0] - 2)
+    width = table[left + 1] - table[left]
+    s = (at - table[left]) / width
+    outside = (at < table[0]) | (at > table[-1])
+    value = (
+        (1 + 2 * s) * (1 - s) ** 2 * values[left]
+        + s * (1 - s) ** 2 * width * slopes[left]
+        + s**2 * (3 - 2 * s) * values[left + 1]
+        + s**2 * (s - 1) * width * slopes[left + 1]
+    )
+    return xp.where(outside, xp.nan, value)
+
+
 def _above_pole(law: str, temperature: Any, pole: Any) -> None:
     if not is_traced(pole):
         limit = float(pole)
         accepted = f"above the {law} pole at {limit:g} K, where the law breaks down"
         require("temperature", temperature, accepted, lambda t: t > limit)
-
-
-def shift_factor(name: str, shift: AbstractShift | None, temperature: Array) -> Array:
-    """a_T of the material `name` at a temperature [K]. Raises `InputError` where it has no shift law."""
-    if shift is None:
-        raise InputError(
-            f"temperature was given ({temperature}), but the material {name or '(unnamed)'} has no shift law; "
-            "give it one with shift=em.WLF(...), or leave the temperature out."
-        )
-    return shift.a(temperature)

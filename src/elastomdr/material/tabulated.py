@@ -33,8 +33,10 @@ from .._runtime import (
 )
 from .._trees import Tree, fill, replaced, static
 from ..errors import InputError
-from .shift import AbstractShift, shift_factor
+from .shift import AbstractShift
+from .softening import Softening, as_softening
 from .validity import Range, as_range
+from .vertical import AbstractVertical, check_vertical, thermal_factors
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -79,6 +81,19 @@ class AbstractTable(Tree):
         """Loss modulus over storage modulus at omega [rad/s]."""
         storage, loss = self._moduli(omega)
         return loss / storage
+
+    def relaxation(self, t: ArrayLike) -> Array:
+        """Not known from a table. Raises `InputError`, which says how a series is fitted to it."""
+        raise InputError(_no_history("relaxation", self))
+
+    def creep_compliance(self, t: ArrayLike) -> Array:
+        """Not known from a table. Raises `InputError`, which says how a series is fitted to it."""
+        raise InputError(_no_history("creep_compliance", self))
+
+    @property
+    def instantaneous(self) -> Array:
+        """Not known from a table, which ends at some frequency. Raises `InputError`."""
+        raise InputError(_no_history("instantaneous", self))
 
     @numpy_unless_traced
     def _moduli(self, omega: Any) -> tuple[Array, Array]:
@@ -147,6 +162,8 @@ class TabulatedModulus(AbstractTable):
         kind: "shear" (G) or "tensile" (E).
         poisson: Poisson's ratio, constant, above -1 and at most 0.5.
         shift: shift law; without it, no temperature can be given.
+        vertical: law of vertical shifts b_T, which multiply all moduli.
+        softening: `em.Softening`, factors on the moduli at larger strains; without it the rubber is linear.
         name: what tables and figures call it.
         citation: where the numbers come from.
         range: where they hold, as for `em.Prony`; its frequencies are those of the table where it gives none. What lies
@@ -162,6 +179,8 @@ class TabulatedModulus(AbstractTable):
     loss_table: Float[Array, " n"]
     poisson: Float[Array, ""]
     shift: AbstractShift | None
+    vertical: AbstractVertical | None
+    softening: Softening | None
     kind: Literal["shear", "tensile"] = static()
     name: str = static()
     citation: str = static()
@@ -176,6 +195,8 @@ class TabulatedModulus(AbstractTable):
         kind: Kind = "shear",
         poisson: Number = 0.5,
         shift: AbstractShift | None = None,
+        vertical: AbstractVertical | None = None,
+        softening: Softening | None = None,
         name: str = "",
         citation: str = "",
         range: RangeLike | None = None,
@@ -198,12 +219,14 @@ class TabulatedModulus(AbstractTable):
                 raise InputError(f"{argument} must be a text, got {text!r}.")
         if shift is not None and not isinstance(shift, AbstractShift):
             raise InputError(f"shift must be a WLF, Arrhenius, VFT or ShiftTable, got {shift!r}.")
+        check_vertical(vertical)
         poisson = scalar("poisson", poisson)
         require("poisson", poisson, "above -1 and at most 0.5", lambda nu: (nu > -1) & (nu <= 0.5))
         known = as_range(range)
         if (known is None or known.omega is None) and not is_traced(omega):
             known = (known or Range(None, None))._replace(omega=(float(omega[0]), float(omega[-1])))
-        fill(self, omega=omega, storage_table=storage, loss_table=loss, poisson=poisson, shift=shift)
+        fill(self, omega=omega, storage_table=storage, loss_table=loss, poisson=poisson, shift=shift, vertical=vertical)
+        fill(self, softening=as_softening(softening))
         fill(self, kind=kind, name=name, citation=citation, range=known)
 
     def shear(self) -> "TabulatedModulus":
@@ -218,16 +241,23 @@ class TabulatedModulus(AbstractTable):
     def _as(self, kind: Kind, factor: Any) -> "TabulatedModulus":
         return TabulatedModulus(
             self.omega, self.storage_table * factor, self.loss_table * factor, kind=kind, poisson=self.poisson,
-            shift=self.shift, name=self.name, citation=self.citation, range=self.range,
+            shift=self.shift, vertical=self.vertical, softening=self.softening, name=self.name,
+            citation=self.citation, range=self.range,
         )  # fmt: skip
 
     @numpy_unless_traced
     def at(self, temperature: Number) -> "TabulatedModulus":
-        """The same material at a temperature [K]: its frequencies divided by a_T. Raises without a shift law."""
+        """The same material at a temperature [K]: its frequencies divided by a_T, its moduli multiplied by b_T.
+
+        Raises without a shift law.
+        """
         temperature = scalar("temperature", temperature)
-        factor = shift_factor(self.name, self.shift, temperature)
-        known = None if self.range is None else self.range.at(temperature, factor)
-        return replaced(self, omega=self.omega / factor, shift=None, range=known)
+        a, b = thermal_factors(self, temperature)
+        known = None if self.range is None else self.range.at(temperature, a)
+        return replaced(
+            self, omega=self.omega / a, storage_table=self.storage_table * b, loss_table=self.loss_table * b,
+            shift=None, vertical=None, range=known,
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         label = f"{self.name!r}, " if self.name else ""
@@ -240,6 +270,14 @@ def described(table: AbstractTable) -> str:
         return f"{np.shape(table.omega)[-1]} points, traced or a batch"
     (low, high), (soft, stiff) = (x[[0, -1]] for x in (np.asarray(table.omega), np.asarray(table.storage_table)))
     return f"{table.omega.size} points, {low:.3g}..{high:.3g} rad/s, storage {soft:.4g}..{stiff:.4g} Pa"
+
+
+def _no_history(name: str, table: AbstractTable) -> str:
+    kind = f', kind="{table.kind}"' if isinstance(table, TabulatedModulus) else ""
+    return (
+        f"{name} is not known from a table of moduli, got {table!r}: fit a series, "
+        f"em.fit.prony(omega, storage, loss{kind}).material.{name}."
+    )
 
 
 def needs_series(name: str, material: Any, purpose: str) -> None:

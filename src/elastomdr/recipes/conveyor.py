@@ -30,6 +30,7 @@ from .._runtime import (
 from .._trees import Tree, fill, static
 from ..errors import InputError
 from ..foundation.law import Foundation
+from ..foundation.layer import Layer
 from ..mapping.shapes import Cylinder
 from ..results.applications import Conveyor
 from ..results.words import brief, describe
@@ -47,7 +48,7 @@ class Idlers(Tree):
     """Equal sets of idlers along one side of a conveyor, and the cover that they dent.
 
     Args:
-        cover: `em.springs(rubber, thickness, bonded=False)`, or a `Foundation` per area.
+        cover: `em.layer(rubber, thickness)`; or `em.springs(...)`, or a `Foundation` per area.
         roll: an `em.Cylinder`; all rolls of a set are alike.
         spacing: distance from set to set [m].
         shares: shares of the load on a set, one for each roll, together 1; by default a single roll.
@@ -56,14 +57,14 @@ class Idlers(Tree):
         InputError: for shares that do not add up to 1, and values that are not positive.
     """
 
-    cover: Foundation
+    cover: Foundation | Layer
     roll: Cylinder
     spacing: Float[Array, ""]  # l [m]
     shares: Float[Array, " rolls"]  # s_i
 
-    def __init__(self, cover: Foundation, roll: Cylinder, *, spacing: Number, shares: ArrayLike = (1.0,)):
-        if not isinstance(cover, Foundation) or cover.per_area is False:
-            raise InputError(f"cover must be a layer, em.springs(rubber, thickness, bonded=False), got {cover!r}.")
+    def __init__(self, cover: Foundation | Layer, roll: Cylinder, *, spacing: Number, shares: ArrayLike = (1.0,)):
+        if not isinstance(cover, (Foundation, Layer)) or getattr(cover, "per_area", None) is False:
+            raise InputError(f"cover must be a layer, em.layer(rubber, thickness), got {cover!r}.")
         if not isinstance(roll, Cylinder):
             raise InputError(f"roll must be an em.Cylinder(radius, length), got {roll!r}.")
         fill(self, cover=cover, roll=roll)
@@ -100,7 +101,7 @@ def conveyor(
         goods: mass of the goods per length m_g [kg/m]; 0 for an empty belt.
         temperature: temperature [K], for covers with a shift law.
         gravity: g [m/s^2].
-        model: as for `rolling`, of each roll; on covers, which are layers, every model gives the same.
+        model: as for `rolling`, of each roll; on covers every model gives the same.
         rtol: as for `rolling`, of each roll.
 
     Returns:
@@ -109,8 +110,8 @@ def conveyor(
     Raises:
         InputError: as `rolling`, and for negative masses.
 
-    Exact for covers that are springs side by side and idlers far enough apart for the cover to recover between them;
-    within a roll the load is taken as even. Bearings, flexure of belt and goods, and lifting are left out.
+    Exact, in plane strain, for covers given as `em.layer`, and idlers far enough apart for the cover to recover between
+    them; within a roll the load is taken as even. Bearings, flexure of belt and goods, and lifting are left out.
     Differentiable as `rolling` is.
 
     Source: `docs/belt.md`.

@@ -28,6 +28,7 @@ from ..mapping.radok import normal_operator
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
 from ..material.tabulated import needs_series
+from ..material.vertical import thermal_factors
 from ..results.applications import SqueezedCord
 from ..results.words import brief
 from ..scenes.several import over_materials
@@ -133,17 +134,15 @@ def squeezed_cord(
 
 def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> Any:
     """A modulus at a time and a temperature; relaxed without a time."""
-    factor = 1.0
+    factor, vertical = 1.0, 1.0
     if temperature is not None:
         positive("temperature", temperature)
-        if material.shift is None:
-            raise InputError(f"temperature was given, but {material.name or 'the material'} has no shift law.")
-        factor = material.shift.a(temperature)
+        factor, vertical = thermal_factors(material, temperature)
     if time is None:
-        return law.equilibrium
+        return law.equilibrium * vertical
     not_negative("time", time)
     try:
-        return law.relaxation(time / factor)
+        return law.relaxation(time / factor) * vertical
     except ValueError as error:
         raise InputError(
             f"time and temperature must broadcast, got {np.shape(time)} and {np.shape(factor)}."

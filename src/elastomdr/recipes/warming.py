@@ -30,6 +30,7 @@ from .._runtime import (
 )
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
+from ..foundation.layer import Layer
 from ..results.applications import Warming
 from ..results.words import brief
 from ..scenes.rolling import rolling
@@ -91,7 +92,7 @@ def warming(
 
     Source: derived in `docs/wheel.md`.
     """
-    foundation = as_foundation(material)
+    foundation: Any = material if isinstance(material, Layer) else as_foundation(material)
     if foundation.shift is None:
         raise InputError(f"material must have a shift law to warm up, got {foundation.name or 'one without'}.")
     given = {"velocity": velocity, "load": load, "ambient": ambient, "conductance": conductance}

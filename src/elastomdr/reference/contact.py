@@ -9,7 +9,7 @@ dozen products, whatever the material.
 """
 
 import functools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -17,6 +17,7 @@ from jax.scipy.sparse.linalg import bicgstab
 from jaxtyping import Bool, Float
 
 from .._runtime import Array
+from ..foundation.layer import layer_kernel
 from ..material.relaxation import Relaxation
 
 # Shares of a cell by which the observer is moved back where contacts do not settle from centre to centre.
@@ -49,6 +50,7 @@ def grid(
     velocity: Array,
     sides: tuple[Array, Array],
     lead: float | Array,
+    cover: Any = None,
 ) -> Grid:
     """Transforms of a kernel that is even across the motion, given for offsets 0 to (m-1) h across."""
     along, across = (kernel.shape[0] + 1) // 2, kernel.shape[1]
@@ -62,6 +64,8 @@ def grid(
     turn = 1j * kx * velocity
     x = turn[..., None] * law.times
     modulus = law.equilibrium + jnp.sum(law.moduli * x / (1 + x), axis=-1) + turn * law.viscosity
+    if cover is not None:
+        modulus = modulus / layer_kernel(k * cover.thickness, cover.squeeze, cover.bonded)
     return Grid(jnp.fft.rfft2(padded), jnp.conj(modulus) * k / 2 * jnp.exp(1j * kx * lead * sides[0]))
 
 

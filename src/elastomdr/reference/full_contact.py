@@ -19,6 +19,7 @@ from .._runtime import Array, as_float64, in_float64, positive
 from ..errors import InputError
 from ..foundation.law import surface_foundation
 from ..mapping.rough_line import RoughLine
+from ..material.vertical import thermal_factors
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Material
@@ -53,19 +54,19 @@ def full_contact_sliding(
     if foundation.per_area or not isinstance(line, RoughLine):
         raise InputError("full contact is that of an em.RoughLine on a material or a half-space of it.")
     v, force, factor = as_float64("velocity", velocity), as_float64("load", load), 1.0
+    vertical = np.ones(())
     positive("velocity", v)
     positive("load", force)
     if temperature is not None:
-        if foundation.shift is None:
-            raise InputError(f"temperature was given, but {foundation.name or 'the material'} has no shift law.")
         kelvin = as_float64("temperature", temperature)
         positive("temperature", kelvin)
-        factor = foundation.shift.a(kelvin)
+        factor, vertical = thermal_factors(foundation, kelvin)
     shapes = [np.shape(v), np.shape(force), np.shape(factor)]
     try:
         np.broadcast_shapes(*shapes)
     except ValueError as error:
         raise InputError(f"velocity, load and temperature must broadcast, got shapes {shapes}.") from error
+    force = force / vertical
     waves = jnp.fft.rfft(jnp.asarray(line.height))[1:]
     k = 2 * jnp.pi * jnp.arange(1, waves.shape[0] + 1) / line.period
     modulus = foundation.complex_modulus((jnp.asarray(v) * factor)[..., None] * k)

@@ -77,10 +77,9 @@ def half_plane_sliding(
     radius = scalar("radius", radius)
     positive("radius", radius)
     scene = broadcast(
-        foundation, velocity=velocity, load=load_per_length, depth=None, temperature=temperature, points=points,
-        name="load_per_length",
+        foundation, velocity=velocity, load_per_length=load_per_length, temperature=temperature, points=points
     )  # fmt: skip
-    law = foundation.law()
+    at, law = scene.at, foundation.law()
     chain = to_kelvin(law)
     found = [_one(float(radius), law, chain, w, v, points) for w, v in zip(scene.value, scene.velocity, strict=True)]
     good = np.array([bool(fine.settled) for fine, _ in found])
@@ -92,24 +91,24 @@ def half_plane_sliding(
         )
 
     def field(values: list[Any]) -> Any:
-        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(scene.shape)
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(at.shape)
 
     fine = [pair[0] for pair in found]
     mu = field([f.mu for f in fine])
-    load = scene.value.reshape(scene.shape)
-    rows = scene.inputs(foundation, f"cylinder, radius {float(radius):g} m")
+    load = (scene.value * scene.vertical).reshape(at.shape)
+    rows = scene.inputs(("shape", f"cylinder, radius {float(radius):g} m"), load="N/m")
     return HalfPlaneCurve(
-        velocity=scene.given.reshape(scene.shape),
+        velocity=at.full(at.velocity),
         mu=mu,
         load_per_length=load,
         friction_per_length=mu * load,
         contact=Contact(field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])),
         error=field([error for _, error in found]),
-        converged=good.reshape(scene.shape),
-        temperature=scene.temperature,
+        converged=good.reshape(at.shape),
+        temperature=at.full(at.kelvin),
         model=MODEL,
         plan=f"{points} cells; three eighths, half and three quarters as many for the error",
-        inputs=tuple(("load per length", v.replace(" N", " N/m")) if k == "load" else (k, v) for k, v in rows),
+        inputs=rows,
     )
 
 

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 
 from .._runtime import Array, in_float64
 from ..errors import ConvergenceWarning, InputError
-from ..foundation.law import as_foundation
+from ..foundation.law import Foundation, as_foundation
 from ..mapping.lines import SingleLine
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 MODEL = "half-space in three dimensions, cells of constant pressure (no reduction)"
 _WINDOWS = 8  # windows tried until the contact lies well inside
+_ENDS = 13.9  # thicknesses of a layer beyond which its surface does not move
 _SAFETY = 2.0  # of the change of mu with the grid, which is of first order where the loss is small, and not smooth
 
 
@@ -42,13 +43,14 @@ class _Found(NamedTuple):
     edges: Float[Array, "4"]  # trailing, leading on the central line; rearmost, foremost of all [m]
     half_width: Float[Array, ""]  # across the motion [m]
     touching: Bool[Array, "along across"]
+    area: Float[Array, ""]  # of contact, the staircase of its border corrected as in `solve.half_space` [m^2]
     settled: Array
     inside: Array  # no cell at the border of the window is in contact
 
 
 _NAN = np.array(np.nan)
 _FAILED = _Found(
-    _NAN, _NAN, _NAN, np.full(4, np.nan), _NAN, np.zeros((1, 1), bool), np.asarray(False), np.asarray(True)
+    _NAN, _NAN, _NAN, np.full(4, np.nan), _NAN, np.zeros((1, 1), bool), _NAN, np.asarray(False), np.asarray(True)
 )
 
 
@@ -94,13 +96,21 @@ def half_space_sliding(
     """
     foundation = as_foundation(material)
     if foundation.per_area:
-        raise InputError("material must be a half-space, got a layer: em.friction is exact for layers.")
+        raise InputError("material must be a half-space, got independent springs, for which em.friction is exact.")
     if cell is not None:
         if depth is not None:
             raise InputError(f"depth has no meaning in a periodic cell, give load; got depth={depth}.")
         return slide_periodic(
             foundation, shape, cell=cell, velocity=velocity, load=load, temperature=temperature, points=points
         )
+    return slide(foundation, shape, velocity, load, depth, temperature, points, None, MODEL)
+
+
+def slide(
+    foundation: Foundation, shape: Any, velocity: Any, load: Any, depth: Any, temperature: Any, points: int,
+    cover: Any, model: str,
+) -> FrictionCurve:  # fmt: skip
+    """One isolated body; `cover` is None on a half-space, or what a layer changes (`reference.layer`)."""
     if not isinstance(shape, AbstractShape) or isinstance(shape, (Cylinder, FlatPunch)):
         raise InputError(
             f"shape must be an axisymmetric body with a smooth edge (em.Paraboloid, em.Sphere, em.Cone, em.PowerLaw, "
@@ -108,34 +118,37 @@ def half_space_sliding(
         )
     law = foundation.law()
     scene = broadcast(foundation, velocity=velocity, load=load, depth=depth, temperature=temperature, points=points)
-    chain = to_kelvin(law)
-    found = [_one(shape, law, chain, scene, i) for i in range(scene.velocity.size)]
+    at, chain = scene.at, to_kelvin(law)
+    found = [_one(shape, law, chain, scene, cover, i) for i in range(scene.velocity.size)]
     good = np.array([bool(fine.settled) for fine, _ in found])
 
     def field(values: list[Any]) -> Any:
-        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(scene.shape)
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(at.shape)
 
     if not good.all():
         warnings.warn(
             f"{int((~good).sum())} of {good.size} contacts did not settle; they are NaN. More points resolve a thinner "
             "glassy zone; a contact that reaches the end of the body has no answer.",
             ConvergenceWarning,
-            stacklevel=3,
+            stacklevel=4,
         )
     fine = [pair[0] for pair in found]
+    force = field([f.force for f in fine]) * at.vertical
+    mu = field([f.mu for f in fine])
     return FrictionCurve(
-        velocity=scene.given.reshape(scene.shape),
-        mu=field([f.mu for f in fine]),
-        normal_force=field([f.force for f in fine]),
-        friction_force=field([f.mu * f.force for f in fine]),
+        velocity=at.full(at.velocity),
+        mu=mu,
+        normal_force=force,
+        friction_force=mu * force,
         depth=field([f.depth for f in fine]),
+        contact_area=field([f.area for f in fine]),
         contact=Contact(field([f.edges[1] for f in fine]), field([-f.edges[0] for f in fine])),
         error=field([error for _, error in found]),
-        converged=good.reshape(scene.shape),
-        temperature=scene.temperature,
-        model=MODEL,
+        converged=good.reshape(at.shape),
+        temperature=at.full(at.kelvin),
+        model=model,
         plan=grid_words(points),
-        inputs=scene.inputs(foundation, describe(shape)),
+        inputs=scene.inputs(("shape", describe(shape))),
     )
 
 
@@ -144,7 +157,9 @@ def grid_words(points: int) -> str:
     return f"{points} by {points} cells; half as many and three eighths for the error"
 
 
-def _one(shape: AbstractShape, law: Relaxation, chain: KelvinChain, scene: Points, i: int) -> tuple[_Found, float]:
+def _one(
+    shape: AbstractShape, law: Relaxation, chain: KelvinChain, scene: Points, cover: Any, i: int
+) -> tuple[_Found, float]:
     """A point on the full grid, and how far mu may be off for the grid: from half of it and from three eighths."""
     value, velocity = scene.value[i], scene.velocity[i]
     size = estimate_sizes(law, SingleLine(shape), scene.control, scene.value[i : i + 1], scene.velocity[i : i + 1])
@@ -152,7 +167,7 @@ def _one(shape: AbstractShape, law: Relaxation, chain: KelvinChain, scene: Point
     round_start = _round(32)
     for lead in LEADS:
         window = np.array([-1.6 * size, 1.6 * size, 1.6 * size])  # anew: one that did not settle may have led astray
-        solve = functools.partial(_solve, shape, law, chain, scene.control, value, velocity, lead=lead)
+        solve = functools.partial(_solve, shape, law, chain, scene.control, value, velocity, cover, lead=lead)
         rough = solve(window, round_start)
         for _ in range(_WINDOWS):
             if bool(rough.inside):
@@ -190,7 +205,7 @@ def _seen(touching: Array, window: Array, closer: Array, count: int) -> Bool[np.
 
 
 @functools.partial(jax.jit, static_argnames=("control",))
-def _solve(shape, law, chain, control: Control, value, velocity, window, start, *, lead: Array) -> _Found:
+def _solve(shape, law, chain, control: Control, value, velocity, cover, window, start, *, lead: Array) -> _Found:
     """The contact in a window from window[0] to window[1] along the motion, and window[2] to either side."""
     count = start.shape[0]
     h, width = (window[1] - window[0]) / count, 2 * window[2] / count
@@ -198,17 +213,22 @@ def _solve(shape, law, chain, control: Control, value, velocity, window, start, 
     y = width * (jnp.arange(count) - 0.5 * (count - 1))
     across = jnp.arange(count) * width
 
+    def elastic(at):
+        whole = area_cell(at[:, None], across[None], h, width)
+        if cover is None:
+            return whole
+        r = jnp.hypot(at[:, None], across[None])
+        return jnp.where(r < _ENDS * cover.thickness, whole - cover.less(r, (h, width)), 0.0)
+
     def of_cells(lead):
-        return sliding_kernel(
-            lambda at: area_cell(at[:, None], across[None], h, width), chain, velocity, h, count, lead
-        )
+        return sliding_kernel(elastic, chain, velocity, h, count, lead)
 
     kernel = of_cells(lead)
     r = jnp.hypot((x - lead * h)[:, None], y[None])
     height = shape._height(jnp.minimum(r, shape.largest_contact * (1 - 1e-9)))
     beyond = r >= shape.largest_contact
     height = jnp.where(beyond, 1e3 * (window[1] - window[0]), height)
-    on = grid(kernel.displacement, law, velocity, (h, width), lead)
+    on = grid(kernel.displacement, law, velocity, (h, width), lead, cover)
     solution = settle(on, height, start, control, value / (h * width) if control == "load" else value)
     p = solution.pressure
     whole = ~jnp.any((p > 0) & (r > shape.largest_contact - jnp.hypot(h, width)))  # not at the end of the body
@@ -222,4 +242,8 @@ def _solve(shape, law, chain, control: Control, value, velocity, window, start, 
     edges += [jnp.min(jnp.where(every, x, jnp.inf)) - h / 2, jnp.max(jnp.where(every, x, -jnp.inf)) + h / 2]
     half_width = jnp.max(jnp.where(jnp.any(touching, axis=0), jnp.abs(y), 0.0)) + width / 2
     border = jnp.any(touching[jnp.array([0, -1])]) | jnp.any(touching[:, jnp.array([0, -1])])
-    return _Found(mu, force, solution.depth, jnp.stack(edges), half_width, touching, solution.settled & whole, ~border)
+    steps = sum(jnp.sum(jnp.diff(touching.astype(int), axis=i) != 0) for i in (0, 1))
+    area = (jnp.sum(touching) - (jnp.pi - 1 + jnp.log(2.0)) / 24 * steps) * h * width
+    return _Found(
+        mu, force, solution.depth, jnp.stack(edges), half_width, touching, area, solution.settled & whole, ~border
+    )

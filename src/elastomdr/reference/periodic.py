@@ -49,8 +49,8 @@ def slide_periodic(
     """`half_space_sliding` of a map or an array of bodies on a periodic cell."""
     sides = _sides(cell)
     heights, name = _heights(shape, sides, points)
-    scene = broadcast(foundation, velocity=velocity, load=load, depth=None, temperature=temperature, points=points)
-    law, area = foundation.law(), float(np.prod(sides))
+    scene = broadcast(foundation, velocity=velocity, load=load, temperature=temperature, points=points)
+    at, law, area = scene.at, foundation.law(), float(np.prod(sides))
     found = []
     for value, speed in zip(scene.value / area, scene.velocity, strict=True):
         found.append(_one(law, speed, value, heights, sides))
@@ -60,21 +60,21 @@ def slide_periodic(
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
 
     def field(values: list[Any]) -> Any:
-        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(scene.shape)
+        return np.where(good, np.array([float(v) for v in values]), np.nan).reshape(at.shape)
 
-    drag, force = field([area * fine.stress for fine, _ in found]), scene.value.reshape(scene.shape)
+    drag, force = field([area * fine.stress for fine, _ in found]), scene.value.reshape(at.shape)
     grid = f"{heights.shape[0]} by {heights.shape[1]} points"
-    inputs = {**dict(scene.inputs(foundation, name)), "cell": _metres(sides), "grid": grid}
+    inputs = {**dict(scene.inputs(("shape", name))), "cell": _metres(sides), "grid": grid}
     return HalfSpaceCurve(
-        velocity=scene.given.reshape(scene.shape),
+        velocity=at.full(at.velocity),
         mu=drag / force,
-        normal_force=force,
-        friction_force=drag,
+        normal_force=force * at.vertical,
+        friction_force=drag * at.vertical,
         area=field([fine.area for fine, _ in found]),
         separation=field([fine.separation for fine, _ in found]),
         error=field([area * abs(fine.stress - coarse.stress) for fine, coarse in found]) / force,
-        converged=good.reshape(scene.shape),
-        temperature=scene.temperature,
+        converged=good.reshape(at.shape),
+        temperature=at.full(at.kelvin),
         model=MODEL,
         plan=f"{grid}, and every second of them along each side for the error",
         inputs=tuple(inputs.items()),

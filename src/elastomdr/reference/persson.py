@@ -23,6 +23,7 @@ from ..errors import InputError
 from ..foundation.law import surface_foundation
 from ..mapping.spectrum import as_spectrum
 from ..material.tabulated import LEFT_OUT, AbstractTable
+from ..material.vertical import thermal_factors
 from ..results.curve import PerssonCurve
 from ..results.words import brief
 
@@ -77,18 +78,16 @@ def persson(
     velocity, pressure = as_float64("velocity", velocity), as_float64("pressure", pressure)
     positive("velocity", velocity)
     positive("pressure", pressure)
-    factor = np.ones(())
+    factor, vertical = np.ones(()), np.ones(())
     if temperature is not None:
-        if foundation.shift is None:
-            raise InputError("temperature was given, but the material has no shift law.")
-        factor = np.asarray(foundation.shift.a(as_float64("temperature", temperature)))
-    v, p, a = np.broadcast_arrays(velocity, pressure, factor)
+        factor, vertical = thermal_factors(foundation, as_float64("temperature", temperature))
+    v, p, a, b = np.broadcast_arrays(velocity, pressure, factor, vertical)
 
     def solved(rubber: Any, part: int) -> np.ndarray:
         """mu, area and G of every point, with one `part`-th of the wave numbers and angles."""
         return np.array([
             _one(rubber, *_wave_numbers(surface, _PER_DECADE // part), _ANGLES // part, x * y, z, gamma, stored)
-            for x, y, z in zip(v.flat, a.flat, p.flat, strict=True)
+            for x, y, z in zip(v.flat, a.flat, (p / b).flat, strict=True)
         ])  # fmt: skip
 
     fine, coarse = solved(foundation, 1), solved(foundation, 2)

@@ -21,6 +21,7 @@ from .._runtime import Array, as_float64, in_float64, is_traced, positive
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.shapes import Cylinder
+from ..material.vertical import thermal_factors
 
 if TYPE_CHECKING:
     from .._types import ArrayLike
@@ -62,14 +63,13 @@ def small_damping(
     if not isinstance(roll, Cylinder):
         raise InputError(f"roll must be an em.Cylinder(radius, length), got {roll!r}.")
     v, force, factor = as_float64("velocity", velocity), as_float64("load", load), 1.0
+    vertical = np.ones(())
     positive("velocity", v)
     positive("load", force)
     if temperature is not None:
-        if cover.shift is None:
-            raise InputError(f"temperature was given, but {cover.name or 'the cover'} has no shift law.")
         kelvin = as_float64("temperature", temperature)
         positive("temperature", kelvin)
-        factor = cover.shift.a(kelvin)
+        factor, vertical = thermal_factors(cover, kelvin)
     if not is_traced(cover) and not float(cover.equilibrium) > 0:
         raise InputError("cover must have an equilibrium modulus: one that relaxes altogether does not lose little.")
     shapes = [np.shape(v), np.shape(force), np.shape(factor)]
@@ -77,6 +77,7 @@ def small_damping(
         np.broadcast_shapes(*shapes)
     except ValueError as error:
         raise InputError(f"velocity, load and temperature must broadcast, got shapes {shapes}.") from error
+    force = force / vertical
     diameter = 2 * jnp.asarray(roll.radius)
     scale, speed = 0.75 * diameter * force / jnp.asarray(roll.length), jnp.asarray(v) * factor
     half = (scale / cover.equilibrium) ** (1 / 3) + 0 * speed

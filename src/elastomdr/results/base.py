@@ -322,15 +322,20 @@ class Result:
 
         Opens with `pandas.read_csv(path, comment="#")` and in a spreadsheet. Numbers have as many digits, up to 17, as
         it takes to read back the same float64; one that is not known, since its point failed, is an empty cell. The
-        file appears when it is complete, or not at all. Raises `InputError` where it cannot be written.
+        file appears when it is complete, or not at all. Raises `InputError` where it cannot be written, and for a name
+        that ends in .xlsx.
         """
+        if Path(path).suffix.lower() in (".xlsx", ".xls"):
+            raise InputError(f"path must not be that of a workbook, got {str(path)!r}: for one use to_excel.")
         write_files({Path(path): self.csv().encode()})
 
     def to_excel(self, path: str | os.PathLike[str]) -> None:
         """Writes an Excel workbook: the table, then what went in and came out, then what the columns mean.
 
-        Raises `InputError` without openpyxl, and where the file cannot be written.
+        Raises `InputError` for a name that does not end in .xlsx, without openpyxl, and where it cannot be written.
         """
+        if Path(path).suffix.lower() != ".xlsx":
+            raise InputError(f"path must end in .xlsx, got {str(path)!r}: for a table of text use to_csv.")
         openpyxl = _package("openpyxl", "excel")
         columns = self.columns()
         rows = len(next(iter(columns.values())))
@@ -407,7 +412,11 @@ class Result:
         """
         from . import plotting
 
-        return self._draw(getattr(plotting, self.figure), plotting.Ask(ax, style, title, label))
+        return self._draw(getattr(plotting, self._figure()), plotting.Ask(ax, style, title, label))
+
+    def _figure(self) -> str:
+        """The function of the module `plotting` that draws this result."""
+        return self.figure
 
     def _draw(self, draw: Callable[..., Any], ask: Any, **options: Any) -> Any:
         """Draws each material with a function of the module `plotting`, on the same axes."""

@@ -50,6 +50,12 @@ class AbstractCurve(Result):
 
     velocity: Array = quantity("velocity", "m/s", "sliding velocity v", axis="sliding velocity")
     temperature: Array | None = quantity("temperature", "K", "None where none was given", default=None, shown="°C")
+    strain: Array | None = quantity(
+        "effective strain of the contact", "-", "of a smooth body on a material that softens with strain", default=None
+    )
+    linear: Array | None = quantity(
+        "coefficient without softening", "-", "of hysteresis, where the material softens with strain", default=None
+    )
     error: Array = quantity("estimated error of the coefficient", "-", "numerical, absolute")
     model_error: Array | None = quantity(
         "bound on the error of the model", "-", "bound on the model's error of the coefficient, absolute", default=None
@@ -100,7 +106,8 @@ class AbstractCurve(Result):
         if bound[worst] == 0:
             return "none, the model is exact by definition"
         share = significant(100 * float(bound[worst] / value[worst]), 2)
-        return f"{self.symbol} is off the half-space's by {significant(float(bound[worst]), 2)} ({share} %) at most"
+        whose = "that of a layer of this thickness" if "springs" in self.model else "the half-space's"
+        return f"{self.symbol} is off {whose} by {significant(float(bound[worst]), 2)} ({share} %) at most"
 
     def _extremes(self, velocity: np.ndarray, value: np.ndarray, beyond: np.ndarray) -> str:
         order = np.argsort(velocity, kind="stable")
@@ -129,8 +136,9 @@ class FrictionCurve(AbstractCurve):
 
     `mu` is the friction force over the normal force, `error` its estimated numerical error, on a surface computed on
     random lines with twice the standard error of their mean (NaN for a single line), `model_error` a bound on how far
-    the model is from the half-space (empirical: `docs/accuracy.md`). It is 0 where the model is exact by definition:
-    layers, and the bare line of a `Foundation` given directly. A point that did not converge is NaN with
+    the model is from the half-space (empirical: `docs/accuracy.md`). On `em.springs` it is
+    the distance from the layer they stand for. It is 0 where the model is exact by definition: a `Foundation` given
+    directly. A point that did not converge is NaN with
     `converged=False`.
     """
 
@@ -143,11 +151,28 @@ class FrictionCurve(AbstractCurve):
         "share of the slope beyond the material's range", "-",
         "share of <|grad h|^2> excited beyond the frequencies of the data", default=None,
     )  # fmt: skip
-    temperature_rise: Array | None = quantity("flash temperature rise", "K", "above `temperature`", default=None)
+    temperature_rise: Array | None = quantity(
+        "flash temperature rise", "K", "above `temperature`, mean of the places where the heat arises", default=None
+    )
+    contact_rise: Array | None = quantity(
+        "temperature rise of the real contact", "K", "at the shortest wave, where it differs by scale", default=None
+    )
     cold: Array | None = quantity(
         "friction coefficient without heating", "-", "where flash heating was computed", default=None
     )
-    heat_flux: Array | None = quantity("heat flux into the rubber", "W/m^2", "mu p v", default=None)
+    hysteresis: Array | None = quantity(
+        "friction coefficient of hysteresis", "-", "where adhesive shear was asked for; mu without it", default=None
+    )
+    adhesion: Array | None = quantity(
+        "friction coefficient of adhesive shear", "-", "shear stress times contact area over normal force", default=None
+    )
+    contact_area: Array | None = quantity(
+        "contact area", "m^2", "of a smooth body, from cells or where adhesive shear was asked for", default=None
+    )
+    heat_flux: Array | None = quantity(
+        "heat flux into the rubber", "W/m^2", "mu p v, less what flows into the road", default=None
+    )
+    road_share: Array | None = quantity("share of the heat that flows into the road", "-", default=None)
     mu: Array = quantity("friction coefficient", "-", "friction force over normal force")
     normal_force: Array = quantity("normal force", "N", "F_N")
     friction_force: Array = quantity("friction force", "N", "F_x against the motion")
@@ -178,8 +203,14 @@ class FrictionCurve(AbstractCurve):
         return gridded({**points, "mu": fields["cold" if cold else "mu"]})
 
     def outcome(self) -> Iterator[tuple[str, str]]:
-        """As of every curve; with flash heating also the largest rise in temperature and what it does to mu."""
+        """As of every curve; where its parts are known, what they are at the largest mu; with flash heating also the
+        largest rise in temperature and what it does to mu."""
         yield from super().outcome()
+        if self.hysteresis is not None and self.adhesion is not None and np.isfinite(self.mu).any():
+            i = int(np.nanargmax(self.mu))
+            v, one, other = (float(np.ravel(x)[i]) for x in (self.velocity, self.hysteresis, self.adhesion))
+            text = f"hysteresis {significant(one)} and adhesive shear {significant(other)}"
+            yield "parts of mu", f"{text} where it is largest, at {in_words('velocity', v)}"
         rise, before = self.temperature_rise, self.cold
         if rise is not None and before is not None and np.isfinite(rise).any():
             i = int(np.nanargmax(rise))

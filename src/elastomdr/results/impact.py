@@ -1,17 +1,12 @@
 """The impact of a body: what `em.impact` returns."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from .base import Array, Result, part, quantity, record
 from .words import span
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from .._types import Style
 
 
 @part
@@ -69,19 +64,9 @@ class Impact(Result):
     error_of: ClassVar[str] = "the restitution"
     coordinates: ClassVar[tuple[str, ...]] = ("velocity", "mass", "before", "temperature")
 
-    def plot(
-        self,
-        ax: "Axes | None" = None,
-        style: "Style | None" = None,
-        *,
-        title: str | None = None,
-        label: str | None = None,
-    ) -> "Axes":
-        """Draws force against time for one impact, or restitution against velocity for many; see `Result.plot`."""
-        from .plotting import Ask, draw, draw_impact
-
-        one = np.size(self.velocity) == max(1, len(self.origins))
-        return self._draw(draw_impact if one else draw, Ask(ax, style, title, label))
+    def _figure(self) -> str:
+        """Force against time for one impact, restitution against velocity for many."""
+        return "draw_impact" if np.size(self.velocity) == max(1, len(self.origins)) else "draw"
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The range of what came out."""

@@ -107,7 +107,9 @@ def _in_short(row: dict[str, np.ndarray]) -> str:
     end = f"{in_words('depth', float(row['depth'][known]))}, {in_words('load', float(row['force'][known]))}"
     text = f"deepest {most('depth', 'depth')}; largest force {most('force', 'load')}; "
     text += f"largest radius {most('contact_radius', 'radius')}; at the end {end}"
-    if np.isfinite(row["dissipated"][known]):
-        lost, work = (significant(float(row[key][known])) for key in ("dissipated", "work"))
-        text += f"; dissipated {lost} J of {work} J"
+    lost, work = (float(row[key][known]) for key in ("dissipated", "work"))
+    if np.isfinite(lost):
+        text += f"; dissipated {significant(lost)} J"
+        # Adhesion pulls the body in, so that less than nothing may have been put in, or less than was dissipated.
+        text += f" of {significant(work)} J" if work >= lost else f"; work of the body {significant(work)} J"
     return text

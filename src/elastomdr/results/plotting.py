@@ -71,6 +71,7 @@ class Entry:
     asked: Ask
     each: str
     counted: tuple[int, int]
+    labels: tuple[str, str]  # of the axes, for this result alone
     lines: list[tuple[Any, str, str]] = field(default_factory=list)  # artist, what the curve is, what is to see
     extras: list[tuple[Any, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -93,22 +94,36 @@ class Canvas:
 class Sketch:
     """One result on its way onto axes."""
 
-    def __init__(self, result: Any, ask: Ask, x: str = "", y: str = "", panels: dict[str, Any] | None = None):
+    def __init__(
+        self, result: Any, ask: Ask, x: str = "", y: str = "", panels: dict[str, Any] | None = None,
+        labels: tuple[str, str] = ("", ""),
+    ):  # fmt: skip
         self.result, self.ask = result, ask
         self.fields = {q.key: values for q, values in result.fields().items()}
         self.about = {q.key: q for q in result.quantities()}
         self.x, self.y = x or result.across, y or result.shows
+        self.axis, self.curves = result.curves(result.last or self.x)
+        self.along = bool(result.last) or self.axis.name == self.x or not self.axis.known  # x has values of its own
+        about = self.about[self.x] if self.along else self.axis.quantity
+        names = about.axis_label if about else self.axis.name.capitalize()
+        labels = labels[0] or names, labels[1] or self.about[self.y].axis_label
         self.ax, self.canvas = begin(ask, panels)
+        self.labels = [_together([e.labels[i] for e in self.canvas.entries] + [labels[i]]) for i in (0, 1)]
         self.before = self.ax.get_xlim(), self.ax.get_ylim()
         if self.canvas.limits == self.before:  # nobody has set others since
             self.ax.autoscale()
         self.entry = Entry(
-            result.heading(), result.title, result.model, dict(result.inputs), ask, result.each, result.counted()
+            result.heading(),
+            result.title,
+            result.model,
+            dict(result.inputs),
+            ask,
+            result.each,
+            result.counted(),
+            labels,
         )
         self.alone = not self.canvas.entries and not self.canvas.foreign and not ask.group
         self.style = self.canvas.style
-        self.axis, self.curves = result.curves(result.last or self.x)
-        self.along = bool(result.last) or self.axis.name == self.x or not self.axis.known  # x has values of its own
 
     def colours(self, count: int) -> list[Any]:
         """Of the curves: shades of one colour, of viridis where there is one result."""
@@ -150,11 +165,9 @@ class Sketch:
             self.entry.lines.append((handle, text or line.curve.label, tail))
         return line.colour
 
-    def finish(self, xlabel: str = "", ylabel: str = "") -> Any:
+    def finish(self) -> Any:
         """Labels, frame, title and legend of the axes; returns them."""
-        about = self.about[self.x] if self.along else self.axis.quantity
-        names = about.axis_label if about else self.axis.name.capitalize()
-        self.ax.set(xlabel=xlabel or names, ylabel=ylabel or self.about[self.y].axis_label)
+        self.ax.set(xlabel=self.labels[0], ylabel=self.labels[1])
         self.set_scale()
         frame(self.ax)
         beyond = self.fields.get("extrapolated")
@@ -236,7 +249,8 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
     points = None if measured is None else as_measured(measured)
     sketch = Sketch(result, ask)
     ax, fields = sketch.ax, sketch.fields
-    cold, (band, described) = fields.get("cold"), _uncertainty(fields)
+    cold, hysteresis = fields.get("cold"), fields.get("hysteresis")
+    band, described = _uncertainty(fields)
     value = fields[sketch.y] if cold is None else np.fmax(fields[sketch.y], cold)
     highest = float(np.fmax.reduce(value, axis=None, initial=0.0)) or 1.0
     highest = highest if points is None else max(highest, float(points["mu"].max()))
@@ -248,6 +262,8 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
         if cold is not None:
             warm = np.atleast_1d(cold[line.curve.at])[line.order]
             ax.plot(line.x, warm, "--", color=colour, linewidth=0.7 * sketch.style.line, zorder=2.5)
+        if hysteresis is not None:
+            _draw_parts(sketch, line, np.atleast_1d(hysteresis[line.curve.at])[line.order], colour, len(lines) == 1)
         if (e > _VISIBLE * highest).any():
             shaded = True
             whole = max(whole, float(np.nanmax(line.y + e)))
@@ -268,6 +284,8 @@ def draw_curve(result: Any, ask: Ask, measured: Any = None) -> Any:
     before = sketch.before[1][1] if sketch.canvas.entries or sketch.canvas.foreign else 0.0
     ax.set_ylim(0.0, max(1.16 * highest, 1.04 * min(whole, 2 * highest), before))
     sketch.entry.notes += ["dashed: without heating"] if cold is not None else []
+    if hysteresis is not None and not (len(lines) == 1 and sketch.alone):
+        sketch.entry.notes.append("dash-dotted: hysteresis, the rest is adhesive shear")
     sketch.entry.notes += [f"shaded: {described}"] if shaded else []
     return sketch.finish()
 
@@ -369,9 +387,10 @@ def draw_impact(result: Any, ask: Ask) -> Any:
     """Draws the force of one impact against time."""
     from scipy.interpolate import CubicSpline
 
-    sketch = Sketch(result, ask)
-    sketch.along = False  # what is drawn is a history, and its axis has a label of its own
     about = {q.path: q for q in result.quantities()}
+    labels = about["history.time"].axis_label, about["history.force"].axis_label
+    sketch = Sketch(result, ask, labels=labels)
+    sketch.along = False  # what is drawn is a history
     ax, time, force = sketch.ax, in_unit(np.ravel(result.history.time), "ms"), np.ravel(result.history.force)
     restitution = f"restitution {significant(float(np.ravel(result.restitution)[0]), 4)}"
     if np.isfinite(time).all():
@@ -389,18 +408,18 @@ def draw_impact(result: Any, ask: Ask) -> Any:
                 ax.text(0.98, 0.95, restitution, transform=ax.transAxes, ha="right", va="top", fontsize=10),
             ]
         ax.set(ylim=(0, None), xlim=(0, None))
-    return sketch.finish(about["history.time"].axis_label, about["history.force"].axis_label)
+    return sketch.finish()
 
 
 def draw_indentation(result: Any, ask: Ask) -> Any:
     """Draws depth, force and radius against time and the force against the depth; on given axes the last alone."""
-    sketch = Sketch(result, ask, panels={"nrows": 2, "ncols": 2})
+    unit, scale = _force_unit(result.force, ask.ax)
+    sketch = Sketch(result, ask, panels={"nrows": 2, "ncols": 2}, labels=("", f"Force [{unit}]"))
     panels, about = sketch.canvas.panels, sketch.about
     time = np.atleast_1d(result.time)
     rows = time.reshape(-1, time.shape[-1])
     steps = np.diff(rows[0])
     log = bool(steps.size and steps.max() > _DECADES * np.median(steps))
-    unit, scale = _force_unit(sketch.fields["force"])
     labels, main = _reached(sketch), sketch.ax
     for line, label in zip(sketch.lines(), labels, strict=True):
         t = np.atleast_1d(result.time[line.curve.at])
@@ -419,7 +438,7 @@ def draw_indentation(result: Any, ask: Ask) -> Any:
     for panel in panels[1:2]:
         panel.set_ylabel(f"Force [{unit}]")
     sketch.ax = panels[3] if panels else main
-    sketch.finish(ylabel=f"Force [{unit}]")
+    sketch.finish()
     return main
 
 
@@ -605,8 +624,11 @@ def _names(entries: list[Entry]) -> list[str]:
     """What sets results apart: the label that was asked for, or else the fewest inputs that differ."""
     if len(entries) == 1:
         return [entries[0].asked.label or ""]
-    known = [{**entry.inputs, "model": entry.model.split(" (")[0]} for entry in entries]
-    keys = dict.fromkeys(["material", *(key for inputs in known for key in inputs)])
+    known = [
+        {**entry.inputs, "model": entry.model.split(" (")[0], "shown": entry.labels[1].partition(" [")[0].lower()}
+        for entry in entries
+    ]
+    keys = dict.fromkeys(["shown", "material", *(key for inputs in known for key in inputs)])
     parts: list[list[str]] = [[] for _ in entries]
     own = [i for i, entry in enumerate(entries) if not entry.asked.label]
     for key in keys:
@@ -706,6 +728,22 @@ def _uncertainty(fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, str]:
     return total, "numerical and model error" + (", in part numerical only" if unknown else "")
 
 
+def _draw_parts(sketch: Sketch, line: Line, hysteresis: np.ndarray, colour: Any, only: bool) -> None:
+    """Hysteresis below and adhesive shear above it, as areas under a single curve, as a line under several."""
+    if not (only and sketch.alone) or line.x.size < 2:
+        sketch.ax.plot(line.x, hysteresis, "-.", color=colour, linewidth=0.7 * sketch.style.line, zorder=2.5)
+        return
+    known = np.isfinite(line.y)
+    for low, high, shade, label in (
+        (np.zeros_like(hysteresis), hysteresis, PALETTE[2], "hysteresis"),
+        (hysteresis, line.y, PALETTE[1], "adhesive shear"),
+    ):
+        handle = sketch.ax.fill_between(
+            line.x, low, high, where=known, color=shade, alpha=0.35, linewidth=0, zorder=1.5
+        )
+        sketch.entry.extras.append((handle, label))
+
+
 def _draw_measured(sketch: Sketch, points: dict[str, np.ndarray], lines: list[Line]) -> None:
     """Draws points in the colour of the curve at their temperature, in black where there is none."""
     at, kelvin = points.get("temperature"), sketch.fields.get("temperature")
@@ -753,9 +791,32 @@ def _reached(sketch: Sketch) -> list[str]:
     return depth if sum(map(len, depth)) < sum(map(len, force)) else force
 
 
-def _force_unit(force: np.ndarray) -> tuple[str, float]:
+def _force_unit(force: Any, ax: Any) -> tuple[str, float]:
+    """The unit of forces in a figure, and what one newton is in it: that of what has been drawn there before."""
+    units = {"kN": 1e-3, "N": 1.0, "mN": 1e3, "µN": 1e6}
+    canvas: Canvas | None = getattr(ax, "_elastomdr", None)
+    if canvas is not None and canvas.entries:
+        unit = _unit(canvas.entries[0].labels[1])
+        return unit, units.get(unit, 1.0)
     largest = float(np.nanmax(np.abs(force), initial=0.0))
-    for unit, scale in (("kN", 1e-3), ("N", 1.0), ("mN", 1e3), ("µN", 1e6)):
-        if largest * scale >= 1:
-            return unit, scale
-    return "N", 1.0
+    return next(((unit, scale) for unit, scale in units.items() if largest * scale >= 1), ("N", 1.0))
+
+
+def _unit(label: str) -> str:
+    """The unit of an axis' label."""
+    return label.rpartition(" [")[2].rstrip("]") if label.endswith("]") else ""
+
+
+def _together(labels: list[str]) -> str:
+    """The label of an axis along which there are several quantities of one unit. Raises `InputError` for several."""
+    labels = list(dict.fromkeys(labels))
+    units = {_unit(label) for label in labels}
+    if len(labels) > 1 and len(units) > 1:
+        raise InputError(
+            f"ax must have axes with the units of the result, got {labels[-1]!r} on axes of {labels[0]!r}: "
+            "draw it on axes of its own."
+        )
+    (unit,) = units
+    words = [label.removesuffix(f" [{unit}]") for label in labels]
+    words[1:] = [word[0].lower() + word[1:] for word in words[1:]]
+    return ", ".join(words) + (f" [{unit}]" if unit else "")

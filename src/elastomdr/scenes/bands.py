@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced
+from .._runtime import in_float64, is_traced
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.direction import directions
 from ..mapping.rough_line import RoughLine
 from ..results.spectrum import FrictionBands
-from ..results.words import brief
 from ..solve.excitation import excitation
 from .choice import is_rough, of_line
 from .ensemble import coarse_at
@@ -88,8 +87,8 @@ def friction_bands(
         foundation, surface, velocity=velocity, load=load, depth=None, pressure=pressure, temperature=temperature,
         model=model, rtol=rtol,
     )  # fmt: skip
-    shape, lines, control, length, kelvin = scene.shape, scene.lines, scene.control, scene.length, scene.kelvin
-    v, loads, reduced = np.broadcast_to(scene.velocity, shape).ravel(), scene.given, scene.reduced.ravel()
+    at, lines, control, length, loads = scene.at, scene.lines, scene.control, scene.length, scene.given
+    shape, v, reduced = at.shape, at.full(at.velocity).ravel(), at.reduced.ravel()
     edges = _edges(surface, lines[0], int(per_decade))
     rule_of = directions(_DIRECTIONS)
     cosines, weights = (rule_of.cosines, rule_of.weights) if model.average else (np.ones(1), np.ones(1))
@@ -117,10 +116,7 @@ def friction_bands(
 
     middle = np.sqrt(edges[1:] * edges[:-1])
     inputs = [
-        ("material", foundation.name or "given directly"), ("surface", surface_words(surface, lines[0])),
-        *([("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []),
-        ("line load", brief(scene.value, "N/m")), ("velocity", brief(scene.velocity, "m/s")),
-        *([] if kelvin is None else [("temperature", brief(kelvin, "K"))]),
+        *scene.inputs(("surface", surface_words(surface, lines[0]))),
         ("ensemble", ensemble_words(scene.seeds, lines[0].count)),
     ]  # fmt: skip
     return FrictionBands(
@@ -130,8 +126,8 @@ def friction_bands(
         mu=banded(np.where(good[:, None], mu, np.nan)),
         error=banded(np.where(good, error, np.nan)),
         converged=banded(good),
-        temperature=None if kelvin is None else banded(np.broadcast_to(kelvin, shape)),
-        pressure=None if length is None else banded(loads / length),
+        temperature=None if at.kelvin is None else banded(at.full(at.kelvin)),
+        pressure=None if length is None else banded(loads * at.vertical.ravel() / length),
         width=float(edges[1] / edges[0]),
         model=(AVERAGED if model.average else BARE) + scene.rule,
         plan=f"{lanes[0].size * len(lines)} line solutions of {lines[0].count} samples, all branches carried",

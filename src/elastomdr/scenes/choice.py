@@ -22,17 +22,6 @@ def only_rough(heat: Any) -> None:
         raise InputError("heat belongs to a rough surface; an indenter's friction is at the temperature given.")
 
 
-def only_one(load: Any, depth: Any, pressure: Any) -> str:
-    """The name of the only one that is given on a rough line or surface. Raises `InputError`."""
-    given = {k: v for k, v in (("load", load), ("depth", depth), ("pressure", pressure)) if v is not None}
-    if len(given) != 1:
-        got = " and ".join(f"{k}={v}" for k, v in given.items()) or "none of them"
-        raise InputError(
-            f"pressure, load (per length of line) or depth must be given, and only one of them, got {got}."
-        )
-    return next(iter(given))
-
-
 def of_smooth(model: Any, quantity: str, label: str) -> Averaged | Line | HalfSpace:
     """The model of a smooth body, which may be `em.HalfSpace` for its friction. Raises `InputError`."""
     model = as_model(model)

@@ -15,7 +15,7 @@ from ..material.relaxation import Relaxation
 from ..results.spectrum import Dissipation
 from ..solve.passage import Losses, solve_losses
 from .several import over_materials
-from .steady import Scene, set_up, solve
+from .steady import SmoothScene, set_up, solve
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Indenter, Materials, ModelLike
@@ -68,7 +68,7 @@ def dissipation(
     """
     scene = set_up(
         "dissipation", material, shape, velocity=velocity, load=load, depth=depth, pressure=None,
-        temperature=temperature, model=model, rtol=rtol, skip=True,
+        temperature=temperature, model=model, rtol=rtol, skip=True, softens=False,
     )  # fmt: skip
     if scene.plan.marched:
         raise InputError("shape must have a convex profile: branches are not separated where contact may be renewed.")
@@ -76,7 +76,7 @@ def dissipation(
         raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
     found = solve(scene)
     traced = is_traced(found.mu, scene.law)
-    dashpot, branches, work, good = _forces(scene, xp.ravel(found.normal_force), xp)
+    dashpot, branches, work, good = _forces(scene, xp.ravel(found.normal_force) / scene.vertical, xp)
     with_dashpot = is_traced(scene.law.viscosity) or bool(scene.law.viscosity > 0)
     forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches
     total = xp.sum(forces, axis=0)
@@ -111,7 +111,7 @@ def dissipation(
     )
 
 
-def _forces(scene: Scene, load: Array, xp: Any) -> tuple[Array, Array, Array, Any]:
+def _forces(scene: SmoothScene, load: Array, xp: Any) -> tuple[Array, Array, Array, Any]:
     """Force of the dashpot, of each branch, and of friction by its own integral [N], averaged as the plan says."""
     plan = scene.plan
     velocity, control, value = scene.reduced, scene.control, scene.value
@@ -135,7 +135,7 @@ def _forces(scene: Scene, load: Array, xp: Any) -> tuple[Array, Array, Array, An
     return dashpot, branches, work, every.converged.reshape(velocity.size, -1).all(axis=1)
 
 
-def _padded(scene: Scene, rule: Any, control: Any, value: Array, velocity: Array, xp: Any) -> Losses:
+def _padded(scene: SmoothScene, rule: Any, control: Any, value: Array, velocity: Array, xp: Any) -> Losses:
     """Solves with the number of points rounded up to a power of 2, so that few sizes are compiled."""
     count = velocity.size
     fill = (0, max(64, 2 ** (count - 1).bit_length()) - count)

@@ -13,7 +13,7 @@ from ..mapping.direction import SharedGrid, directions, interpolation_error, qua
 from ..mapping.rough_line import RoughLine
 from ..mapping.synthesis import PERIODS, synthesise
 from ..solve.periodic import Line
-from .points import Mean
+from .mean import Mean
 
 AVERAGE = 1e-5  # least relative error asked of the direction average: contacts that come and go leave kinks in mu(v)
 SAMPLING = 0.1  # estimated error for the sampling of a line over mu, up to which a point is handed out

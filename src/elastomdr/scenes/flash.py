@@ -18,9 +18,9 @@ import numpy as np
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.spectrum import AbstractSpectrum
-from ..material.shift import AbstractShift
+from ..material.vertical import thermal_factors
 from ..solve.heat import Heat, Scales, rise, scales
-from .points import Mean
+from .mean import Mean
 
 _PER_DECADE = 8  # of v a_T, of the curve that is interpolated
 _HIGHEST = 1000.0  # rise beyond which nothing is looked for [K]
@@ -37,17 +37,18 @@ class Warm(NamedTuple):
     reduced: np.ndarray  # v a_T at the raised temperature [m/s]
     mean: Mean
     heat: np.ndarray  # mu p v, by the friction at the raised temperature [W/m^2]
+    vertical: np.ndarray  # b_T at the raised temperature
 
 
 def warmed(
-    heat: Heat, foundation: Foundation, shift: AbstractShift, surface: AbstractSpectrum, velocity: np.ndarray,
-    kelvin: np.ndarray, pressure: np.ndarray, cold: Mean,
+    heat: Heat, foundation: Foundation, surface: AbstractSpectrum, velocity: np.ndarray, kelvin: np.ndarray,
+    pressure: np.ndarray, cold: Mean,
     friction: Callable[[np.ndarray, np.ndarray, bool], Mean],
 ) -> Warm:  # fmt: skip
     """Raises the temperature of each point until it is that which its friction makes.
 
-    `friction(reduced, pressure, coarse)` solves points at v a_T, less exactly where `coarse` is true. Points without a
-    root below a rise of 1000 K, or below the end of the shift law, are NaN.
+    `friction(reduced, pressure, coarse)` solves points at v a_T and p/b_T, less exactly where `coarse` is true. Points
+    without a root below a rise of 1000 K, or below the end of the shift law, are NaN.
     """
     mean = _each(lambda field: np.array(field, dtype=np.float64), cold)
     found = np.full(velocity.size, np.nan)
@@ -55,14 +56,15 @@ def warmed(
     for p in np.unique(pressure):
         at = np.flatnonzero((pressure == p) & cold.good)
         if at.size:
-            group = _Group(heat, foundation, shift, surface, velocity[at], kelvin[at], float(p), friction)
+            group = _Group(heat, foundation, surface, velocity[at], kelvin[at], float(p), friction)
             for points, kelvins, state in group.settle(np.asarray(cold.mu)[at]):
                 found[at[points]] = kelvins
                 for field, values in zip(mean, state, strict=True):
                     if field is not None:
                         field[at[points]] = values
-    reduced = velocity * np.asarray(shift.a(kelvin + np.nan_to_num(found)))
-    return Warm(found, reduced, mean._replace(good=mean.good > 0), np.asarray(mean.mu) * pressure * velocity)
+    a, b = thermal_factors(foundation, kelvin + np.nan_to_num(found))
+    made = np.asarray(mean.mu) * pressure * velocity
+    return Warm(found, velocity * a, mean._replace(good=mean.good > 0), made, b * np.ones_like(kelvin))
 
 
 def _each(function: Callable[[Any], Any], mean: Mean) -> Mean:
@@ -75,7 +77,6 @@ class _Group(NamedTuple):
 
     heat: Heat
     foundation: Foundation
-    shift: AbstractShift
     surface: AbstractSpectrum
     velocity: np.ndarray
     kelvin: np.ndarray
@@ -84,7 +85,8 @@ class _Group(NamedTuple):
 
     def settle(self, cold: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, Mean]]:
         """Points that have settled, their rise and their friction."""
-        made = self.made(self.reduced(np.zeros_like(cold)), cold, np.arange(cold.size))
+        every, still = np.arange(cold.size), np.zeros_like(cold)
+        made = self.made(self.reduced(still), self.carried(still), cold, every)
         highest = self.highest()
         top = min(2 * float(np.max(made)) + 1, highest)
         curve = self.curve(top)
@@ -98,9 +100,9 @@ class _Group(NamedTuple):
         for _ in range(_ROUNDS):
             if not left.size:
                 return
-            reduced = self.reduced(np.nan_to_num(root))[left]
-            mean = self.friction(reduced, np.full(left.size, self.pressure), False)
-            made = self.made(reduced, np.asarray(mean.mu), left)
+            reduced, carried = (of(np.nan_to_num(root))[left] for of in (self.reduced, self.carried))
+            mean = self.friction(reduced, carried, False)
+            made = self.made(reduced, carried, np.asarray(mean.mu), left)
             off = np.abs(made - root[left]) / np.maximum(root[left], 1e6 * _NOTHING)
             settled = mean.good & (off <= SETTLED)
             yield left[settled], root[left[settled]], _each(lambda field, at=settled: field[at], mean)
@@ -116,11 +118,15 @@ class _Group(NamedTuple):
         """v a_T at each point's temperature and `warmer` [K], (points,) or (points, any)."""
         more = warmer.ndim - 1
         kelvin, velocity = (a.reshape(-1, *[1] * more) for a in (self.kelvin, self.velocity))
-        return velocity * np.asarray(self.shift.a(kelvin + warmer))
+        return velocity * np.asarray(thermal_factors(self.foundation, kelvin + warmer)[0])
 
-    def made(self, reduced: np.ndarray, mu: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """The rise [K] that friction `mu` makes at v a_T."""
-        at = scales(self.foundation, self.surface, reduced, self.pressure)
+    def carried(self, warmer: np.ndarray) -> np.ndarray:
+        """p/b_T at each point's temperature and `warmer` [K], (points,)."""
+        return self.pressure / (thermal_factors(self.foundation, self.kelvin + warmer)[1] * np.ones_like(warmer))
+
+    def made(self, reduced: np.ndarray, carried: np.ndarray, mu: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """The rise [K] that friction `mu` makes at v a_T and p/b_T."""
+        at = scales(self.foundation, self.surface, reduced, carried)
         own = [
             rise(self.heat, Scales(at.q, at.area[j : j + 1], at.share[j : j + 1]), self.velocity[i : i + 1])[0, 0]
             for j, i in enumerate(points)
@@ -133,7 +139,7 @@ class _Group(NamedTuple):
         while high - low > 1e-3 * low + 1e-3:
             middle = 0.5 * (low + high)
             try:
-                self.shift.a(self.kelvin.max() + middle)
+                thermal_factors(self.foundation, self.kelvin.max() + middle)
                 low = middle
             except InputError:
                 high = middle
@@ -142,17 +148,21 @@ class _Group(NamedTuple):
         return min(low, _HIGHEST)
 
     def curve(self, top: float) -> list[Callable[[Any], Any]]:
-        """The logarithm of the rise that friction makes against log(v a_T), for each point's velocity."""
+        """The logarithm of the rise that friction makes against log(v a_T), for each point's velocity.
+
+        It has the mean of p/b_T at the points' temperatures without a rise: what that misses is corrected at the roots.
+        """
         from scipy.interpolate import PchipInterpolator
 
         ends = self.reduced(np.array([0.0, top])[None, :].repeat(self.velocity.size, 0))
         low, high = ends.min() * 0.999, ends.max() * 1.001
         nodes = np.geomspace(low, high, max(5, int(np.ceil(_PER_DECADE * np.log10(high / low))) + 1))
-        mu = self.friction(nodes, np.full(nodes.size, self.pressure), True).mu
+        pressure = float(self.carried(np.zeros_like(self.kelvin)).mean())
+        mu = self.friction(nodes, np.full(nodes.size, pressure), True).mu
         known = np.isfinite(mu) & (mu > 0)
         if known.sum() < 2:
             known, mu = np.ones_like(known), np.full_like(mu, np.nan)
-        at = scales(self.foundation, self.surface, nodes[known], self.pressure)
+        at = scales(self.foundation, self.surface, nodes[known], pressure)
         made = mu[known] * self.pressure * self.velocity[:, None] * rise(self.heat, at, self.velocity)
         level = np.log(np.maximum(made, 1e-300))
         return [PchipInterpolator(np.log(nodes[known]), np.nan_to_num(row, nan=800.0)) for row in level]

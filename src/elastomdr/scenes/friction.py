@@ -2,33 +2,40 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ParamSpec
 
-from .._runtime import needs_64_bit_types, numpy_unless_traced
+from .._runtime import needs_64_bit_types, numpy_unless_traced, only_one
+from ..foundation.layer import Layer
 from ..mapping.shapes import AbstractShape
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import HalfSpace, Line
 from ..results.curve import FrictionCurve
+from ..solve.adhesive_shear import AdhesiveShear, check_adhesion
 from ..solve.heat import Heat
-from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
+from .adhesion import no_area, on_cells, on_contact
+from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
+from .on_layer import beside_layer, is_on_layer, on_layer
 from .several import over_materials
+from .softened import LINEAR, SOFTENED
 from .steady import no_pressure, set_up, solve
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, ModelLike, Store, Surface
+    from .._types import ArrayLike, Indenter, Materials, ModelLike, Number, Store, Surface
 
 P = ParamSpec("P")
 
 
 def _surfaces_in_64_bits(function: Callable[P, FrictionCurve]) -> Callable[P, FrictionCurve]:
-    """Refuses closed integrals over a surface under jit, grad or vmap without 64-bit types: JAX would mix both."""
+    """Refuses surfaces and layers under jit, grad or vmap without 64-bit types: JAX would mix both."""
 
     @functools.wraps(function)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> FrictionCurve:
         shape = args[1] if len(args) > 1 else kwargs.get("shape")
-        if isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None:
+        surface = isinstance(shape, AbstractSpectrum) and kwargs.get("pressure") is not None
+        if surface or is_on_layer(args[0] if args else kwargs.get("material"), shape):
             return needs_64_bit_types(function)(*args, **kwargs)
         return function(*args, **kwargs)
 
@@ -51,6 +58,8 @@ def friction(
     rtol: float = 1e-6,
     skip: bool = True,
     heat: Heat | None = None,
+    adhesion: AdhesiveShear | None = None,
+    strain_share: Number = 0.5,
     progress: Callable[[int, int], None] | None = None,
     store: Store | None = None,
 ) -> FrictionCurve:
@@ -75,10 +84,18 @@ def friction(
             solution on its samples; `curve.lines.numerical` has the error for the sampling too, and a point
             where it exceeds a tenth of mu is NaN.
         skip: False computes also what the plan would leave out.
-        heat: `em.Heat(...)` heats the rubber of a surface under a pressure by its friction, from `temperature` on,
-            until friction and flash temperature agree (`elastomdr.solve.heat`): `mu` is then the hot curve,
-            `cold` the one without heating, `temperature_rise` the flash temperature. Points where no temperature is
-            found are NaN.
+        heat: `em.Heat(...)` heats the rubber of a surface under a pressure by its friction, from `temperature`, that of
+            the body, on, until friction and temperature agree: `mu` is then the hot curve, `cold` the one without
+            heating, `temperature_rise` the mean where the heat arises. With `em.Multiscale()` and `em.Persson()` each
+            length scale has a temperature of its own (`elastomdr.solve.warm`), `contact_rise` that of the shortest
+            waves; with others there is one (`elastomdr.solve.heat`). Points where none is found are NaN.
+        adhesion: `em.AdhesiveShear(...)` adds the shear stress of dry contact on the area of real contact: `mu` is then
+            the sum of `hysteresis` and `adhesion`. On a surface under a pressure that is its `area_ratio`; under a
+            smooth body `contact_area`, from the edges of its contact or, with `em.HalfSpace()`, from its cells. A line
+            (`em.Line` on a rough line or surface) has none.
+        strain_share: of a material with a softening on a surface: strain amplitude at wave number q over the rms slope
+            of the waves up to q, above 0 and at most 2. `linear` is mu without softening. `em.Line()` and
+            `em.HalfSpace()` on a surface are linear and say so.
         progress: `progress(done, total)` is called after each batch on a rough line or surface.
         store: keeps finished batches of lines (`get(key)`, `put(key, arrays)`).
 
@@ -97,6 +114,7 @@ def friction(
     if is_rough(shape):
         chosen = of_rough(model, shape, pressure)
         if isinstance(chosen, Line):
+            no_area(adhesion, f"a {chosen.label} on a rough line or surface", "use em.Multiscale() under a pressure")
             from .rough import rough_friction
 
             return rough_friction(
@@ -106,30 +124,43 @@ def friction(
         from .surface import surface_friction
 
         assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
-        only_one(load, depth, pressure)
+        only_one(pressure=pressure, load=load, depth=depth)
         return surface_friction(
             material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol,
-            heat=heat, progress=progress,
+            heat=heat, adhesion=adhesion, strain_share=strain_share, progress=progress,
         )  # fmt: skip
     only_rough(heat)
+    check_adhesion(adhesion, temperature)
     if isinstance(shape, AbstractShape):
         model = of_smooth(model, "friction", shape.label)
         if isinstance(model, HalfSpace):
             no_pressure(shape, pressure)
-            from ..reference.half_space import half_space_sliding
+            from ..reference import half_space_sliding, layer_sliding
 
             one: Any = material  # `over_materials` has taken lists apart
-            curve: Any = half_space_sliding(
+            solver = layer_sliding if isinstance(material, Layer) else half_space_sliding
+            curve: Any = solver(
                 one, shape, velocity=velocity, load=load, depth=depth, temperature=temperature,
                 points=model.cells or CELLS,
             )  # fmt: skip
-            return curve
-    scene = set_up(
-        "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-        temperature=temperature, model=model, rtol=rtol, skip=skip,
-    )  # fmt: skip
-    found = solve(scene)
-    return FrictionCurve(
+            if getattr(one, "softening", None) is not None:
+                curve = dataclasses.replace(curve, model=curve.model + LINEAR)
+            return curve if adhesion is None else on_cells(curve, adhesion)
+    if is_on_layer(material, shape):
+        found, kelvin, name, plan = on_layer(
+            "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol,
+        )  # fmt: skip
+        layer = True
+    else:
+        scene = set_up(
+            "friction", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol, skip=skip,
+        )  # fmt: skip
+        found, kelvin, name, plan = solve(scene), scene.temperature, scene.plan.model, scene.plan
+        found = beside_layer(found, material, shape, load=load, depth=depth, temperature=temperature)
+        layer = bool(scene.foundation.per_area)
+    curve = FrictionCurve(
         velocity=found.velocity,
         mu=found.mu,
         normal_force=found.normal_force,
@@ -140,8 +171,11 @@ def friction(
         model_error=found.model_error,
         converged=found.converged,
         extrapolated=found.extrapolated,
-        temperature=scene.temperature,
-        model=scene.plan.model,
-        plan=scene.plan,
+        temperature=kelvin,
+        strain=found.strain,
+        linear=found.linear,
+        model=name + ("" if found.strain is None else SOFTENED),
+        plan=plan,
         inputs=found.inputs,
     )
+    return curve if adhesion is None else on_contact(curve, adhesion, shape, layer)

@@ -5,12 +5,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import as_float64, is_traced, not_negative, positive, require
+from .._runtime import as_float64, is_traced, not_negative, only_one, positive, require
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
-from ..material.relaxation import Relaxation
+from ..material.relaxation import Relaxation, scaled
 from ..material.validity import Range
+from ..material.vertical import thermal_factors
 from ..results.words import brief
 from ..solve.passage import Control
 
@@ -98,10 +99,7 @@ def given_history(
     still = np.diff(time) == 0
     if not is_traced(position) and (np.diff(position)[still] != 0).any():
         raise InputError("position must not jump: it differs where two instants of time are equal.")
-    if (load is None) == (depth is None):
-        given = "neither" if load is None else "both"
-        raise InputError(f"load or depth must be given, and only one of them, got {given}.")
-    control: Control = "load" if depth is None else "depth"
+    control: Control = "load" if only_one(load=load, depth=depth) == "load" else "depth"
     value = as_float64(control, load if depth is None else depth)
     if value.shape not in ((), time.shape):
         raise InputError(f"{control} must be one number, or one for each of {time.size} instants, got {value.shape}.")
@@ -118,11 +116,10 @@ def given_history(
     inputs = [("time", brief(time, "s")), ("position", brief(position, "m"))]
     inputs.append((control, brief(value, ("N/m" if per_length else "N") if control == "load" else "m")))
     if temperature is not None:
-        if foundation.shift is None:
-            raise InputError("temperature was given, but the material has no shift law; leave the temperature out.")
         kelvin = as_float64("temperature", temperature)
         positive("temperature", kelvin)
-        factor = foundation.shift.a(kelvin)
+        factor, vertical = thermal_factors(foundation, kelvin)
+        law = scaled(law, vertical)
         law = Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor)
         inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))

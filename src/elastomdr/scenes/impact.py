@@ -12,14 +12,18 @@ from .._arrays import on_jax, xp
 from .._runtime import as_float64, is_traced, nan_unless, numpy_unless_traced, positive
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
+from ..foundation.layer import Layer
 from ..mapping.shapes import AbstractShape, Cylinder
 from ..material.relaxation import Relaxation
+from ..material.vertical import thermal_factors
 from ..results.base import Origin, distinct
 from ..results.impact import History, Impact
 from ..results.words import brief, describe
 from ..solve.extrapolate import impacts
 from ..solve.impact import Body
+from ..solve.layer_disc import LayerDisc
 from .beyond import NOT_KNOWN, Beyond, told
+from .normal_layer import incompressible_enough, of_layer
 from .oblique import check_oblique, solve_oblique
 
 if TYPE_CHECKING:
@@ -29,6 +33,7 @@ _WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are fill
 _PASSAGE = 4.0  # frequency times duration of the passage that `material/validity.py` speaks of
 HALF_SPACE = "MDR, exact for the half-space: approach and rebound (Ting's solution), quasi-static rubber, no adhesion"
 LAYER = "thin layer of independent elements, exact for the layer; quasi-static rubber, no adhesion"
+FINITE = "rubber of finite thickness on a rigid base, exact: approach and rebound; quasi-static rubber, no adhesion"
 
 
 @numpy_unless_traced
@@ -86,6 +91,12 @@ def impact(
     found = impacts(scene.body, per_area=scene.per_area, rtol=float(rtol))
     traced = is_traced(found.motion.restitution)
     good = found.converged
+    if isinstance(scene.body.shape, LayerDisc):
+        disc = scene.body.shape
+        good = good & (found.motion.max_depth < disc.thickness)
+        numpy = xp if is_traced(disc, found.motion.max_depth) else np
+        radius = numpy.asarray(disc.radius_of_depth(found.motion.max_depth))
+        incompressible_enough(material, disc, radius, found.motion.max_force)  # type: ignore[arg-type]
 
     def shaped(field: Any) -> Any:
         return nan_unless(good, field).reshape(scene.shape)
@@ -95,6 +106,8 @@ def impact(
 
     if not traced and not good.all():
         text = f"{int((~good).sum())} of {good.size} impacts did not converge to rtol={rtol:g}; they are NaN."
+        if isinstance(material, Layer) and (found.converged & ~good).any():
+            text += f" The body would go deeper than the layer is thick, {float(material.thickness):.4g} m."
         warnings.warn(text, ConvergenceWarning, stacklevel=3)
     motion = found.motion
     duration = shaped(nan_unless(found.timed, motion.duration))
@@ -114,7 +127,7 @@ def impact(
         stuck=found.stuck.reshape(scene.shape),
         converged=good.reshape(scene.shape),
         temperature=scene.temperature,
-        model=LAYER if scene.per_area else HALF_SPACE,
+        model=FINITE if isinstance(material, Layer) else LAYER if scene.per_area else HALF_SPACE,
         plan="velocities as the grid, extrapolated in the number of steps",
         inputs=scene.inputs + beyond.said,
         extrapolated=beyond.points,
@@ -148,10 +161,19 @@ def _scene(
     many = isinstance(material, Sequence) and not isinstance(material, str)
     if many and not material:
         raise InputError("material must be a material or a list of them, got an empty list.")
-    foundations = [as_foundation(m) for m in material] if many else [as_foundation(material)]
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
-    per_area = _standing(foundations, shape)
+    struck: Any = shape
+    if isinstance(material, Layer):
+        if extra:
+            raise InputError("tangential_velocity must be left out on an em.layer: only its normal impact is known.")
+        struck, foundation = of_layer(material, shape)
+        foundations, per_area = [foundation], False
+    else:
+        if many and any(isinstance(m, Layer) for m in material):
+            raise InputError("material must be one em.layer, not a list of them, in an impact.")
+        foundations = [as_foundation(m) for m in material] if many else [as_foundation(material)]
+        per_area = _standing(foundations, shape)
     if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-2:
         raise InputError(f"rtol must be a number from 1e-10 to 1e-2, got {rtol!r}.")
     mass, velocity = as_float64("mass", mass), as_float64("velocity", velocity)
@@ -187,7 +209,7 @@ def _scene(
     if kelvin is not None:
         inputs.append(("temperature", brief(kelvin, "K")))
     inputs.append(("relative tolerance", f"{rtol:g}"))
-    body = Body(shape, rates, moduli, viscosity, flat(mass), flat(velocity))
+    body = Body(struck, rates, moduli, viscosity, flat(mass), flat(velocity))
     return _Scene(
         body, per_area, xp.broadcast_to(mass, result), xp.broadcast_to(velocity, result),
         None if kelvin is None else xp.broadcast_to(kelvin, result), result, tuple(inputs), foundations, many,
@@ -208,7 +230,7 @@ def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
         known, there = foundation.range, None if kelvin is None else kelvin[i]
         if known is None:
             continue
-        factor = 1.0 if there is None or foundation.shift is None else np.asarray(foundation.shift.a(there))
+        factor = 1.0 if there is None else np.asarray(thermal_factors(foundation, there)[0])
         rate = _PASSAGE * factor / times
         points[i] = known.outside(rate, there)
         if points[i].any():
@@ -233,17 +255,12 @@ def _standing(foundations: list[Foundation], shape: AbstractShape) -> bool:
 
 
 def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...]) -> Relaxation:
-    """The law, with one column per point where a temperature gives each its own times."""
+    """The law, with one column per point where a temperature gives each its own times and moduli."""
     law = foundation.law()
     if kelvin is None:
         return law
-    if foundation.shift is None:
-        raise InputError(
-            f"temperature was given, but {foundation.name or 'the material'} has no shift law; give the material one "
-            "with shift=em.WLF(...), or leave the temperature out."
-        )
-    factor = xp.broadcast_to(xp.asarray(foundation.shift.a(kelvin)), points).reshape(-1)
-    return Relaxation(law.equilibrium, law.moduli, law.times[:, None] * factor, law.viscosity * factor)
+    a, b = (xp.broadcast_to(xp.asarray(x), points).reshape(-1) for x in thermal_factors(foundation, kelvin))
+    return Relaxation(law.equilibrium * b, law.moduli[:, None] * b, law.times[:, None] * a, law.viscosity * a * b)
 
 
 def _lanes(law: Relaxation, width: int) -> tuple[Any, Any, Any]:
@@ -252,6 +269,6 @@ def _lanes(law: Relaxation, width: int) -> tuple[Any, Any, Any]:
     columns = times.shape[-1]
     viscosity = xp.broadcast_to(law.viscosity, (columns,))
     filled = xp.zeros((width - law.moduli.shape[0], columns))
-    own = xp.broadcast_to(law.moduli[:, None], times.shape)
+    own = xp.broadcast_to(law.moduli if law.moduli.ndim == 2 else law.moduli[:, None], times.shape)
     moduli = xp.concatenate([xp.broadcast_to(law.equilibrium, (1, columns)), own, filled])
     return xp.concatenate([xp.zeros((1, columns)), 1 / times, filled]), moduli, viscosity

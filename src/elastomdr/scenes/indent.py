@@ -11,15 +11,19 @@ from .._arrays import on_jax, xp
 from .._runtime import as_float64, is_traced, nan_unless, numpy_unless_traced, positive, require, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
+from ..foundation.layer import Layer
 from ..foundation.modes import recovery_modes
 from ..mapping.disc import Disc
 from ..mapping.shapes import AbstractShape, Cylinder, PowerLaw
-from ..material.relaxation import Relaxation
+from ..material.relaxation import Relaxation, scaled
+from ..material.vertical import thermal_factors
 from ..results.indentation import Indentation
 from ..results.words import brief, describe
-from ..solve.control import Course, indent_under, indent_with_adhesion
+from ..solve.control import Course, Found, indent_under, indent_with_adhesion
+from ..solve.layer_disc import LayerDisc
 from ..solve.surface import Elements
 from .ages import history_beyond
+from .normal_layer import incompressible_enough, of_layer
 from .several import over_materials
 
 if TYPE_CHECKING:
@@ -30,6 +34,7 @@ RULE = (
     "MDR line with adhesion: an edge lets go by its glassy energy q^2/(2 E_0) (a rule, for contact that only recedes)"
 )
 LAYER = "thin layer of independent elements (exact for the layer)"
+FINITE = "rubber of finite thickness on a rigid base (exact: normal contact, small slopes, no friction)"
 
 
 @over_materials
@@ -78,7 +83,7 @@ def indent(
     Source: Lee & Radok 1960; Ting 1966; Popov & Hess 2015, ch. 7; `docs/theory.md`.
     """
     disc, foundation = contact(material, shape)
-    law, kelvin = at_temperature(foundation, temperature)
+    law, kelvin, factor = at_temperature(foundation, temperature)
     course = _course(law, time, depth, load, pull=adhesion is not None)
     rtol = _tolerance(rtol)
     if course.depth is not None and not is_traced(disc, course.depth) and np.isfinite(disc.largest) and not disc.flat:
@@ -87,6 +92,13 @@ def indent(
         accepted = f"below {deepest:.4g} m, where the contact reaches the end of the profile"
         require("depth", within, accepted, lambda d: d < deepest)
     gamma = None
+    if isinstance(disc, LayerDisc):
+        if adhesion is not None:
+            raise InputError("adhesion must be left out on an em.layer: it is known for half-spaces and springs only.")
+        if course.depth is not None and not is_traced(disc, course.depth):
+            h = float(disc.thickness)
+            accepted = f"below the thickness of the layer, {h:.4g} m"
+            require("depth", np.nan_to_num(course.depth), accepted, lambda d: d < h)
     if adhesion is None:
         found = indent_under(law, recovery_modes(law), disc, course, rtol)
     else:
@@ -94,6 +106,9 @@ def indent(
         found = on_jax(indent_with_adhesion, law, recovery_modes(law), disc, course, gamma)
     traced = is_traced(found.depth, found.force)
     numpy = xp if traced else np
+    if isinstance(disc, LayerDisc):
+        found = _within(found, disc)
+        incompressible_enough(material, disc, found.radius, found.force)
     if not traced and not found.converged.all():
         failed = int((~found.converged).sum())
         text = f"{failed} of {found.converged.size} instants did not converge to rtol={rtol:g}; they are NaN."
@@ -112,7 +127,6 @@ def indent(
     inputs.append(("relative tolerance", f"{rtol:g}"))
 
     ruled = found.depth if course.load is None or course.depth is not None else course.load
-    factor = 1.0 if foundation.shift is None or kelvin is None else foundation.shift.a(kelvin)
     beyond = history_beyond(
         foundation.range, numpy.broadcast_to(course.time, found.depth.shape), ruled, kelvin, factor, stacklevel=3
     )
@@ -141,6 +155,8 @@ def indent(
 
 
 def _model(law: Relaxation, disc: Disc, adhesion: Any) -> str:
+    if isinstance(disc, LayerDisc):
+        return FINITE
     base = HALF_SPACE if disc.kind == "half-space" else LAYER
     if adhesion is None:
         return base
@@ -149,11 +165,24 @@ def _model(law: Relaxation, disc: Disc, adhesion: Any) -> str:
     return RULE
 
 
+def _within(found: Found, disc: LayerDisc) -> Found:
+    """Instants at which the body is less deep than the layer is thick; no small strain gives an answer beyond."""
+    numpy = xp if is_traced(found.depth, disc) else np
+    deep = numpy.asarray(found.depth) >= disc.thickness
+    reason = found.reason
+    if not is_traced(deep) and deep.any():
+        h = float(disc.thickness)
+        reason = f"No depth below the thickness of the layer, {h:.4g} m, carries the load."
+    return found._replace(converged=found.converged & ~deep, reason=reason)
+
+
 def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
     """The elements of a contact, and what they are made of. Raises `InputError` for a pair that does not fit."""
-    foundation = as_foundation(material)
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    if isinstance(material, Layer):
+        return of_layer(material, shape)
+    foundation = as_foundation(material)
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
             raise InputError(
@@ -164,23 +193,19 @@ def contact(material: Any, shape: Any) -> tuple[Disc, Foundation]:
     return Disc(shape, "layer" if foundation.per_area else "half-space"), foundation
 
 
-def at_temperature(foundation: Foundation, temperature: Any) -> tuple[Relaxation, Any]:
-    """The law with its times shifted to a temperature [K], and that temperature as an array; None leaves it."""
+def at_temperature(foundation: Foundation, temperature: Any) -> tuple[Relaxation, Any, Any]:
+    """The law with times and moduli shifted to a temperature [K], that as an array, and a_T; None leaves it."""
     law = foundation.law()
     if temperature is None:
-        return law, None
+        return law, None, 1.0
     kelvin = scalar("temperature", temperature)
-    if foundation.shift is None:
-        raise InputError(
-            f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift "
-            "law; give the material one with shift=em.WLF(...), or leave the temperature out."
-        )
-    factor = foundation.shift.a(kelvin)
+    factor, vertical = thermal_factors(foundation, kelvin)
     if not is_traced(factor) and not 1e-60 < float(factor) < 1e60:
         raise InputError(
             f"temperature must be near where the shift law was measured, got {float(kelvin):g} K, a_T = {factor:.3g}."
         )
-    return Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor), kelvin
+    law = scaled(law, vertical)
+    return Relaxation(law.equilibrium, law.moduli, law.times * factor, law.viscosity * factor), kelvin, factor
 
 
 def _work_of_adhesion(law: Relaxation, shape: Any, adhesion: Any) -> Any:

@@ -13,7 +13,6 @@ from ..errors import ConvergenceWarning, InputError
 from ..mapping.rough_line import RoughLine
 from ..models import seeds_of
 from ..results.line_contact import LineContact
-from ..results.words import brief
 from ..solve.periodic_field import field
 from .choice import is_rough, of_line
 from .rough import surface_words
@@ -78,24 +77,22 @@ def line_contact(
         material, surface, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
         model=model, rtol=rtol,
     )  # fmt: skip
-    if scene.reduced.size != 1:
-        raise InputError(f"velocity, {scene.control} and temperature must be single numbers, got {scene.shape}.")
+    at = scene.at
+    if at.reduced.size != 1:
+        raise InputError(f"velocity, {at.name} and temperature must be single numbers, got {at.shape}.")
     (line,) = scene.lines
     height = np.asarray(line.height)
-    law, speed, value = scene.foundation.law(), float(scene.reduced.ravel()[0]), float(scene.given[0])
+    law, speed, value = at.foundation.law(), float(at.reduced.ravel()[0]), float(scene.given[0])
     found = field(height, float(line.spacing), law, speed, value, scene.control, float(rtol))
     good = bool(found.line.converged[0])
     if not good:
         warnings.warn("the point did not converge; it is NaN.", ConvergenceWarning, stacklevel=3)
     mu, load_, deep, share = (float(getattr(found.line, name)[0]) for name in ("mu", "load", "depth", "share"))
-    inputs = [("material", scene.foundation.name or "given directly"), ("surface", surface_words(surface, line))]
-    inputs += [] if pressure is None else [("pressure", brief(np.asarray(pressure), "Pa"))]
-    inputs += [(f"line {scene.control}", brief(scene.value, "N/m" if scene.control == "load" else "m"))]
-    inputs += [("velocity", brief(scene.velocity, "m/s"))]
-    inputs += [] if scene.kelvin is None else [("temperature", brief(scene.kelvin, "K"))]
+    vertical = float(at.vertical.ravel()[0])
     return LineContact(
-        x=np.asarray(line.x), height=height - height.max() + deep, surface=found.surface, force=found.force,
-        touching=found.force > 0, mu=mu, load=load_, depth=deep, share=share,
+        x=np.asarray(line.x), height=height - height.max() + deep, surface=found.surface, force=vertical * found.force,
+        touching=found.force > 0, mu=mu, load=vertical * load_, depth=deep, share=share,
         error=np.full(height.size, float(found.line.error[0])), converged=np.full(height.size, good),
-        model=BARE + scene.rule, plan=f"one periodic state of {height.size} samples", inputs=tuple(inputs),
+        model=BARE + scene.rule, plan=f"one periodic state of {height.size} samples",
+        inputs=tuple(scene.inputs(("surface", surface_words(surface, line)))),
     )  # fmt: skip

@@ -11,6 +11,7 @@ from ..mapping.reach import contact_size
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
 from ..material.prony import Prony
 from ..material.relaxation import Relaxation
+from ..material.vertical import thermal_factors
 from ..results.impact import History, Oblique
 
 _ELEMENTS, _STEPS = 500, 16
@@ -77,9 +78,9 @@ def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: Histo
         rotation = (0.0 if lever is None else lever) ** 2 / slips.inertia
     effective = 1 / (1 / mass + rotation)
     law = slips.tangential.law()
-    factor = jnp.ones(count)
-    if scene.temperature is not None and slips.tangential.shift is not None:
-        factor = jnp.asarray(slips.tangential.shift.a(scene.temperature)).reshape(-1)
+    factor, vertical, own = jnp.ones(count), jnp.ones(count), slips.tangential
+    if scene.temperature is not None and (own.shift is not None or own.vertical is not None):
+        factor, vertical = (flat(x) for x in thermal_factors(own, scene.temperature))
     deepest = jnp.asarray(found.motion.max_depth)
     ring = scene.per_area and not isinstance(shape, Cylinder)
     reach = contact_size(shape, jnp.where(deepest > 0, deepest, 1e-9), ring)
@@ -90,14 +91,14 @@ def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: Histo
     viscosity = jnp.broadcast_to(body.viscosity, (count,))
 
     def one(point: tuple, finer: int) -> Any:
-        rates, moduli, viscosity, factor, reach, mu, course = point
+        rates, moduli, viscosity, factor, vertical, reach, mu, course = point
         times = 1 / jnp.where(rates > 0, rates, 1.0)
         normal = Relaxation(moduli[0], moduli[1:], times, viscosity)
         sheared = Relaxation(
-            jnp.asarray(law.equilibrium),
-            jnp.asarray(law.moduli),
+            jnp.asarray(law.equilibrium) * vertical,
+            jnp.asarray(law.moduli) * vertical,
             jnp.asarray(law.times) * factor,
-            law.viscosity * factor,
+            law.viscosity * factor * vertical,
         )
         place = Scene(shape, normal, sheared, mu, reach)
         elements, steps = _ELEMENTS * finer // 2, _STEPS * finer // 2
@@ -109,7 +110,7 @@ def solve_oblique(slips: Slips, scene: Any, shape: AbstractShape, history: Histo
     course = Course(
         series(history.time), series(history.depth), series(history.velocity), series(history.force), mass, effective, u
     )
-    points = (rates.T, moduli.T, viscosity, factor, reach, flat(slips.friction), course)
+    points = (rates.T, moduli.T, viscosity, factor, vertical, reach, flat(slips.friction), course)
     coarse, fine = (jax.lax.map(lambda point, n=n: one(point, n), points) for n in (1, 2))
     # Where nothing slips until it lets go the scheme is of first order, else of second.
     limit = jax.tree.map(lambda a, b: b + (b - a) / 3, coarse, fine)

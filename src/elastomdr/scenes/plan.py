@@ -4,25 +4,31 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .._runtime import numpy_unless_traced
+from .._runtime import numpy_unless_traced, only_one
 from ..errors import InputError
 from ..mapping.shapes import AbstractShape
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import HalfSpace, Line
+from ..solve.adhesive_shear import AdhesiveShear, check_adhesion
 from ..solve.heat import Heat
 from ..solve.plan import Plan
-from .choice import CELLS, is_rough, of_rough, of_smooth, only_one, only_rough
+from .adhesion import no_area
+from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
+from .on_layer import is_on_layer, on_layer
+from .several import over_materials
 from .steady import set_up
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Material, ModelLike, Motion, Surface
+    from .._types import ArrayLike, Indenter, Materials, ModelLike, Motion, Surface
     from ..solve.periodic_plan import RoughPlan
+    from .several import Plans
     from .surface import SurfacePlan
 
 
+@over_materials
 @numpy_unless_traced
 def plan(
-    material: Material,
+    material: Materials,
     shape: Indenter | Surface,
     *,
     velocity: ArrayLike,
@@ -35,18 +41,22 @@ def plan(
     skip: bool = True,
     quantity: Motion = "friction",
     heat: Heat | None = None,
-) -> "Plan | RoughPlan | SurfacePlan | str":
+    adhesion: AdhesiveShear | None = None,
+) -> "Plan | RoughPlan | SurfacePlan | Plans | str":
     """The plan that `friction` (or `rolling`, by `quantity`) would follow; printing it says what is skipped and why.
 
-    Arguments and errors as for `friction`. With `em.HalfSpace` on a smooth body it is a line of text.
+    Arguments and errors as for `friction`; `adhesion` adds nothing to the work. With `em.HalfSpace` on a smooth body it
+    is a line of text. Of a list of materials it is a tuple of plans, one for each.
     """
     if quantity not in ("friction", "rolling"):
         raise InputError(f"quantity must be 'friction' or 'rolling', got {quantity!r}.")
+    check_adhesion(adhesion, temperature)
     if is_rough(shape):
         if quantity != "friction":
             raise InputError(f"quantity must be 'friction' on a rough surface, got {quantity!r}.")
         chosen = of_rough(model, shape, pressure)
         if isinstance(chosen, Line):
+            no_area(adhesion, f"a {chosen.label} on a rough line or surface", "use em.Multiscale() under a pressure")
             from .rough import rough_plan
 
             return rough_plan(
@@ -56,7 +66,7 @@ def plan(
         from .surface import surface_plan
 
         assert isinstance(shape, AbstractSpectrum)  # to a line no other model applies
-        only_one(load, depth, pressure)
+        only_one(pressure=pressure, load=load, depth=depth)
         return surface_plan(
             material, shape, chosen, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol, heat=heat
         )
@@ -67,6 +77,11 @@ def plan(
             from ..reference.half_space import grid_words
 
             return grid_words(model.cells or CELLS)
+    if is_on_layer(material, shape):
+        return on_layer(
+            quantity, material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol, solved=False,
+        ).plan  # fmt: skip
     return set_up(
         quantity, material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
         temperature=temperature, model=model, rtol=rtol, skip=skip,

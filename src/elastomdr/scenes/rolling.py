@@ -2,20 +2,39 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, ParamSpec
 
-from .._runtime import numpy_unless_traced
+from .._runtime import needs_64_bit_types, numpy_unless_traced
 from ..errors import InputError
 from ..mapping.shapes import AbstractShape
 from ..results.curve import RollingCurve
+from .on_layer import beside_layer, is_on_layer, on_layer
 from .several import over_materials
+from .softened import SOFTENED
 from .steady import set_up, solve
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Indenter, Materials, ModelLike
 
+P = ParamSpec("P")
+
+
+def _layers_in_64_bits(function: Callable[P, RollingCurve]) -> Callable[P, RollingCurve]:
+    """Refuses a layer under jit, grad or vmap without 64-bit types: JAX would mix both."""
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> RollingCurve:
+        material = args[0] if args else kwargs.get("material")
+        layer = is_on_layer(material, args[1] if len(args) > 1 else kwargs.get("shape"))
+        return (needs_64_bit_types(function) if layer else function)(*args, **kwargs)
+
+    return wrapper
+
 
 @over_materials
+@_layers_in_64_bits
 @numpy_unless_traced
 def rolling(
     material: Materials,
@@ -41,11 +60,18 @@ def rolling(
     """
     if isinstance(shape, AbstractShape) and shape.rolling_radius is None:
         raise InputError(f"shape must roll (em.Sphere, em.Paraboloid or em.Cylinder), got a {shape.label}.")
-    scene = set_up(
-        "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
-        temperature=temperature, model=model, rtol=rtol, skip=skip,
-    )  # fmt: skip
-    found = solve(scene)
+    if is_on_layer(material, shape):
+        found, kelvin, name, plan = on_layer(
+            "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol,
+        )  # fmt: skip
+    else:
+        scene = set_up(
+            "rolling", material, shape, velocity=velocity, load=load, depth=depth, pressure=pressure,
+            temperature=temperature, model=model, rtol=rtol, skip=skip,
+        )  # fmt: skip
+        found, kelvin, name, plan = solve(scene), scene.temperature, scene.plan.model, scene.plan
+        found = beside_layer(found, material, shape, load=load, depth=depth, temperature=temperature)
     radius = shape.rolling_radius
     assert radius is not None  # refused above
     return RollingCurve(
@@ -61,8 +87,10 @@ def rolling(
         model_error=found.model_error,
         converged=found.converged,
         extrapolated=found.extrapolated,
-        temperature=scene.temperature,
-        model=scene.plan.model,
-        plan=scene.plan,
+        temperature=kelvin,
+        strain=found.strain,
+        linear=found.linear,
+        model=name + ("" if found.strain is None else SOFTENED),
+        plan=plan,
         inputs=found.inputs,
     )

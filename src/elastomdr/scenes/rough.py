@@ -5,16 +5,14 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64, in_float64, nan_unless
+from .._runtime import Array, in_float64, nan_unless
 from ..errors import ConvergenceWarning, ModelWarning
 from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import Line as LineModel
 from ..results.curve import FrictionCurve, Lines
-from ..results.words import brief
 from ..solve.heat import Heat
 from ..solve.periodic import Job, Line, solve_lines
 from ..solve.periodic_plan import RoughPlan, plan_lines
@@ -23,7 +21,7 @@ from .beyond import NOT_KNOWN, excited_outside, rough_beyond
 from .ensemble import Ask, coarse_at, ensemble, lanes_of, mean_of_lines, on_enough_samples, solutions
 from .flash import SETTLED, warmed
 from .line_bound import factor, missed
-from .points import Mean
+from .mean import Mean
 from .rough_arguments import RoughScene, load_level, set_up
 from .rough_traced import traced_mean_of_lines
 from .steady import AVERAGED, BARE
@@ -46,9 +44,8 @@ def rough_friction(
         material, surface, velocity=velocity, load=load, depth=depth, pressure=pressure, temperature=temperature,
         model=model, rtol=rtol, heat=heat,
     )  # fmt: skip
-    foundation, lines, shape, length = scene.foundation, scene.lines, scene.shape, scene.length
-    kelvin, reduced, given, control, traced = scene.kelvin, scene.reduced, scene.given, scene.control, scene.traced
-    velocity, numpy = scene.velocity, jnp if scene.traced else np
+    at, lines, length, given, control = scene.at, scene.lines, scene.length, scene.given, scene.control
+    foundation, shape, kelvin, reduced, traced = at.foundation, at.shape, at.kelvin, at.reduced, at.traced
     law, average = foundation.law(), model.average
     asked, finished, largest, count = [0], [0], [lines[0].count], len(lines)
     first = 0 if traced else solutions(Ask(reduced.ravel(), given, control, float(rtol), bool(skip)), average)
@@ -89,20 +86,16 @@ def rough_friction(
         if not np.any(law.moduli) and not float(law.viscosity):  # nothing is lost, and what is left is rounding
             found = found._replace(mu=0 * found.mu, error=0 * found.error)
     warm, cold = None, found.mu
-    if (
-        heat is not None
-        and isinstance(surface, AbstractSpectrum)
-        and kelvin is not None
-        and foundation.shift is not None
-    ):
-        v, t = (np.broadcast_to(a, shape).ravel() for a in (velocity, kelvin))
+    vertical = at.vertical.ravel()
+    if heat is not None and isinstance(surface, AbstractSpectrum) and kelvin is not None:
+        v, t = (at.full(a).ravel() for a in (at.velocity, kelvin))
 
         def at_pressure(reduced: np.ndarray, pressure: np.ndarray, coarse: bool) -> Mean:
             return points(reduced, pressure * length, coarse)
 
-        warm = warmed(heat, foundation, foundation.shift, surface, v, t, given / length, found, at_pressure)
-        found, reduced = warm.mean, warm.reduced.reshape(shape)
-    mu, good = found.mu, found.good
+        warm = warmed(heat, foundation, surface, v, t, given * vertical / length, found, at_pressure)
+        found, reduced, vertical = warm.mean, warm.reduced.reshape(shape), warm.vertical
+    mu, good, force = found.mu, found.good, found.load * vertical
     error = found.error + (0.0 if warm is None else SETTLED * np.abs(mu - cold))
     coarse = good & coarse_at(error, mu)
     good = good & ~coarse
@@ -127,43 +120,41 @@ def rough_friction(
         return nan_unless(good, values).reshape(shape)
 
     outside = None if traced else excited_outside(foundation.range, surface, reduced)
-    inputs = [
-        ("material", foundation.name or "given directly"),
+    inputs = scene.inputs(
         ("surface", surface.label if traced else surface_words(surface, lines[0])),
-    ]
-    inputs += [("as read", text) for text in getattr(surface, "report", ())]
-    inputs += [("pressure", brief(as_float64("pressure", pressure), "Pa"))] if pressure is not None else []
+        *(("as read", text) for text in getattr(surface, "report", ())),
+    )
     inputs += [] if pressure is None or traced else load_level(foundation, surface, pressure, model.equivalent_length)
-    inputs += [
-        (f"line {control}", brief(scene.value, "N/m" if control == "load" else "m")),
-        ("velocity", brief(velocity, "m/s")),
-    ]
-    inputs += [] if kelvin is None else [("temperature", brief(kelvin, "K"))]
     words = ensemble_words(scene.seeds, lines[0].count, largest[0])
     if isinstance(surface, AbstractSpectrum) and count == 1:
         words += ": how far lines scatter is not known, and so no error of mu"
     inputs += [("ensemble", words)]
     inputs += [] if heat is None else [("heat", heat.words())]
+    if foundation.softening is not None:
+        far = np.nan
+        inputs.append(
+            ("softening", "of the material is left out: this model is linear, its moduli are of small strain")
+        )
     if outside is not None:
         inputs.append(("excited beyond", f"the material's data: at most {np.nanmax(outside):.0%} of <|grad h|^2>"))
     beyond = NOT_KNOWN if traced else rough_beyond(foundation.range, outside, kelvin, shape, stacklevel=4)
     inputs += beyond.said
     return FrictionCurve(
-        velocity=numpy.broadcast_to(velocity, shape).copy(),
+        velocity=at.full(at.velocity),
         mu=field(mu),
-        normal_force=field(found.load),
-        friction_force=field(mu * found.load),
+        normal_force=field(force),
+        friction_force=field(mu * force),
         depth=field(found.depth),
         contact=None,
         error=field(error + spread),
         converged=good.reshape(shape),
-        temperature=None if kelvin is None else numpy.broadcast_to(kelvin, shape).copy(),
+        temperature=at.full(kelvin),
         model=_model(scene, average, heat),
         plan=_plan(scene, surface, average, rtol, skip, heat),
         inputs=tuple(inputs),
         extrapolated=beyond.points,
         model_error=None if isinstance(surface, RoughLine) else field(mu * far),
-        pressure=None if pressure is None else (given / length).reshape(shape),
+        pressure=None if pressure is None else (given * at.vertical.ravel() / length).reshape(shape),
         temperature_rise=None if warm is None else field(warm.rise),
         cold=None if warm is None else field(cold),
         heat_flux=None if warm is None else field(warm.heat),
@@ -186,18 +177,19 @@ def rough_plan(
 
 
 def _plan(scene: RoughScene, surface: Any, average: Any, rtol: Any, skip: Any, heat: Heat | None) -> RoughPlan:
-    ask = Ask(scene.reduced.ravel(), scene.given, scene.control, float(rtol), bool(skip))
-    line, law = scene.lines[0], scene.foundation.law()
-    name = scene.foundation.name or "a foundation given directly"
-    lanes = None if scene.traced else lanes_of(ask, average)
+    at = scene.at
+    ask = Ask(at.reduced.ravel(), scene.given, scene.control, float(rtol), bool(skip))
+    line, law = scene.lines[0], at.foundation.law()
+    name = at.foundation.name or "a foundation given directly"
+    lanes = None if at.traced else lanes_of(ask, average)
     return plan_lines(
-        scene=f"{surface.label if scene.traced else surface_words(surface, line)} on {name}",
+        scene=f"{surface.label if at.traced else surface_words(surface, line)} on {name}",
         model=_model(scene, average, heat),
-        line=None if scene.traced else (np.asarray(line.height), float(line.spacing)),
+        line=None if at.traced else (np.asarray(line.height), float(line.spacing)),
         lines=len(scene.lines), samples=line.count, points=ask.velocity.size, law=law, lanes=lanes,
         control=scene.control, rtol=float(rtol), averaged=average,
-        solutions=None if scene.traced else solutions(ask, average), skip=bool(skip), heated=heat is not None,
-        temperatures=0 if scene.kelvin is None else np.size(scene.kelvin),
+        solutions=None if at.traced else solutions(ask, average), skip=bool(skip), heated=heat is not None,
+        temperatures=0 if at.kelvin is None else np.size(at.kelvin),
     )  # fmt: skip
 
 

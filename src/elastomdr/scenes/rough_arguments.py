@@ -4,37 +4,35 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import as_float64, is_traced, positive, scalar
+from .._runtime import is_traced, positive, scalar
+from ..arguments import Scene, check_heat, rough_scene
 from ..errors import InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.rough_line import RoughLine
 from ..mapping.synthesis import MOST
 from ..models import Line, seeds_of, whole_number
 from ..results.words import brief
-from .choice import only_one
 from .ensemble import ensemble
 from .line_bound import FULL
-from .points import check_carries, check_heat, check_rtol, steady_points
 
 _LIGHT = 0.03  # p/(E*(0) rms slope) up to which the book's rule is one of light contact (docs/rough.md)
 
 
 class RoughScene(NamedTuple):
-    """A scene of many points, flattened where it says so."""
+    """The points of a call on lines, with the lines, and what they are pressed with."""
 
-    foundation: Foundation
+    at: Scene
     lines: list[RoughLine]
     seeds: tuple[int, ...]  # of the lines
-    shape: tuple[int, ...]  # of the broadcast arguments
-    velocity: Any  # as given [m/s]; this and what follows are JAX arrays where traced, else NumPy's
-    kelvin: Any  # as given [K], or None
-    value: Any  # line load [N/m] or depth [m], as given
-    reduced: Any  # v a_T [m/s], of the broadcast shape
-    given: Any  # line load [N/m] or depth [m] of each point, flat
     control: Any  # "load" or "depth"
+    given: Any  # line load over b_T [N/m] or depth [m] of each point, flat
     length: Any  # that turns the pressure into a line load [m]; None without a pressure
     rule: str  # how, in words
-    traced: bool
+
+    def inputs(self, *surface: tuple[str, str]) -> list[tuple[str, str]]:
+        """For results: the material, the `surface`, the points, and what pressure the line has where it has one."""
+        rows, given = self.at.inputs(*surface, load="N/m"), self.given * self.at.vertical.ravel()
+        return rows if self.length is None else [*rows, ("line load", brief(given, "N/m"))]
 
 
 def set_up(
@@ -43,38 +41,32 @@ def set_up(
 ) -> RoughScene:  # fmt: skip
     """Checks the arguments and makes the lines. Raises `InputError`."""
     foundation = as_foundation(material)
-    traced = is_traced(foundation, surface, velocity, load, depth, pressure, temperature)
-    check_heat(heat, temperature, traced)
+    at = rough_scene(
+        foundation, surface, velocity=velocity, pressure=pressure, load=load, depth=depth, temperature=temperature,
+        rtol=rtol,
+    )  # fmt: skip
+    check_heat(heat, temperature, at.traced)
     if heat is not None and (isinstance(surface, RoughLine) or pressure is None):
         raise InputError(
             "heat needs a surface given by its spectrum, and a pressure: a line has no contact area that is that of "
             "a surface, on which the flash temperature depends."
         )
-    check_carries(foundation)
-    check_rtol(rtol)
     whole_number("periods", model.periods, 1, MOST)
     if model.samples is not None:
         whole_number("samples", model.samples, 64, MOST)
     which = seeds_of(model.seeds)
-    control, value, length, rule = _control(surface, load, depth, pressure, model.equivalent_length)
-    at = steady_points(foundation, surface, velocity=velocity, temperature=temperature, **{control: value})
+    length, rule = _length(surface, at.name, model.equivalent_length)
     lines = ensemble(surface, model.samples, model.periods, which)
-    return RoughScene(
-        foundation, lines, which, at.shape, at.velocity, at.kelvin, value, at.reduced, at.full(value).ravel(), control,
-        length, rule, at.traced,
-    )  # fmt: skip
+    given = at.at_reference() if length is None else at.at_reference() * length
+    return RoughScene(at, lines, which, "depth" if at.name == "depth" else "load", given, length, rule)
 
 
-def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_length: Any) -> tuple:
-    """What is given, as line load or depth; the length that turns pressure into load; the rule in words."""
-    name = only_one(load, depth, pressure)
-    value = {"load": load, "depth": depth, "pressure": pressure}[name]
-    value = as_float64(name, value)
-    positive(name, value)
+def _length(surface: Any, name: str, equivalent_length: Any) -> tuple[Any, str]:
+    """The length that turns a pressure into a line load, None without one, and the rule in words; `name` is given."""
     if name != "pressure":
         if equivalent_length is not None:
             raise InputError(f"equivalent_length turns a pressure into a line load; it has no meaning with a {name}.")
-        return name, value, None, "; load per length of line, no pressure" if name == "load" else "; depth of the line"
+        return None, "; load per length of line, no pressure" if name == "load" else "; depth of the line"
     if isinstance(surface, RoughLine) and (equivalent_length is None or isinstance(equivalent_length, str)):
         raise InputError(
             "pressure needs model=em.Line(equivalent_length=...) [m] with a RoughLine, the width of surface that the "
@@ -85,18 +77,18 @@ def _control(surface: Any, load: Any, depth: Any, pressure: Any, equivalent_leng
         if equivalent_length != FULL:
             raise InputError(f"equivalent_length must be a length [m] or {FULL!r}, got {equivalent_length!r}.")
         length = spectrum.full_contact_length
-        return "load", value * length, length, (
+        return length, (
             f"; pressure p as line load p L with L = 2 <q^2 C>/<q^3 C>{_metres(length)}, that of full contact"
         )  # fmt: skip
     if equivalent_length is None:
         length = 2 * np.pi / spectrum.q_low
-        return "load", value * length, length, (
+        return length, (
             f"; pressure p as line load p L with L = 2 pi/q_low{_metres(length)} (Popov & Hess 2015, ch. 10; the "
             "equivalence holds to a factor of order one, in light contact)"
         )  # fmt: skip
     length = scalar("equivalent_length", equivalent_length)
     positive("equivalent_length", length)
-    return "load", value * length, length, f"; pressure p as line load p L with L ={_metres(length)[2:]} as given"
+    return length, f"; pressure p as line load p L with L ={_metres(length)[2:]} as given"
 
 
 def load_level(foundation: Foundation, surface: Any, pressure: Any, rule: Any) -> list[tuple[str, str]]:

@@ -11,7 +11,7 @@ from ..mapping.rough_line import RoughLine
 from ..material.relaxation import Relaxation
 from ..solve.periodic_gradient import Differentiable, solve_traced
 from .ensemble import AVERAGE
-from .points import Mean
+from .mean import Mean
 
 
 def traced_mean_of_lines(

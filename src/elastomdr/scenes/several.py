@@ -4,13 +4,28 @@ from __future__ import annotations
 
 import functools
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
 from ..errors import InputError
+from ..results.base import Result, distinct
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+
+class Plans(tuple[Any, ...]):
+    """The plans of several materials, in their order; printing shows all of them, with their names."""
+
+    names: tuple[str, ...]
+
+    def __new__(cls, plans: Sequence[Any], names: Sequence[str]) -> Plans:
+        self = super().__new__(cls, plans)
+        self.names = tuple(names)
+        return self
+
+    def __str__(self) -> str:
+        return "\n\n".join(f"{name}\n{plan}" for name, plan in zip(self.names, self, strict=True))
 
 
 def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
@@ -30,13 +45,25 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             said = []  # which material each warning is of
-            for name, each in zip(names, material, strict=True):
-                results.append(call(each, *args[1:], **rest))
+            for i, (name, each) in enumerate(zip(names, material, strict=True)):
+                try:
+                    results.append(call(each, *args[1:], **rest))
+                except InputError as error:
+                    if i == 0 and not str(error).startswith("material"):
+                        raise  # of the other arguments
+                    raise InputError(f"material[{i}]{_called(each)}: {error}") from error
                 said += [name] * (len(caught) - len(said))
         _once(list(zip(said, caught, strict=True)))
-        return type(results[0]).stack(results, names)
+        first: Any = results[0]
+        together: Any = Plans(results, distinct(names))
+        return first.stack(results, names) if isinstance(results[0], Result) else together
 
     return wrapper
+
+
+def _called(material: Any) -> str:
+    name = getattr(material, "name", "")
+    return f" ({name})" if name else ""
 
 
 def _once(caught: list[tuple[str, warnings.WarningMessage]]) -> None:

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, is_traced, known, nan_unless, not_negative, require, scalar
+from .._runtime import as_float64, in_float64, is_traced, known, nan_unless, not_negative, only_one, require, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation
 from ..mapping.reach import contact_measure, contact_size
@@ -89,10 +89,7 @@ def shear(
     if not isinstance(shape, AbstractShape):
         raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
     per_area = _standing([normal], shape)
-    if (load is None) == (depth is None):
-        given = "neither" if load is None else f"load={load} and depth={depth}"
-        raise InputError(f"load or depth must be given, and only one of them, got {given}.")
-    name = "depth" if load is None else "load"
+    name = only_one(load=load, depth=depth)
     time, displacement = as_float64("time", time), as_float64("displacement", displacement)
     value, mu = as_float64(name, depth if load is None else load), scalar("friction", friction)
     if depth is None:

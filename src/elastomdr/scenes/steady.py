@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .._runtime import Array, is_traced, nan_unless, require
+from .._trees import replaced
+from ..arguments import check_rtol, steady_scene
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.direction import BARE_LINE
@@ -17,13 +19,13 @@ from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch, PowerLaw
 from ..material.relaxation import Relaxation
 from ..models import Averaged, HalfSpace
 from ..results.curve import Contact
-from ..results.words import brief, describe
+from ..results.words import describe
 from ..solve.passage import Control
 from ..solve.plan import Plan, make_plan
 from ..solve.sweep import run
 from .beyond import steady_beyond
 from .choice import of_smooth
-from .points import check_rtol, steady_points
+from .softened import check_softening, run_softened, softened_words
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -31,17 +33,18 @@ if TYPE_CHECKING:
 AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
 CORRECTED = "MDR line averaged over directions, corrected for an asymmetric contact (estimate for the half-space)"
 BARE = "bare MDR line (textbook; overstates the losses of a half-space by up to a factor of 2)"
-LAYER = "thin layer of independent elements (exact for the layer; no direction average needed)"
+LAYER = "independent springs (textbook; for the layer itself use em.layer)"
 
 
-class Scene(NamedTuple):
-    """A steady scene, checked and with its point arrays broadcast and flattened."""
+class SmoothScene(NamedTuple):
+    """A steady scene of a smooth body: its points, broadcast and flattened, its lines and its plan."""
 
     foundation: Foundation
     law: Relaxation
     lines: AbstractLines
     control: Control
-    value: Float[Array, " points"]  # load [N] or depth [m]
+    value: Float[Array, " points"]  # load over b_T [N] or depth [m]
+    vertical: Float[Array, " points"]  # b_T, by which forces are larger than those of `law`
     velocity: Float[Array, " points"]  # as given [m/s]
     reduced: Float[Array, " points"]  # velocity times a_T [m/s]
     temperature: Any  # broadcast to `shape`, or None
@@ -64,26 +67,39 @@ class Steady(NamedTuple):
     converged: Bool[Array, "..."]
     extrapolated: Bool[Array, "..."] | None  # whether the material is used beyond its range; None: that is not known
     inputs: tuple[tuple[str, str], ...]
+    strain: Float[Array, "..."] | None = None  # effective strain of the contact, where the material softens
+    linear: Float[Array, "..."] | None = None  # mu without softening
+
+
+class OnLayer(NamedTuple):
+    """What a curve is made of, of a body on an `em.layer`."""
+
+    found: Any  # `Steady`, or None where only the plan was asked for
+    temperature: Any  # broadcast to the points, or None
+    model: str
+    plan: Any
 
 
 def set_up(
     quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
-    model: Any, rtol: float, skip: bool,
-) -> Scene:  # fmt: skip
-    """Checks the arguments and plans the scene. Raises `InputError` for whatever has no meaning."""
+    model: Any, rtol: float, skip: bool, softens: bool = True,
+) -> SmoothScene:  # fmt: skip
+    """Checks the arguments and plans the scene; without `softens` the moduli are those of small strain.
+
+    Raises `InputError` for whatever has no meaning.
+    """
     lines, foundation = contact(material, shape)
+    small = not softens and foundation.softening is not None
+    foundation = replaced(foundation, softening=None) if small else foundation
     no_pressure(shape, pressure)
-    if (load is None) == (depth is None):
-        given = "neither" if load is None else f"load={load} and depth={depth}"
-        raise InputError(f"load or depth must be given, and only one of them, got {given}.")
     chosen = of_smooth(model, quantity, shape.label)
     if isinstance(chosen, HalfSpace):
         raise InputError(f"model must be em.Averaged() or em.Line() on the line of a {shape.label}, got {chosen!r}.")
     check_rtol(rtol)
-    control: Control = "load" if depth is None else "depth"
-    law, given = foundation.law(), {control: load if depth is None else depth}
-    points = steady_points(foundation, lines, velocity=velocity, temperature=temperature, **given)
-    kelvin, value, reduced = points.kelvin, points.full(points.value).reshape(-1), points.reduced.reshape(-1)
+    points = steady_scene(foundation, lines, velocity=velocity, load=load, depth=depth, temperature=temperature)
+    control: Control = "load" if points.name == "load" else "depth"
+    law, kelvin, vertical = foundation.law(), points.kelvin, points.vertical.reshape(-1)
+    value, reduced = points.at_reference(), points.reduced.reshape(-1)
     if not points.traced:
         _check_size(lines, control, value)
     layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
@@ -91,24 +107,23 @@ def set_up(
     corrected = averaged and isinstance(chosen, Averaged) and chosen.corrected
     words = LAYER if layer else (CORRECTED if corrected else AVERAGED) if averaged else BARE
     name = f"{describe(shape)} on {foundation.name or ('a layer' if layer else 'a half-space')}"
+    check_softening(foundation, lines)
+    spread = None if points.traced else _softened_too(foundation, control, value)
+    passing = None if spread is None else np.tile(reduced, spread.size // reduced.size)
     plan = make_plan(
-        quantity, name, words, law, lines, control, None if points.traced else value,
-        None if points.traced else reduced, int(np.prod(points.shape)), 1 if kelvin is None else int(np.size(kelvin)),
-        averaged, float(rtol), skip,
+        quantity, name, words, law, lines, control, spread, passing, int(np.prod(points.shape)),
+        1 if kelvin is None else int(np.size(kelvin)), averaged, float(rtol), skip,
     )  # fmt: skip
     plan = dataclasses.replace(plan, range=foundation.range, corrected=corrected)
-    inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]
-    inputs.append((control, brief(points.value, "N" if control == "load" else "m")))
-    inputs.append(("velocity", brief(points.velocity, "m/s")))
-    if kelvin is not None:
-        inputs.append(("temperature", brief(kelvin, "K")))
-    inputs.append(("relative tolerance", f"{rtol:g}"))
-    return Scene(
+    inputs = [*points.inputs(("shape", describe(shape))), ("relative tolerance", f"{rtol:g}")]
+    inputs += [("softening", "left out: moduli of small strain")] if small else []
+    return SmoothScene(
         foundation,
         law,
         lines,
         control,
         value,
+        vertical,
         points.full(points.velocity).reshape(-1),
         reduced,
         points.full(kelvin),
@@ -116,6 +131,13 @@ def set_up(
         plan,
         tuple(inputs),
     )
+
+
+def _softened_too(foundation: Foundation, control: Control, value: np.ndarray) -> np.ndarray:
+    """The loads to plan for: under softer rubber the contact is that under a higher one."""
+    if foundation.softening is None or control == "depth":
+        return value
+    return np.concatenate([value, value / np.min(foundation.softening.storage)])
 
 
 def no_pressure(shape: AbstractShape, pressure: Any) -> None:
@@ -126,9 +148,15 @@ def no_pressure(shape: AbstractShape, pressure: Any) -> None:
         )
 
 
-def solve(scene: Scene) -> Steady:
+def solve(scene: SmoothScene) -> Steady:
     """Runs the plan; points that failed are NaN, and one warning counts them."""
-    result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
+    softening, soft, inputs = scene.foundation.softening, None, scene.inputs
+    if softening is None:
+        result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
+    else:
+        result, soft = run_softened(
+            scene.plan, scene.foundation, scene.law, scene.lines, scene.value, scene.reduced
+        )  # fmt: skip
     traced = is_traced(result.mu)
     good = result.line.converged
 
@@ -146,7 +174,7 @@ def solve(scene: Scene) -> Steady:
                     f" Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol would accept them."
                 )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
-    force = result.line.normal_force
+    force = result.line.normal_force * scene.vertical
     # A Foundation given directly is a line by definition; a half-space under the bare line is not.
     bare = BARE_LINE if scene.plan.model == BARE and scene.foundation.per_area is False else 0.0
     contact = Contact(shaped(result.line.leading), shaped(result.line.trailing))
@@ -154,6 +182,10 @@ def solve(scene: Scene) -> Steady:
     beyond = steady_beyond(
         scene.foundation.range, scene.reduced.reshape(scene.shape), size, scene.temperature, stacklevel=4
     )
+    beyond_sweep = None
+    if softening is not None and soft is not None and not traced:
+        beyond_sweep = np.asarray(good & softening.outside(soft.strain)).reshape(scene.shape)
+        inputs += softened_words(soft, np.asarray(good), beyond_sweep)
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
         mu=shaped(result.mu),
@@ -164,12 +196,14 @@ def solve(scene: Scene) -> Steady:
         depth=shaped(result.line.depth),
         contact=contact,
         converged=good.reshape(scene.shape),
-        extrapolated=beyond.points,
-        inputs=scene.inputs + beyond.said,
+        extrapolated=beyond.points if beyond.points is None or beyond_sweep is None else beyond.points | beyond_sweep,
+        inputs=inputs + beyond.said,
+        strain=None if soft is None else shaped(soft.strain),
+        linear=None if soft is None or soft.linear is None else shaped(soft.linear),
     )
 
 
-def _sunk(scene: Scene) -> str:
+def _sunk(scene: SmoothScene) -> str:
     """Why a load was not carried, and what to do."""
     radius = float(np.asarray(scene.lines.shape.largest_contact))
     text = f"The load would need a contact wider than the {scene.lines.shape.label} has ({radius:.4g} m)"
@@ -200,8 +234,8 @@ def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
     if isinstance(shape, Cylinder):
         if foundation.per_area is False:
             raise InputError(
-                "material must be a layer under a Cylinder, got a half-space: use em.springs(material, thickness). "
-                "A cylinder on a half-space is no MDR problem."
+                "material must be independent springs under a Cylinder here, got a half-space: use "
+                "em.springs(material, thickness). A cylinder on a half-space is no MDR problem."
             )
         return SingleLine(shape), foundation
     if foundation.per_area:

@@ -9,13 +9,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import Array, as_float64, is_traced, known, nan_unless, numpy_unless_traced, positive, require
+from .._runtime import (
+    Array,
+    as_float64,
+    is_traced,
+    known,
+    nan_unless,
+    numpy_unless_traced,
+    only_one,
+    positive,
+    require,
+)  # fmt: skip
 from .._trees import replaced
 from ..errors import ConvergenceWarning, InputError
-from ..foundation.law import Foundation, as_foundation, same_shift
+from ..foundation.law import Foundation, as_foundation
 from ..mapping.lines import SingleLine
 from ..mapping.shapes import AbstractShape, Cylinder
 from ..material.validity import shared
+from ..material.vertical import same_thermal, thermal_factors
 from ..results.friction_law import FrictionLaw
 from ..results.traction import Traction
 from ..results.words import brief, describe
@@ -114,7 +125,7 @@ def traction(
         )
     scene = set_up(
         "rolling", normal, shape, velocity=velocity, load=load, depth=depth, pressure=None, temperature=temperature,
-        model=model, rtol=rtol, skip=True,
+        model=model, rtol=rtol, skip=True, softens=False,
     )  # fmt: skip
     assert isinstance(scene.lines, SingleLine)
     found = solve(scene)
@@ -133,7 +144,8 @@ def traction(
     )  # fmt: skip
     rule = rules[0] if scene.plan.traced else rules[-1]
     # Without creepage nothing pulls, and no error is small against that.
-    rounding = _ROUNDING * flat(found.normal_force) * (1 + xp.where(xp.isfinite(rolling.friction), rolling.friction, 0))
+    rounding = 1 + xp.where(xp.isfinite(rolling.friction), rolling.friction, 0)
+    rounding = _ROUNDING * rounding * flat(found.normal_force) / scene.vertical
     # Where errors cannot be looked at, the number of steps that is nearly always enough.
     pulled = known(tractions(rolling, rule, _STEPS[1] if is_traced(rolling) else _STEPS[0]))
     for steps in _STEPS[1:]:
@@ -142,6 +154,7 @@ def traction(
             break
         pulled = known(tractions(rolling, rule, steps))
     missed = ~(pulled.error <= rtol * pulled.force + rounding)
+    pulled = pulled._replace(force=pulled.force * scene.vertical, error=pulled.error * scene.vertical)
     pulled = type(pulled)(*(xp.asarray(x).reshape(scene.shape) for x in pulled))
     good = found.converged & ~xp.asarray(missed).reshape(scene.shape)
     if not is_traced(good) and (lost := int(np.sum(found.converged & ~good))):
@@ -177,9 +190,7 @@ def traction(
 
 def _kinematics(velocity: Any, creepage: Any, slip: Any) -> tuple[Array, Array, Array | None, Array | None]:
     """Rolling velocity and creepage, and where a slip was given that slip and the velocity of the road, else None."""
-    if (creepage is None) == (slip is None):
-        got = "neither" if creepage is None else "both"
-        raise InputError(f"creepage or slip must be given, and only one of them, got {got}.")
+    only_one(creepage=creepage, slip=slip)
     velocity = as_float64("velocity", velocity)
     if slip is None:
         creepage = as_float64("creepage", creepage)
@@ -221,16 +232,17 @@ def _said(creepage: Any, friction: Any, law: FrictionLaw | None) -> list[tuple[s
 def _shifted(normal: Foundation, sheared: Foundation) -> Foundation:
     """`normal` with the shift law of `sheared`, where it is elastic and has none of its own: a_T changes nothing in it.
 
-    Raises `InputError` for two shift laws that differ, since one a_T scales the velocity of both.
+    Raises `InputError` for laws that differ, since one a_T scales the velocity of both, and one b_T their moduli.
     """
     law = normal.law()
     elastic = not law.moduli.size and not is_traced(law.viscosity) and float(law.viscosity) == 0
     if elastic and sheared.shift is not None:
-        return replaced(normal, shift=sheared.shift)
-    if sheared.shift is not None and not same_shift(normal.shift, sheared.shift):
+        normal = replaced(normal, shift=sheared.shift)
+    if (sheared.shift is not None or sheared.vertical is not None) and not same_thermal(normal, sheared):
         raise InputError(
-            f"tangential must have the same shift law as material, got {sheared.shift} and {normal.shift}; bring both "
-            "to their temperature first, with material.at(T)."
+            "tangential must have the same shift law as material, and the same vertical one, got "
+            f"{sheared.shift}, {sheared.vertical} and {normal.shift}, {normal.vertical}; bring both to their "
+            "temperature first, with material.at(T)."
         )
     return normal
 
@@ -275,18 +287,21 @@ def _carter(
         )
     load = as_float64("load", load)
     require("load", load, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
-    if temperature is not None and (mu_law is None or mu_law.temperature is None):
+    if temperature is not None and foundation.vertical is None and (mu_law is None or mu_law.temperature is None):
         raise InputError("temperature must be left out for an elastic half-plane, on which it has no effect.")
+    modulus = law.equilibrium
+    if temperature is not None and foundation.vertical is not None:
+        modulus = modulus * thermal_factors(foundation, as_float64("temperature", temperature))[1]
     if mu_law is not None:
-        half = carter(law.equilibrium, shape.radius, load / shape.length, 1.0, 0.0)[2]
+        half = carter(modulus, shape.radius, load / shape.length, 1.0, 0.0)[2]
         friction = _at_contact(mu_law, shape, creepage, velocity, temperature, load, Contact(half, half), True)
     if not is_traced(friction) and np.isinf(np.asarray(friction)).any():
         raise InputError(
             "friction must be finite for a cylinder on a half-space: without slip Carter's traction diverges."
         )
-    arrays = velocity, creepage, friction, load
-    velocity, creepage, friction, load = xp.broadcast_arrays(*(xp.asarray(x) for x in arrays))
-    ratio, stick, half = carter(law.equilibrium, shape.radius, load / shape.length, friction, abs(creepage))
+    arrays = velocity, creepage, friction, load, modulus
+    velocity, creepage, friction, load, modulus = xp.broadcast_arrays(*(xp.asarray(x) for x in arrays))
+    ratio, stick, half = carter(modulus, shape.radius, load / shape.length, friction, abs(creepage))
     zero = xp.zeros_like(ratio)
     force = xp.sign(creepage) * ratio * load
     inputs = [("material", foundation.name or "given directly"), ("shape", describe(shape))]

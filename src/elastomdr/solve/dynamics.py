@@ -12,7 +12,7 @@ equation is
 
     A d+ + sum W S max(0, d+ - l) = known,        A = 2 m/h^2 + k/2 + c/h,
 
-piecewise linear, solved exactly (`solve.slide.settle`); the tangential one takes a fixed number of Newton steps. The
+piecewise linear, solved exactly (`solve.carried`); the tangential one takes a fixed number of Newton steps. The
 work of the mean forces is that of the elements but for those whose contact begins or ends within the step.
 """
 
@@ -23,11 +23,12 @@ import jax
 import jax.numpy as jnp
 
 from .._runtime import Array
-from ..foundation.step import coefficients, fade
+from ..foundation.step import coefficients, fade, lag, released
 from ..material.relaxation import Relaxation
+from .carried import settle
 from .mount import Mount
 from .over_line import AbstractOverLine
-from .slide import Line, energy, felt_by, free, lag, press, settle, untouched
+from .slide import Line, energy, felt_by, press, untouched
 
 _NEWTON = 4  # steps for the place of a body that is pulled through a spring
 _INSTANT = 1e-12  # duration of the first touch, over the shortest time
@@ -65,7 +66,7 @@ def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motio
     line, weight = untouched(scene.law, scene.surface, position), scene.surface.weight
     fading = fade(c, line.f)
     spring = 0.0 if scene.normal is None else scene.normal.stiffness
-    between, level = scene.surface.between, free(c, line, fading) - rise
+    between, level = scene.surface.between, released(c, line.u, fading.seen) - rise
     depth = settle(level, weight * c.stiffness[0], spring, load, jnp.zeros(()), between)
     line, work = press(c, line, fading, rise, depth)
     work = jnp.sum(weight * work)
@@ -82,7 +83,7 @@ def _advance(
     weight, up, along = scene.surface.weight, scene.normal, scene.tangential
     between = scene.surface.between
     fading = fade(c, y.line.f)
-    u_free = free(c, y.line, fading)
+    u_free = released(c, y.line.u, fading.seen)
     # Mean force of an element over the step, if it follows the surface: mean S (w+ - idle).
     mean = (0.5 * c.equilibrium + c.drag)[0]
     idle = y.line.u - (c.equilibrium * y.line.u + fading.mean) / mean

@@ -36,15 +36,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import as_float64, not_negative, numpy_unless_traced, plain, positive
+from .._runtime import as_float64, is_traced, not_negative, numpy_unless_traced, positive, scalar
 from .._trees import Tree, fill
+from ..errors import InputError
 from ..mapping.spectrum import AbstractSpectrum
 from .roads import read, tables
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-    from .._types import ArrayLike, Number
+    from .._types import ArrayLike, Number, Scalar
 
 _PER_DECADE = 40  # wave numbers and distances, trapezoidal rule in their logarithm
 _FAR = 1e-3  # smallest distance, in half waves of the upper cutoff
@@ -56,26 +57,49 @@ class Heat(Tree):
     Args:
         conductivity: thermal conductivity of the rubber [W/(m K)].
         heat_capacity: heat capacity per volume, density times specific heat [J/(m^3 K)].
+        road: conductivity and heat capacity of the counterface, a pair in the same units; None for one that takes no
+            heat. Its spots in contact are taken as steady, which they are after the time that `words()` tells.
 
     Raises:
-        InputError: for values that are not positive.
+        InputError: for values that are not positive, and a road that is no pair.
     """
 
-    conductivity: float  # lambda [W/(m K)]
-    heat_capacity: float  # rho c [J/(m^3 K)]
+    conductivity: Scalar  # lambda [W/(m K)]
+    heat_capacity: Scalar  # rho c [J/(m^3 K)]
+    road: tuple[Scalar, Scalar] | None  # the same of the counterface
 
-    def __init__(self, conductivity: Number, heat_capacity: Number):
-        for name, value in (("conductivity", conductivity), ("heat_capacity", heat_capacity)):
-            positive(name, plain(name, value))
-        fill(self, conductivity=float(conductivity), heat_capacity=float(heat_capacity))
+    def __init__(self, conductivity: Number, heat_capacity: Number, *, road: tuple[Number, Number] | None = None):
+        if road is not None and (not isinstance(road, (tuple, list)) or len(road) != 2):
+            raise InputError(f"road must be a pair, conductivity and heat capacity, or None, got {road!r}.")
+        pairs = [("conductivity", conductivity), ("heat_capacity", heat_capacity)]
+        pairs += [(f"road: {name}", value) for (name, _), value in zip(pairs, road or (), strict=False)]
+        values = []
+        for name, value in pairs:
+            value = scalar(name, value)
+            positive(name, value)
+            values.append(value if is_traced(value) else float(value))
+        fill(self, conductivity=values[0], heat_capacity=values[1], road=tuple(values[2:]) or None)
 
     @property
-    def diffusivity(self) -> float:
+    def diffusivity(self) -> Scalar:
         """D = lambda/(rho c) [m^2/s]."""
         return self.conductivity / self.heat_capacity
 
-    def words(self) -> str:
-        return f"conductivity {self.conductivity:.4g} W/(m K), heat capacity {self.heat_capacity:.4g} J/(m^3 K)"
+    def words(self, longest: float | None = None) -> str:
+        """In one line; with the longest wave of a surface [m] also when the spots of the road are steady."""
+        if is_traced(self):
+            return "conduction"
+
+        def of(one: Any, other: Any) -> str:
+            return f"conductivity {one:.4g} W/(m K), heat capacity {other:.4g} J/(m^3 K)"
+
+        text = of(self.conductivity, self.heat_capacity)
+        if self.road is None:
+            return text
+        text += f"; road: {of(*self.road)}"
+        if longest is None:
+            return text
+        return f"{text}, steady after {(longest / 2) ** 2 * self.road[1] / self.road[0]:.2g} s of contact"
 
     @numpy_unless_traced
     def uniform_flux(self, flux: ArrayLike, time: ArrayLike) -> Float[np.ndarray, "..."]:
@@ -151,8 +175,8 @@ class Scales(NamedTuple):
     share: Float[np.ndarray, "n waves"]  # s_q, sums to one
 
 
-def scales(foundation: Any, surface: AbstractSpectrum, reduced: Float[np.ndarray, " n"], pressure: float) -> Scales:
-    """Apparent contact share P and share s of the friction, by wave number, at v a_T and the nominal pressure."""
+def scales(foundation: Any, surface: AbstractSpectrum, reduced: Float[np.ndarray, " n"], pressure: Any) -> Scales:
+    """Apparent contact share P and share s of the friction, by wave number, at v a_T and the nominal pressures."""
     from scipy.special import erf
 
     count = max(24, int(np.ceil(_PER_DECADE * np.log10(surface.q_high / surface.q_low))))
@@ -161,7 +185,7 @@ def scales(foundation: Any, surface: AbstractSpectrum, reduced: Float[np.ndarray
     log_omega = np.log(reduced[:, None] * q)
     of = tables(foundation.complex_modulus, np.exp(log_omega.min()), np.exp(log_omega.max()))
     slope = q**4 * surface.at(q)  # q^3 C dq, per dlog q
-    rate = slope * read(of, of.stiffness, log_omega) / (8 * pressure**2)
+    rate = slope * read(of, of.stiffness, log_omega) / (8 * np.reshape(pressure, (-1, 1)) ** 2)
     spread = np.concatenate([np.zeros((reduced.size, 1)), np.cumsum(0.5 * width * (rate[:, 1:] + rate[:, :-1]), 1)], 1)
     with np.errstate(divide="ignore"):
         area = erf(0.5 / np.sqrt(spread))

@@ -31,6 +31,7 @@ import numpy as np
 from .._arrays import cond, fixed, in_steps, mapped, xp
 from .._runtime import Array
 from ..foundation.decay import ramp_weights
+from ..mapping.disc import Disc
 from ..mapping.reach import contact_measure
 from ..mapping.shapes import AbstractShape, FlatPunch
 from .peak import peak
@@ -57,7 +58,7 @@ class Grid(NamedTuple):
 class Body(NamedTuple):
     """What strikes, and on what; lanes run over the last axis."""
 
-    shape: AbstractShape
+    shape: AbstractShape | Disc  # a body, or its contact on rubber of finite thickness
     rates: Float[Array, "k lanes"]  # 1/tau_k, the first one zero: the equilibrium spring [1/s]
     moduli: Float[Array, "k lanes"]  # [Pa, or Pa/m]
     viscosity: Float[Array, " lanes"]  # [Pa s, or Pa s/m]
@@ -97,7 +98,7 @@ def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
     """One impact per lane on one grid; differentiable in both modes."""
     zero = xp.zeros(body.velocity.shape)
     none = xp.zeros((body.rates.shape[0], *zero.shape))
-    punch = isinstance(body.shape, FlatPunch)
+    punch = body.shape.flat if isinstance(body.shape, Disc) else isinstance(body.shape, FlatPunch)
     rate = contact_measure(body.shape, zero, per_area) * body.velocity if punch else zero
     start = _Node(zero, zero, body.velocity, rate, none, none, body.viscosity * rate)
     turn, nodes, steps, good = _approach(body, per_area, start, grid)

@@ -38,6 +38,7 @@ class Found(NamedTuple):
     )  # of the grid and the size of the cell, and twice the standard error of the mean over maps; NaN for one map
     good: np.ndarray
     said: str  # how it was computed
+    area_error: np.ndarray  # numerical
 
 
 class Grid(NamedTuple):
@@ -76,7 +77,7 @@ def friction(
 ) -> Found:  # fmt: skip
     """Points (velocity [m/s], pressure [Pa]), flat, each on every map; neighbours begin with each other's contact."""
     count, done = velocity.size, 0
-    mu, area, off = (np.full((len(seeds), count), np.nan) for _ in range(3))
+    mu, area, off, missed = (np.full((len(seeds), count), np.nan) for _ in range(4))
     order = np.lexsort((velocity, pressure))
     full = full_contact(modulus, spectrum, velocity, pressure)
     enough = summits(modulus, spectrum, velocity, pressure, grid)
@@ -95,10 +96,14 @@ def friction(
                 own = full_contact_of_map(modulus, heights, sides, v, p)
                 mu[j, i], area[j, i] = found.stress / p * full[i] / own, found.area
                 off[j, i] = _OF_HALF * abs(found.stress - coarse.stress) / p if coarse.settled else np.nan
+                missed[j, i] = _OF_HALF * abs(found.area - coarse.area) if coarse.settled else np.nan
             done += 1
             if progress is not None:
                 progress(done, count * len(seeds))
-    scatter = np.std(mu, axis=0, ddof=1) / np.sqrt(len(seeds)) if len(seeds) > 1 else np.full(count, np.nan)
+    scatter, scattered = (
+        np.std(x, axis=0, ddof=1) / np.sqrt(len(seeds)) if len(seeds) > 1 else np.full(count, np.nan)
+        for x in (mu, area)
+    )
     said = (
         f"{len(seeds)} of {grid.cells} by {grid.cells} cells, {grid.periods} longest waves to a side; at least "
         f"{enough.min():.2g} summits carry the load"
@@ -107,7 +112,9 @@ def friction(
     good = np.isfinite(mu).all(axis=0) & (enough >= 1)
     mean = mu.mean(axis=0)
     error = off.mean(axis=0) + _OF_SUMMITS * np.abs(mean) / enough + 2 * scatter
-    return Found(mean, area.mean(axis=0), error, good, said)
+    touching = area.mean(axis=0)
+    of_area = missed.mean(axis=0) + _OF_SUMMITS * touching / enough + 2 * scattered
+    return Found(mean, touching, error, good, said, of_area)
 
 
 def summits(modulus: Any, spectrum: Any, velocity: np.ndarray, pressure: np.ndarray, grid: Grid) -> np.ndarray:

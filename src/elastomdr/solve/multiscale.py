@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..models import Persson
+from .local import Local
 from .roads import (
     PER_DECADE,
     Nodes,
@@ -37,6 +38,7 @@ _BATCH = 64  # points that are held in memory at once
 _FINEST = 16 * PER_DECADE
 _TRACED = 24  # cells per decade where JAX traces a value
 _BEYOND = 30.0  # how far beyond q_high the waves of contact edges are followed
+_LINEAR = Local()
 _GAMMA = 0.5  # of the contact shares of Multiscale, stored
 
 
@@ -61,6 +63,7 @@ class Found(NamedTuple):
     mu: Any
     area: Any  # real contact area over nominal area
     error: Any  # numerical error of mu
+    area_error: Any
 
 
 class Parts(NamedTuple):
@@ -78,32 +81,35 @@ class Parts(NamedTuple):
 
 
 def solve(
-    modulus: Any, spectrum: Any, velocity: Any, pressure: Any, model: Any, rtol: float, form: Form = FORM
-) -> Found:
+    modulus: Any, spectrum: Any, velocity: Any, pressure: Any, model: Any, rtol: float, form: Form = FORM,
+    local: Local = _LINEAR,
+) -> Found:  # fmt: skip
     """Points (velocity [m/s], pressure [Pa]), flat; `modulus(omega)` is E* [Pa] at omega [rad/s].
+
+    `local` says how moduli differ from scale to scale, by strain and temperature.
 
     Cells of log q are halved until the change by the last halving is below `rtol`, or no more memory should be spent.
     """
-    xp = namespace(velocity, pressure, spectrum.q, spectrum.c, modulus(np.ones(1)))
+    xp = namespace(velocity, pressure, spectrum.q, spectrum.c, modulus(np.ones(1)), *local.arrays())
     if xp is not np:
         coarsest, coarse, fine = (
-            _evaluate(modulus, nodes(spectrum, _TRACED // part), velocity, pressure, model, form, None)
+            _evaluate(modulus, nodes(spectrum, _TRACED // part), velocity, pressure, model, form, None, local)
             for part in (4, 2, 1)
         )
-        return Found(*fine, _error(fine[0], coarse[0], coarsest[0]))
-    mu, area, error = (np.full(velocity.shape, np.nan) for _ in range(3))
+        return Found(*fine, *map(_error, fine, coarse, coarsest))
+    mu, area, error, area_error = (np.full(velocity.shape, np.nan) for _ in range(4))
     left, per_decade = np.arange(velocity.size), PER_DECADE
     coarsest, coarse = (
-        _in_batches(modulus, spectrum, velocity, pressure, model, form, per_decade // part)[0] for part in (4, 2)
+        _in_batches(modulus, spectrum, velocity, pressure, model, form, per_decade // part, local) for part in (4, 2)
     )
     while left.size and per_decade <= _FINEST:
-        fine = _in_batches(modulus, spectrum, velocity[left], pressure[left], model, form, per_decade)
+        fine = _in_batches(modulus, spectrum, velocity[left], pressure[left], model, form, per_decade, local.of(left))
         mu[left], area[left] = fine
-        error[left] = _error(fine[0], coarse, coarsest)
+        error[left], area_error[left] = map(_error, fine, coarse, coarsest)
         again = ~(error[left] <= rtol * np.abs(mu[left])) & np.isfinite(fine[0])
-        left, coarsest, coarse = left[again], coarse[again], fine[0][again]
+        left, coarsest, coarse = left[again], [x[again] for x in coarse], [x[again] for x in fine]
         per_decade *= 2
-    return Found(mu, area, error)
+    return Found(mu, area, error, area_error)
 
 
 def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
@@ -113,57 +119,100 @@ def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
 
 
 def _in_batches(
-    modulus: Any, spectrum: Any, velocity: Any, pressure: Any, model: Any, form: Form, per_decade: int
+    modulus: Any, spectrum: Any, velocity: Any, pressure: Any, model: Any, form: Form, per_decade: int, local: Local
 ) -> Any:
     at = nodes(spectrum, per_decade, 0.0 if isinstance(model, Persson) else form.shift)
     step = np.log(10.0) / per_decade
-    table = (tables(modulus, velocity.min() * at.q.min(), velocity.max() * at.end * _BEYOND, step), step)
+    table = _table(modulus, at, velocity, step, local)
     batches = [slice(i, i + _BATCH) for i in range(0, velocity.size, _BATCH)]
-    out = [_evaluate(modulus, at, velocity[some], pressure[some], model, form, table) for some in batches]
+    out = [
+        _evaluate(modulus, at, velocity[some], pressure[some], model, form, table, local.of(some)) for some in batches
+    ]
     return tuple(np.concatenate(part) for part in zip(*out, strict=True))
 
 
+def _table(modulus: Any, at: Nodes, velocity: Any, step: float, local: Local) -> tuple[Any, float]:
+    low = velocity.min() * at.q.min() * local.slowest()
+    return tables(modulus, low, velocity.max() * at.end * _BEYOND, step, local.parted), step
+
+
 def _evaluate(
-    modulus: Any, at: Nodes, velocity: Any, pressure: Any, model: Any, form: Form, table: Any
+    modulus: Any, at: Nodes, velocity: Any, pressure: Any, model: Any, form: Form, table: Any, local: Local
 ) -> tuple[Any, Any]:
     """mu and area of real contact at each point."""
     if isinstance(model, Persson):
-        return _persson(modulus, at, velocity, pressure, model, table)
-    found = parts(modulus, at, velocity, pressure, table)
+        each, _, area = _persson(modulus, at, velocity, pressure, model, table, local)
+        return each.sum((-2, -1)), area
+    found = parts(modulus, at, velocity, pressure, table, local)
     return weighed(found, form), found.area
 
 
-def _averages(modulus: Any, velocity: Any, q: Any, table: Any) -> tuple[Any, Any]:
+class Waves(NamedTuple):
+    """Where on the scale of lengths a surface is in contact and loses energy."""
+
+    each: Any  # friction of each node (points, cells, 2)
+    edges: Any  # friction of the waves beyond q_high (points,)
+    rate: Any  # dR/dlog q, of which the shares of contact are made
+    area: Any  # of real contact
+
+
+def waves(modulus: Any, at: Nodes, velocity: Any, pressure: Any, model: Any, table: Any, local: Local) -> Waves:
+    """Friction wave by wave, at points (velocity [m/s], pressure [Pa]), flat."""
+    if isinstance(model, Persson):
+        each, rate, area = _persson(modulus, at, velocity, pressure, model, table, local)
+        return Waves(each, 0.0 * area, rate, area)
+    found = parts(modulus, at, velocity, pressure, table, local)
+    return Waves(*_weighed(found, FORM), found.rate, found.area)
+
+
+def contact(rate: Any, model: Any) -> Any:
+    """The share of contact from R."""
+    gamma, stored = (model.gamma, model.stored) if isinstance(model, Persson) else (_GAMMA, True)
+    return share(spread_of(rate, gamma, stored))
+
+
+def _averages(modulus: Any, velocity: Any, q: Any, table: Any, local: Local = _LINEAR) -> tuple[Any, Any]:
     """`drag` and `stiffness` at q v, read from the tables of the material or, without them, by the angle."""
     w = velocity[:, None, None] * q
+    speed, storage, loss = local.at(q)
+    if speed is not None:
+        w = w * speed
     if table is None:
-        return direct(modulus, w)
-    own, step = table
-    log_w = namespace(w).log(w)
-    return read(own, own.drag, log_w, step), read(own, own.stiffness, log_w, step)
+        drag, stiffness, lost = direct(modulus, w, local.parted)
+    else:
+        own, step = table
+        log_w = namespace(w).log(w)
+        drag, stiffness = read(own, own.drag, log_w, step), read(own, own.stiffness, log_w, step)
+        lost = read(own, own.lost, log_w, step) if local.parted else None
+    if lost is None:
+        return drag, stiffness
+    return loss * drag, stiffness * (storage**2 + (loss**2 - storage**2) * lost)
 
 
-def _persson(modulus: Any, at: Nodes, velocity: Any, pressure: Any, model: Persson, table: Any) -> tuple[Any, Any]:
+def _persson(
+    modulus: Any, at: Nodes, velocity: Any, pressure: Any, model: Persson, table: Any, local: Local
+) -> tuple[Any, Any, Any]:
+    """Friction of each node, dR/dlog q there, and the area of real contact."""
     p = pressure[:, None, None]
-    drag, stiffness = _averages(modulus, velocity, at.q, table)
+    drag, stiffness = _averages(modulus, velocity, at.q, table, local)
     rate = at.power * stiffness / (8 * p**2)
     shares = share(spread_of(until(rate, at.weight), model.gamma, model.stored))
     full = at.weight * at.power * drag / (2 * p)
     area = share(spread_of((rate * at.weight).sum((-2, -1)), model.gamma, model.stored))
-    return (full * factor(shares, model.gamma) * shares).sum((-2, -1)), area
+    return full * factor(shares, model.gamma) * shares, rate, area
 
 
-def parts(modulus: Any, at: Nodes, velocity: Any, pressure: Any, table: Any = None) -> Parts:
+def parts(modulus: Any, at: Nodes, velocity: Any, pressure: Any, table: Any = None, local: Local = _LINEAR) -> Parts:
     """What Multiscale weighs, at points (velocity [m/s], pressure [Pa]), flat."""
     p = pressure[:, None, None]
-    drag, stiffness = _averages(modulus, velocity, at.q, table)
+    drag, stiffness = _averages(modulus, velocity, at.q, table, local)
     rate = at.power * stiffness / (8 * p**2)
     total = (rate * at.weight).sum((-2, -1))
-    end = (at.end_power * _averages(modulus, velocity, at.end, table)[1] / (8 * p**2))[..., 0, 0]
+    end = (at.end_power * _averages(modulus, velocity, at.end, table, local)[1] / (8 * p**2))[..., 0, 0]
     points, weights = np.polynomial.legendre.leggauss(12)
     x = 0.5 * np.log(_BEYOND) * (points + 1)
     drag_beyond, stiffness_beyond = (
-        a[..., 0] for a in _averages(modulus, velocity, at.end * np.exp(x)[:, None], table)
+        a[..., 0] for a in _averages(modulus, velocity, at.end * np.exp(x)[:, None], table, local)
     )
     beyond = 4 * p[..., 0] * end[:, None] * drag_beyond / stiffness_beyond * np.exp(-2 * x)
     return Parts(
@@ -176,6 +225,12 @@ def parts(modulus: Any, at: Nodes, velocity: Any, pressure: Any, table: Any = No
 
 def weighed(found: Parts, form: Form = FORM) -> Any:
     """mu of Multiscale."""
+    each, edges = _weighed(found, form)
+    return each.sum((-2, -1)) + edges
+
+
+def _weighed(found: Parts, form: Form) -> tuple[Any, Any]:
+    """Friction of each node, and that of contact edges."""
     xp = namespace(found.full, found.area)
     area = found.area[:, None, None]
     steep = found.end / found.total
@@ -184,7 +239,7 @@ def weighed(found: Parts, form: Form = FORM) -> Any:
     rest = (shares - area) / xp.maximum(1 - area, 1e-12)
     weight = level * area + (1 - level * area) * rest * shares**form.power
     edges = form.edge * found.area * (1 - found.area) * found.rise**form.rise * found.edges
-    return (found.full * weight).sum((-2, -1)) + edges
+    return found.full * weight, edges
 
 
 def _later(found: Parts, shift: float) -> Any:
@@ -208,11 +263,12 @@ def _later(found: Parts, shift: float) -> Any:
 
 # |ln(mu/mu_3D)| <= a + b (-ln A) for 95 % of the map's points, each predicted without its surface or its material.
 _BOUND = {"multiscale": (0.02, 0.04), "persson": (0.098, 0.149)}
+_AREA_BOUND = (0.03, 0.07)  # of the real contact area, alike: benchmarks/rough_fit.py
 _RATIOS, _CONTRAST, _AREA = (8.0, 256.0), 1000.0, 0.004  # of the map: cutoff ratios, largest contrast, least contact
 
 
-def bound(model: Any, area: Any, ratio: Any, contrast: Any) -> Any:
-    """Bound on mu's relative distance from three dimensions, for 95 % of the points of the map.
+def bound(model: Any, area: Any, ratio: Any, contrast: Any, of_area: bool = False) -> Any:
+    """Bound on mu's relative distance from three dimensions, for 95 % of the points of the map, or `of_area` on A's.
 
     Outside the map it is wider by a factor: 1 + log10 of how many times the cutoff ratio, the contrast of the moduli
     and the real contact area lie beyond its range, all three added. Of Persson's theory with other options than the
@@ -221,7 +277,7 @@ def bound(model: Any, area: Any, ratio: Any, contrast: Any) -> Any:
     xp = namespace(area, ratio, contrast)
     if isinstance(model, Persson) and (model.gamma, model.stored) != (_GAMMA, True):
         return area + np.nan
-    a, b = _BOUND[model.label]
+    a, b = _AREA_BOUND if of_area else _BOUND[model.label]
     beyond = sum(
         xp.log10(xp.maximum(x, 1.0))
         for x in (ratio / _RATIOS[1], _RATIOS[0] / ratio, contrast / _CONTRAST, _AREA / xp.maximum(area, 1e-300))

@@ -106,6 +106,8 @@ def sweep(
     return whole(rise, count, stride, depth, branches, by, free)
 
 
+# `foundation.step` again, without what only indentation and impacts need: half the work, in a loop that XLA makes one
+# kernel of. `tests/test_element.py` holds one against the other.
 def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretches | None, slow: int, exact: bool):
     def one(i, state):
         f, u, du, work, load, sums, touching = state

@@ -1,7 +1,7 @@
 """A history marched at finer and finer resolution until the friction coefficient is known to the tolerance.
 
 Elements and steps are halved together. The scheme is of second order, so the limit is extrapolated from the last two
-levels, and what is left falls by about 8 per level where the edges of contact are resolved (`solve.slide.carried`).
+levels, and what is left falls by about 8 per level where the edges of contact are resolved (`solve.carried`).
 What is stated as the error of a limit is its change against the limit of one level less, or that of the marches
 themselves if it is smaller. A difference may vanish by chance: so it is not taken smaller than those at the
 neighbouring instants, nor than an eighth of the one before.

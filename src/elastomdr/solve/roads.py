@@ -46,6 +46,7 @@ class Tables(NamedTuple):
     start: Any  # log of the first frequency
     drag: Any  # int cos Im E* dphi [Pa]
     stiffness: Any  # int |E*|^2 dphi [Pa^2]
+    lost: Any = None  # int (Im E*)^2 dphi over `stiffness`, where moduli soften
 
 
 def nodes(spectrum: Any, per_decade: int = PER_DECADE, bend: float = 0.0) -> Nodes:
@@ -133,8 +134,11 @@ def _kernels(step: float) -> tuple[np.ndarray, np.ndarray]:
     return scale * weighted, scale * plain
 
 
-def tables(modulus: Any, low: float, high: float, step: float = _STEP) -> Tables:
-    """Tables for frequencies q v from `low` to `high` [rad/s]; `modulus(omega)` is E* [Pa], complex."""
+def tables(modulus: Any, low: float, high: float, step: float = _STEP, parted: bool = False) -> Tables:
+    """Tables for frequencies q v from `low` to `high` [rad/s]; `modulus(omega)` is E* [Pa], complex.
+
+    With `parted` also how much of the stiffness is loss.
+    """
     weighted, plain = _kernels(step)
     start = np.log(low) - 2 * step
     count = int(np.ceil((np.log(high) - start) / step)) + 3
@@ -143,16 +147,18 @@ def tables(modulus: Any, low: float, high: float, step: float = _STEP) -> Tables
     value = modulus(frequency)
     xp = namespace(value)
     window = np.arange(count)[:, None] + (lags - 1) - np.arange(lags)
-    return Tables(start, value.imag[window] @ weighted, (xp.abs(value) ** 2)[window] @ plain)
+    drag, stiffness = value.imag[window] @ weighted, (xp.abs(value) ** 2)[window] @ plain
+    return Tables(start, drag, stiffness, (value.imag**2)[window] @ plain / stiffness if parted else None)
 
 
-def direct(modulus: Any, w: Any) -> tuple[Any, Any]:
-    """`drag` and `stiffness` at frequencies w of any shape, each with an average over the angle of its own."""
+def direct(modulus: Any, w: Any, parted: bool = False) -> tuple[Any, Any, Any]:
+    """`drag`, `stiffness` and `lost` at frequencies w of any shape, each with an average over the angle of its own."""
     t = 14.0 * (np.arange(_DIRECT) + 0.5) / _DIRECT
     cosine = 1 / np.cosh(t)
     weight = 4 * 14.0 / _DIRECT * cosine
     value = modulus(w[..., None] * cosine)
-    return value.imag @ (weight * cosine), (value.real**2 + value.imag**2) @ weight
+    stiffness = (value.real**2 + value.imag**2) @ weight
+    return value.imag @ (weight * cosine), stiffness, value.imag**2 @ weight / stiffness if parted else None
 
 
 def read(table: Tables, values: Any, log_w: Any, step: float = _STEP) -> Any:

@@ -27,12 +27,11 @@ import numpy as np
 from jaxtyping import Float
 
 from .._runtime import Array, argmax
-from ..foundation.step import Coefficients, coefficients
+from ..foundation.step import Coefficients, coefficients, pressed, released
 from ..mapping.disc import gauss
 from ..mapping.shapes import AbstractShape, Cylinder
 from ..material.relaxation import Relaxation
-
-_NEWTON = 60  # most steps to the depth under a load: the force is convex in the depth, so they close in from above
+from .carried import settle
 
 
 class History(NamedTuple):
@@ -202,20 +201,18 @@ def step(
 
     `ds` is the body's tangential displacement in the step, or finds it from the force as a function of it.
     """
-    held = cn.equilibrium * state.u + jnp.sum(cn.seen * state.f, axis=0)
-    recovery = -held / cn.stiffness
-    depth = _depth(grid, cn, state, recovery, value) if by_load else value
-    pushed = depth - grid.profile - state.u
-    contact = pushed > recovery
-    change = jnp.where(contact, pushed, recovery)
-    q = jnp.where(contact, held + cn.stiffness * pushed, 0.0)
+    seen = jnp.sum(cn.seen * state.f, axis=0)
+    depth = value
+    if by_load:
+        depth = settle(grid.profile + released(cn, state.u, seen), grid.weight * cn.stiffness, 0.0, value, state.depth)
+    pushed, recovery, contact, change, q = pressed(cn, state.u, seen, depth - grid.profile - state.u)
 
     # A surface that comes from a distance carries the element with it from when it touches, one that leaves it carries
     # it until the normal force, linear in the step, is gone.
     gap = jnp.where(state.q > 0, 0.0, jnp.maximum(state.u + grid.profile - state.depth, 0.0))
     fresh, left = contact & (gap > 0), ~contact & (state.q > 0)
     share = jnp.where(fresh, jnp.clip(pushed, 0.0) / jnp.where(fresh, pushed + gap, 1.0), 1.0)
-    share = jnp.where(left, state.q / jnp.where(left, state.q - held - cn.stiffness * pushed, 1.0), share)
+    share = jnp.where(left, state.q / jnp.where(left, state.q - cn.stiffness * (pushed - recovery), 1.0), share)
     limit = jnp.where(q > 0, scene.friction * jnp.where(q > 0, q, 1.0), 0.0)
     rest = ct.equilibrium * state.s + jnp.sum(ct.seen * state.p, axis=0)
     if callable(ds):
@@ -271,33 +268,6 @@ def _missed(parts: Array) -> Array:
     change = jnp.diff(jax.lax.stop_gradient(parts))
     ends = jnp.abs(change[:1]) + jnp.abs(change[-1:]) if change.size else jnp.zeros(1)
     return 0.125 * (jnp.sum(jnp.abs(jnp.diff(change))) + ends[0])
-
-
-def _depth(grid: Grid, cn: Coefficients, state: State, recovery: Array, load: Array) -> Array:
-    """The depth at which the elements carry the load: Newton on a convex, piecewise linear function.
-
-    The last step carries the derivatives; the search before it runs on values cut off from them.
-    """
-    free = grid.profile + state.u + recovery  # depth at which the body touches each element
-    stiffness = grid.weight * cn.stiffness
-
-    def newton(depth: Array, free: Array, stiffness: Array, load: Array) -> Array:
-        over = depth - free
-        slope = jnp.sum(jnp.where(over > 0, stiffness, 0.0))
-        force = jnp.sum(jnp.where(over > 0, stiffness * over, 0.0))
-        return depth - (force - load) / jax.lax.stop_gradient(jnp.where(slope > 0, slope, 1.0))
-
-    fixed = jax.lax.stop_gradient((free, stiffness, load))
-    least = jnp.min(fixed[0]) + fixed[2] / jnp.sum(fixed[1])  # not deeper than the root, and touching
-
-    def advance(state: tuple) -> tuple:
-        depth, _, count = state
-        following = newton(depth, *fixed)
-        return following, jnp.abs(following - depth) > 1e-9 * jnp.abs(following - least), count + 1
-
-    start = (jnp.maximum(jax.lax.stop_gradient(state.depth), least), jnp.ones((), bool), 0)
-    depth, _, _ = jax.lax.while_loop(lambda s: s[1] & (s[2] < _NEWTON), advance, start)
-    return newton(jax.lax.stop_gradient(depth), free, stiffness, load)
 
 
 def _edge(grid: Grid, value: Array) -> Array:

@@ -22,20 +22,19 @@ from jaxtyping import Bool, Float
 from .._runtime import Array, is_traced
 from ..foundation.decay import phi1
 from ..foundation.modes import Modes
-from ..foundation.step import Elements, advance, coefficients, rest
+from ..foundation.step import Elements, advance, coefficients, lag, released, rest
 from ..mapping.disc import Disc, gauss
 from ..material.relaxation import Relaxation
+from .carried import settle
 
 _NODES = 3  # per panel between the edges
 _INNER = 16  # per panel of what never parts: few panels, whatever the steps, and a profile may rise as r^40
 _MARCHES = 4  # to find the edges
 _GRADING = 3  # power by which steps narrow
 _TIP = np.concatenate([[0.0], 0.3 ** np.arange(12.0, -1.0, -1)])
-_NEWTON = 100
 _EARLY = 4.0  # ratio of the first steps after a sudden load, and share of the shortest time with which they begin
 _MOST_EARLY = 24
 _SIZES = (128, 512)  # numbers of steps that short marches are filled up to
-_SETTLED = 80.0  # h K/eta beyond which a dashpot sees the end of a step alone
 
 
 class Steps(NamedTuple):
@@ -205,13 +204,12 @@ def _once(
         d_start, total_start = jnp.where(now.first, d, d_start), jnp.where(now.first, total, total_start)
         c = coefficients(law, now.h)
         end = total_start + (now.target - total_start) * now.part
+        free = released(c, state.u, jnp.sum(c.seen * state.f, axis=0))
         # With a dashpot q is a mean over the end of the step: the load is averaged in the same way.
-        z = now.h * (law.equilibrium + jnp.sum(c.gain)) / jnp.where(damped, law.viscosity, 1.0)
-        lag = jnp.where(damped, jnp.where(z < _SETTLED, _lag(jnp.minimum(z, _SETTLED)), 1 / z), 0.0)
-        held = c.equilibrium * state.u + jnp.sum(c.seen * state.f, axis=0)
-        found = _carrying(c.stiffness, held, g + state.u, weight, end - (end - total) * lag, d)
+        carried = end - (end - total) * lag(c)
+        found = settle(g + free, weight * c.stiffness, 0.0, jnp.maximum(carried, 0.0), d)
+        found = jnp.where(carried > 0, found, jnp.min(g + free))  # without a load it lies on the surface
         new = jnp.where(now.by_depth, d_start + (now.target - d_start) * now.part, found)
-        free = state.u - held / c.stiffness
         received, state = state.work, advance(c, state, d - g, new - g)
         force = law.equilibrium * state.u + jnp.sum(state.f, axis=0) + law.viscosity * (new - d) / now.h
         before, total = total, jnp.where(now.by_depth, jnp.sum(weight * jnp.where(state.q > 0, force, 0.0)), end)
@@ -229,34 +227,6 @@ def _once(
     return sums, jnp.minimum(radius, disc.largest), radius < disc.largest
 
 
-def _carrying(stiffness: Array, held: Array, level: Array, weight: Array, load: Array, d: Array) -> Array:
-    """The depth at which sum weight max(0, held + S (d - level)) is the load: Newton on a convex function."""
-
-    def linear(d: Array, held: Array, level: Array, weight: Array, stiffness: Array) -> tuple[Array, Array]:
-        q = held + stiffness * (d - level)
-        part = jnp.where(q > 0, weight, 0.0)
-        return jnp.sum(part * q), jnp.sum(part) * stiffness[0]
-
-    fixed = jax.lax.stop_gradient((held, level, weight, stiffness))
-    goal = jax.lax.stop_gradient(load)
-    whole = jnp.sum(fixed[2]) * fixed[3][0]
-    above = (goal - jnp.sum(fixed[2] * (fixed[0] - fixed[3] * fixed[1]))) / whole  # were every element in contact
-
-    def newton(carry: tuple) -> tuple:
-        d, _, count = carry
-        force, slope = linear(d, *fixed)
-        new = jnp.where(slope > 0, d - (force - goal) / jnp.where(slope > 0, slope, 1.0), above)
-        new = jnp.minimum(new, above)
-        return new, jnp.abs(new - d) <= 1e-15 * jnp.abs(new), count + 1
-
-    start = jax.lax.stop_gradient(d)
-    found = jax.lax.while_loop(lambda s: ~s[1] & (s[2] < _NEWTON), newton, (start, goal <= 0, 0))[0]
-    force, slope = linear(found, held, level, weight, stiffness)
-    slope = jax.lax.stop_gradient(slope)
-    found = found - jnp.where(slope > 0, (force - load) / jnp.where(slope > 0, slope, 1.0), 0.0)
-    return jnp.where(load > 0, found, jnp.min(level - held / stiffness))  # without weight it lies on the surface
-
-
 def _edge(x: Array, excess: Array, touching: Array) -> Array:
     """Where w - u_free, which is smooth across the edge, passes zero; beyond the last node by continuation."""
     count = jnp.sum(touching)
@@ -264,12 +234,6 @@ def _edge(x: Array, excess: Array, touching: Array) -> Array:
     low, high = excess[i], excess[i + 1]
     fall = jnp.where(low > high, low - high, jnp.inf)
     return jnp.where(count > 0, jnp.maximum(x[i] + (x[i + 1] - x[i]) * low / fall, 0.0), 0.0)
-
-
-def _lag(z: Array) -> Array:
-    """Mean of (h - t)/h under the weight exp(-(h - t) z/h): 1/z - 1/(exp(z) - 1)."""
-    small, large = jnp.where(z < 0.1, z, 0.1), jnp.where(z < 0.1, 0.1, z)
-    return jnp.where(z < 0.1, 0.5 - small / 12 + small**3 / 720 - small**5 / 30240, 1 / large - 1 / jnp.expm1(large))
 
 
 @jax.jit

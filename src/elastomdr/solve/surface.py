@@ -19,11 +19,13 @@ from ..material.relaxation import Relaxation
 from .control import Course, refined
 from .history import edges as edges_of
 from .history import indent_between, padded
+from .layer_disc import LayerDisc, line_of
 from .many import over_histories
 from .panels import NODES, cuts
 
 _CUTS = cuts(1)  # of the panels
 _POINTS, _WEIGHTS = legendre.leggauss(12)
+_OWN, _OWN_WEIGHTS = legendre.leggauss(4)
 _RTOL = 1e-6  # of a depth that is solved again in between
 
 
@@ -124,6 +126,8 @@ def surface_at(law: Relaxation, modes: Modes, disc: Disc, time: np.ndarray, dept
     )
     kept = np.concatenate([[0.0], edges[1:][wide]])
     jump = np.array([radius, float(q[0, 0])]) if disc.flat and radius > 0 else np.zeros(2)
+    if isinstance(disc, LayerDisc):
+        return _on_layer(disc, kept, q[wide] @ to_series.T, u[wide] @ to_series.T, jump)
     return Surface(kept, q[wide] @ to_series.T, u[wide] @ to_series.T, jump, disc.kind != "half-space")
 
 
@@ -154,6 +158,53 @@ def _grown(law: Relaxation, disc: Disc, time: np.ndarray, depth: np.ndarray) -> 
     branches = (held[-1] - np.exp(-since / law.times) * then) @ law.moduli
     u = depth[-1] - g
     return edges, law.equilibrium * u + branches + law.viscosity * rate[-1], u
+
+
+def _on_layer(disc: LayerDisc, edges: np.ndarray, q: np.ndarray, u: np.ndarray, jump: np.ndarray) -> Surface:
+    """From the independent elements of a layer to q and u of the line, on more panels beyond the contact.
+
+    A contact of radius b that goes deeper by dd gains q_1(s; b) dd, so that q(s) = -int_s^a q_1(s; b) dq(b); the same
+    sum of the elements' displacements is what u would be without the kernel.
+    """
+    layer = line_of(disc)
+    nodes, weights = legendre.leggauss(NODES)
+    to_series = (legendre.legvander(nodes, NODES - 1) * weights[:, None]).T * (np.arange(NODES)[:, None] + 0.5)
+    h = float(disc.thickness)
+    far = edges[-1] + h * np.array([0.1, 0.25, 0.5, 0.8, 1.2, 1.7, 2.3, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0])
+    every = np.append(edges, far)
+    s = every[:-1, None] + 0.5 * np.diff(every)[:, None] * (1 + nodes)
+    inner, ds = s[: len(q)], 0.5 * np.diff(edges)[:, None] * weights
+
+    def gathered(series: np.ndarray, at: np.ndarray, fall: float) -> np.ndarray:
+        """-int_s^a q_1(s; b) dv(b) on all panels, v(b) being a series that falls to zero at its end by `fall`."""
+        total = fall * layer.of_unit(at, edges[-1]) if fall else np.zeros(at.shape)
+        slope = legendre.legder(series, axis=1) * (2 / np.diff(edges))[:, None]
+        for left, right, rise in zip(edges[:-1], edges[1:], slope, strict=True):
+            # the part of this panel that lies beyond s: Gauss points of its own for the panel that holds s
+            b = left + 0.5 * (right - left) * (1 + _POINTS)
+            rate = legendre.legval(_POINTS, rise)
+            share = 0.5 * (right - left) * _WEIGHTS
+            below = at < left
+            for place, weight in zip(b, share * rate, strict=True):
+                total = total - np.where(below, weight * layer.of_unit(at, place), 0.0)
+            for i in np.argwhere((at >= left) & (at < right)):
+                low = at[tuple(i)]
+                half = 0.5 * (right - low)
+                own = low + half * (1 + _OWN)
+                value = legendre.legval(2 * (own - left) / (right - left) - 1, rise)
+                parts = [float(layer.of_unit(np.array([low]), place)[0]) for place in own]
+                total[tuple(i)] -= half * np.sum(_OWN_WEIGHTS * value * parts)
+        return total
+
+    line = gathered(q, inner, float(jump[1]))
+    free = gathered(u, inner, float(legendre.legval(1.0, u[-1])) if len(u) else 0.0)
+    spread = layer.kernel(s.ravel(), inner.ravel()) @ (ds * free).ravel()
+    moved = spread.reshape(s.shape)
+    moved[: len(q)] += free
+    pressure = np.concatenate([line, np.zeros((len(far), NODES))])
+    if jump[1]:
+        jump = np.array([jump[0], jump[1] * float(layer.of_unit(np.array([edges[-1]]), edges[-1])[0])])
+    return Surface(every, pressure @ to_series.T, moved @ to_series.T, jump, False)
 
 
 def _value(edges: np.ndarray, series: np.ndarray, x: Array) -> np.ndarray:

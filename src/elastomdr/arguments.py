@@ -1,4 +1,4 @@
-"""The points of a steady scene, checked and broadcast: for smooth bodies, rough lines and surfaces alike."""
+"""The arguments of a steady call, checked and broadcast once: for bodies, rough lines, surfaces and the references."""
 
 from __future__ import annotations
 
@@ -6,57 +6,58 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import xp
-from .._runtime import Array, as_float64, is_traced, positive
-from ..errors import InputError
-from ..results.words import brief
-from ..solve.heat import Heat
+from ._arrays import xp
+from ._runtime import as_float64, is_traced, only_one, positive
+from .errors import InputError
+from .material.vertical import thermal_factors
+from .results.words import brief
+from .solve.heat import Heat
 
 _FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
+_UNITS = {"depth": "m", "pressure": "Pa"}
 
 
-class Points(NamedTuple):
-    """Arguments as float64; JAX arrays where traced, else NumPy's."""
+class Scene(NamedTuple):
+    """The points of a steady call as float64; JAX arrays where traced, else NumPy's."""
 
+    foundation: Any
+    name: str  # of what is given: load, depth or pressure
     shape: tuple[int, ...]  # of all of them, broadcast
     velocity: Any  # as given [m/s]
     value: Any  # load, depth or pressure as given
     kelvin: Any  # as given [K], or None
     reduced: Any  # v a_T [m/s], of the broadcast shape
+    vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
+    vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
     traced: bool
 
     def full(self, array: Any) -> Any:
         """`array` in the broadcast shape; None stays None."""
         return None if array is None else (xp if self.traced else np).broadcast_to(array, self.shape) + 0.0
 
+    def at_reference(self) -> Any:
+        """Load or pressure over b_T, or the depth, at each point, flat."""
+        value = self.full(self.value)
+        return (value if self.name == "depth" else value / self.vertical).ravel()
 
-class Mean(NamedTuple):
-    """The answer at each point, a mean over lines or maps where there are several."""
-
-    mu: Array
-    error: Array
-    load: Array
-    depth: Array
-    share: Array
-    good: Array
-    scatter: Array | None  # standard error of mu
+    def inputs(self, *body: tuple[str, str], load: str = "N") -> list[tuple[str, str]]:
+        """For results: the material, the `body`, and the points; `load` is its unit."""
+        rows = [("material", self.foundation.name or "given directly"), *body]
+        rows.append((self.name, brief(self.value, _UNITS.get(self.name, load))))
+        rows.append(("velocity", brief(self.velocity, "m/s")))
+        return rows if self.kelvin is None else [*rows, ("temperature", brief(self.kelvin, "K"))]
 
 
-def steady_points(foundation: Any, body: Any, *, velocity: Any, temperature: Any, **control: Any) -> Points:
-    """Checks and broadcasts; `control` is load, depth or pressure by its name. Raises `InputError`.
+def steady_scene(foundation: Any, body: Any, *, velocity: Any, temperature: Any, **given: Any) -> Scene:
+    """Checks and broadcasts; `given` are load, depth and pressure, of which one is not None. Raises `InputError`.
 
     The points are traced if `foundation` or `body`, on which they are solved, are.
     """
-    ((name, value),) = control.items()
-    velocity, value = as_float64("velocity", velocity), as_float64(name, value)
+    name = only_one(**given)
+    velocity, value = as_float64("velocity", velocity), as_float64(name, given[name])
     positive("velocity", velocity)
     positive(name, value)
     kelvin = None if temperature is None else as_float64("temperature", temperature)
-    if kelvin is not None and foundation.shift is None:
-        raise InputError(
-            f"temperature was given ({brief(kelvin, 'K')}), but {foundation.name or 'the material'} has no shift law; "
-            "give the material one with shift=em.WLF(...), or leave the temperature out."
-        )
     arrays = [velocity, value, *([] if kelvin is None else [kelvin])]
     try:
         shape = np.broadcast_shapes(*(np.shape(a) for a in arrays))
@@ -65,11 +66,19 @@ def steady_points(foundation: Any, body: Any, *, velocity: Any, temperature: Any
         raise InputError(f"velocity, {name} and temperature must broadcast, got shapes {shapes}.") from error
     if 0 in shape:
         raise InputError(f"velocity, {name} and temperature must not be empty, got shape {shape}.")
-    factor = 1.0 if kelvin is None else foundation.shift.a(kelvin)
+    factor, vertical = (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
     if kelvin is not None and not is_traced(velocity, factor):
         _check_shift(kelvin, velocity, factor)
-    points = Points(shape, velocity, value, kelvin, None, is_traced(foundation, body, velocity, value, kelvin))
-    return points._replace(reduced=points.full(velocity * factor))
+    traced = is_traced(foundation, body, velocity, value, kelvin)
+    scene = Scene(foundation, name, shape, velocity, value, kelvin, None, None, traced)
+    return scene._replace(reduced=scene.full(velocity * factor), vertical=scene.full(vertical))
+
+
+def rough_scene(foundation: Any, surface: Any, *, rtol: Any, temperature: Any, **given: Any) -> Scene:
+    """The scene of a rough line or surface, which has conditions of its own. Raises `InputError`."""
+    check_carries(foundation)
+    check_rtol(rtol)
+    return steady_scene(foundation, surface, temperature=temperature, **given)
 
 
 def check_rtol(rtol: Any) -> None:
@@ -92,14 +101,19 @@ def check_carries(foundation: Any) -> None:
         )
 
 
-def check_heat(heat: Any, temperature: Any, traced: bool) -> None:
-    """Raises `InputError` unless flash temperature can be found, or is not asked for."""
+def check_heat(heat: Any, temperature: Any, traced: bool, by_scale: bool = False) -> None:
+    """Raises `InputError` unless flash temperature can be found, by scale or one for all, or is not asked for."""
     if heat is None:
         return
-    if traced:
-        raise InputError("heat must be left out under jax.grad, jit and vmap: flash temperature is not differentiable.")
+    if traced and not by_scale:
+        raise InputError(
+            "heat must be left out under jax.grad, jit and vmap with em.Line() and em.HalfSpace(), whose flash "
+            "temperature is not differentiable; with em.Multiscale() and em.Persson() it is."
+        )
     if not isinstance(heat, Heat):
         raise InputError(f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}.")
+    if heat.road is not None and not by_scale:
+        raise InputError("heat: road needs em.Multiscale() or em.Persson(); other models heat the rubber alone.")
     if temperature is None:
         raise InputError("heat needs a temperature [K], that of the rubber without the flash, and so a shift law.")
 

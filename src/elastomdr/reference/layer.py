@@ -1,0 +1,110 @@
+"""Steady sliding on rubber of finite thickness in three dimensions: the half-space's cells with the layer's kernel.
+
+A layer is stiffer than a half-space by a smooth part of the influence function of a point,
+
+    u(r) = P/(pi E*) [1/r - (1/h) n(r/h)],    n(y) = int_0^inf (1 - W(z)) J_0(z y) dz,
+
+which is kept as Chebyshev series on short panels. W is odd in z, so that the whole of u falls exponentially beyond
+a few thicknesses, and is taken as zero from y = 14 on.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import TYPE_CHECKING, Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from .._arrays import numpy_unless_traced
+from .._runtime import Array, in_float64
+from .._trees import Tree, static
+from ..errors import InputError
+from ..foundation.layer import Layer, layer_deficit
+from .half_space import slide
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter
+    from ..results.curve import FrictionCurve
+
+MODEL = "layer in three dimensions, cells of constant pressure (no reduction)"
+_FAR, _PANEL, _DEGREE = 14.0, 0.5, 9
+
+
+class Cover(Tree):
+    """What a layer changes in the half-space's cells."""
+
+    near: Array  # Chebyshev coefficients of n on panels of y
+    bend: Array  # of its Laplacian
+    squeeze: Any  # 1 - 2 nu
+    thickness: Any
+    bonded: bool = static()
+
+    def less(self, r: Array, cell: tuple[Array, Array]) -> Array:
+        """By how much a loaded cell moves the surface at r less than that of a half-space, per unit of pressure."""
+        y = r / self.thickness
+        table = self.near + self.bend * (cell[0] ** 2 + cell[1] ** 2) / 48 / self.thickness**2  # mean over the cell
+        i = jnp.clip((y / _PANEL).astype(int), 0, table.shape[0] - 1)
+        t = 2 * (y / _PANEL - i) - 1
+        rows = table[i]
+        b1 = b2 = jnp.zeros_like(y)
+        for n in range(_DEGREE, 0, -1):
+            b1, b2 = rows[..., n] + 2 * t * b1 - b2, b1
+        return cell[0] * cell[1] / (jnp.pi * self.thickness) * (rows[..., 0] + t * b1 - b2)
+
+
+@in_float64
+def layer_sliding(
+    material: Layer,
+    shape: Indenter,
+    *,
+    velocity: ArrayLike,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    points: int = 64,
+) -> FrictionCurve:
+    """Friction of a rigid body in steady, frictionless sliding on a layer, in three dimensions.
+
+    Arguments, result and errors as of `half_space_sliding`, whose cells it uses with the influence function of the
+    layer; `material` is an `em.layer` of a material with a constant Poisson's ratio. The body is alone on an infinite
+    layer. Raises `InputError` as well for a constant bulk modulus, and for two covers.
+    """
+    return slide(foundation_of(material), shape, velocity, load, depth, temperature, points, cover_of(material), MODEL)
+
+
+def cover_of(material: Layer) -> Cover:
+    """The kernel of a layer. Raises `InputError` for one that depends on time."""
+    if not isinstance(material, Layer):
+        raise InputError(f"material must be an em.layer(...), got {material!r}.")
+    if material.other is not None or not material.constant:
+        raise InputError(
+            "material must be one em.layer of a material with a constant Poisson's ratio in three dimensions, got "
+            + ("two covers." if material.other is not None else "one with a constant bulk modulus.")
+        )
+    squeeze = float(np.asarray(material.squeeze()))
+    return Cover(*_tables(squeeze, material.bonded), squeeze, float(material.thickness), material.bonded)
+
+
+def foundation_of(material: Layer) -> Any:
+    """The half-space of the same material."""
+    from ..foundation.law import half_space
+
+    return half_space(material.material)
+
+
+@functools.lru_cache(16)
+def _tables(squeeze: float, bonded: bool) -> tuple[np.ndarray, np.ndarray]:
+    from scipy.special import j0
+
+    node, share = np.polynomial.legendre.leggauss(24)
+    edges = np.linspace(0.0, 20.0, 61)
+    half = 0.5 * np.diff(edges)[:, None]
+    z, dz = (edges[:-1, None] + half * (1 + node)).ravel(), (half * share).ravel()
+    lack = dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
+    at = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
+    order = np.polynomial.chebyshev.chebvander(at, _DEGREE).T * 2 / (_DEGREE + 1)
+    order[0] *= 0.5
+    y = _PANEL * (np.arange(round(_FAR / _PANEL))[:, None] + 0.5 * (1 + at))
+    wave = j0(y[..., None] * z)
+    return (wave @ lack) @ order.T, -(wave @ (lack * z**2)) @ order.T

@@ -1,0 +1,105 @@
+"""The depth at which elements carry a load: of every march in which the load rules.
+
+With u_free the displacement at which an element needs no force at the end of the step and S its stiffness, both known
+before the depth is (`foundation.step`), and with g the distance of the body from the element at the depth 0,
+
+    F_N(d) = sum W S max(0, d - l),    l = u_free + g,
+
+convex, piecewise linear and rising: Newton's method from above ends after a few steps, exactly.
+"""
+
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Float
+
+from .._runtime import Array
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(5,))
+def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array, between: bool = False) -> Array:
+    """The depth d at which spring d + sum slope max(0, d - level) = force, exactly, by Newton's method from above.
+
+    `slope` is W S, scalar or (n,). With `between` the sum is that of `carried`. Without a spring the force must not be
+    negative; for no force d is where the first element is touched.
+    """
+    lowest = jnp.min(level)
+
+    def again(state):
+        depth, stiffness, before, last, tries = state
+        changes = (depth < last) | (tries < 2) if between else stiffness != before
+        return changes & (tries < 200)
+
+    def improve(state):
+        # From above the elements in contact only become fewer: as stiff as before is the same ones.
+        depth, before, _, _, tries = state
+        found, stiffness = (
+            _corrected(level, lowest, slope, spring, force, depth)
+            if between
+            else _newton(level, lowest, slope, spring, force, level < depth)
+        )
+        return found, stiffness, before, depth, tries + 1
+
+    return jax.lax.while_loop(again, improve, (guess, -1.0, -2.0, jnp.inf, 0))[0]
+
+
+@settle.defjvp
+def _(between: bool, given: tuple, tangents: tuple) -> tuple[Array, Array]:
+    """The elements in contact stay the same ones."""
+    depth = settle(*given, between)
+
+    def moved(level: Array, slope: Array, spring: Any, force: Array) -> Array:
+        if between:
+            return _corrected(level, jnp.min(level), slope, spring, force, depth)[0]
+        return _newton(level, jnp.min(level), slope, spring, force, given[0] < depth)[0]
+
+    return depth, jax.jvp(moved, given[:4], tangents[:4])[1]
+
+
+def _corrected(
+    level: Array, lowest: Array, slope: Array, spring: Any, force: Array, depth: Array
+) -> tuple[Array, Array]:
+    """The depth after one step of Newton's from `depth`, and the stiffness there."""
+    now, stiffness = carried(slope, depth - level)
+    stiffness = jax.lax.stop_gradient(spring + stiffness)
+    empty = stiffness <= 0
+    step = (force - spring * depth - now) / jnp.where(empty, 1.0, stiffness)
+    return jnp.where(empty, lowest + force / slope, depth + step), stiffness
+
+
+def _newton(level: Array, lowest: Array, slope: Array, spring: Any, force: Array, active: Array) -> tuple[Array, Array]:
+    """The depth at which those that are `active` carry the force, and their stiffness."""
+    stiffness = spring + total(slope, jnp.where(active, 1.0, 0.0))
+    # Without a spring one element at least carries the load. (The place of the least level takes long to find.)
+    alone = slope if slope.ndim == 0 else jnp.max(jnp.where(level == lowest, slope, 0.0))
+    empty = stiffness <= 0
+    load = force + jnp.where(empty, alone * lowest, total(slope, jnp.where(active, level, 0.0)))
+    return load / jnp.where(empty, alone, stiffness), stiffness
+
+
+def carried(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
+    """The force where a contact ends between two elements, and how much it grows as all of `excess` grows by one.
+
+    It is the integral of the positive part of the line drawn through the elements, which are neighbours of one slope.
+    sum slope max(0, excess) errs by the square of their distance as well, but with a factor that depends on where the
+    contact ends, so that the limit of ever more elements could not be extrapolated from a few.
+    """
+    edge, rate = edges(excess)
+    inside = excess > 0
+    force = jnp.sum(jnp.where(inside, excess, 0.0)) + jnp.sum(edge)
+    return slope * force, slope * (jnp.sum(inside) + jnp.sum(rate))
+
+
+def edges(excess: Float[Array, " n"]) -> tuple[Float[Array, " n-1"], Float[Array, " n-1"]]:
+    """What the positive part of a line from a to b, a b < 0, has less than the mean of max(0, a) and max(0, b)."""
+    a, b = excess[:-1], excess[1:]
+    between = a * b < 0
+    span = jnp.where(between, 2 * jnp.abs(a - b), 1.0)
+    return jnp.where(between, a * b / span, 0.0), jnp.where(between, (a + b) / span, 0.0)
+
+
+def total(weight: Array, part: Float[Array, " n"]) -> Array:
+    """The sum over all elements."""
+    return weight * jnp.sum(part) if weight.ndim == 0 else jnp.sum(weight * part)

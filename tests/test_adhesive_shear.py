@@ -1,0 +1,206 @@
+"""Adhesive shear: the law by its formula, on the area of real contact of each model, errors, scenes, derivatives."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import elastomdr as em
+from elastomdr.cli.main import main
+from elastomdr.errors import InputError
+
+RUBBER = em.StandardSolid(1e6, 9e6, 1e-3, shift=em.WLF(8.9, 101.6, 293.15), name="solid")
+ROAD = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=3e4)
+LAW = em.AdhesiveShear(5e6, 3e-3, 0.12, shift=em.Arrhenius(9e4, 293.15))
+SCENE = {"velocity": np.geomspace(1e-4, 1, 5), "pressure": 1e5, "temperature": np.array([[283.15], [303.15]])}
+
+
+def formula(v, kelvin, stress=5e6, peak=3e-3, width=0.12, energy=9e4):
+    a = np.exp(energy / 8.31446261815324 * (1 / kelvin - 1 / 293.15))
+    return stress * np.exp(-width * np.log10(v * a / peak) ** 2)
+
+
+def test_the_stress_is_a_bell_in_log_velocity_that_warmth_moves_to_higher_ones():
+    v = np.geomspace(1e-6, 10, 9)
+    assert LAW.shear_stress(v, 303.15) == pytest.approx(formula(v, 303.15), rel=1e-13)
+    assert LAW.shear_stress(3e-3, 293.15) == pytest.approx(5e6, rel=1e-14)
+    assert LAW.shear_stress(0.3, 293.15) == pytest.approx(5e6 * np.exp(-0.48), rel=1e-13)
+    a = float(LAW.shift.a(313.15))
+    assert LAW.shear_stress(3e-3 / a, 313.15) == pytest.approx(5e6, rel=1e-13)
+    athermal = em.AdhesiveShear(5e6, 3e-3, 0.12)
+    assert athermal.shear_stress(v[:, None], [280.0, 320.0]) == pytest.approx(
+        np.repeat(formula(v, 293.15)[:, None], 2, 1), rel=1e-13
+    )
+
+
+@pytest.mark.parametrize("model", ["multiscale", "persson"])
+def test_on_a_surface_friction_is_hysteresis_and_the_shear_of_the_real_contact(model):
+    bare = em.friction(RUBBER, ROAD, model=model, **SCENE)
+    both = em.friction(RUBBER, ROAD, model=model, adhesion=LAW, **SCENE)
+    shear = formula(SCENE["velocity"], SCENE["temperature"]) * bare.area_ratio / 1e5
+    assert np.array_equal(both.hysteresis, bare.mu)
+    assert both.adhesion == pytest.approx(shear, rel=1e-12)
+    assert both.mu == pytest.approx(both.hysteresis + both.adhesion, rel=1e-15)
+    assert both.friction_force == pytest.approx(both.mu * 1e5, rel=1e-14)
+    assert bare.hysteresis is None
+    # What the area may be off, by the rule of docs/theory.md; cutoffs are a factor of 30 apart, inside the map.
+    off = np.expm1(0.03 - 0.07 * np.log(bare.area_ratio))
+    assert both.model_error == pytest.approx(bare.model_error + shear * off, rel=1e-10)
+    assert np.all(both.error >= bare.error)
+    assert np.all(both.error < 1e-5 * both.mu)
+    assert "adhesive shear" in both.model
+    assert "parts of mu" in both.summary()
+    assert {"friction coefficient of hysteresis [-]", "friction coefficient of adhesive shear [-]"} <= set(
+        both.columns()
+    )
+
+
+def test_the_area_of_a_map_of_cells_carries_the_shear_too():
+    road = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3)
+    cells = em.friction(
+        RUBBER, road, velocity=0.01, pressure=2e5, temperature=293.15, adhesion=LAW, rtol=1e-2,
+        model=em.HalfSpace(seeds=2, cells=128),
+    )  # fmt: skip
+    smooth = em.friction(RUBBER, road, velocity=0.01, pressure=2e5, temperature=293.15, adhesion=LAW)
+    shear = formula(0.01, 293.15) / 2e5
+    assert cells.adhesion == pytest.approx(shear * cells.area_ratio, rel=1e-12)
+    assert cells.mu == pytest.approx(cells.hysteresis + cells.adhesion, rel=1e-15)
+    assert abs(cells.mu - smooth.mu) < smooth.model_error + cells.error
+    assert cells.error > 1e-3 * cells.adhesion  # the scatter of the area, of two maps
+
+
+def test_of_several_materials_each_has_its_parts():
+    soft = em.StandardSolid(5e5, 9e6, 1e-3, shift=RUBBER.shift, name="soft")
+    both = em.friction([RUBBER, soft], ROAD, adhesion=LAW, **SCENE)
+    assert both.adhesion.shape == (2, 2, 5)
+    assert np.all(both.adhesion[1] > both.adhesion[0])  # the softer one touches more
+    assert both.plot() is not None
+
+
+def test_under_a_smooth_body_the_area_is_that_between_its_edges():
+    law, load = em.AdhesiveShear(1e5, 1e-2, 0.1), 2.0
+    elastic = em.Prony(1e6, [1.0], [1e-3])
+    ball = em.friction(elastic, em.Paraboloid(0.01), velocity=1e-2, load=load, adhesion=law)
+    a = (0.75 * load * 0.01 / 4e6) ** (1 / 3)  # Hertz, E* = 4 G
+    assert ball.contact_area == pytest.approx(np.pi * a**2, rel=1e-5)
+    assert ball.adhesion == pytest.approx(1e5 * np.pi * a**2 / load, rel=1e-5)
+    roll = em.friction(em.springs(RUBBER, 2e-3, bonded=False), em.Cylinder(0.05, 0.1), velocity=0.1, load=50.0,
+                       adhesion=law)  # fmt: skip
+    assert roll.contact_area == pytest.approx(0.1 * (roll.contact.leading + roll.contact.trailing), rel=1e-14)
+    assert roll.mu == pytest.approx(roll.hysteresis + formula(0.1, 293.15, 1e5, 1e-2, 0.1) * roll.contact_area / 50)
+
+
+def test_that_area_is_close_to_what_cells_find():
+    ones = em.Softening([1e-3, 1e-1], [1.0, 1.0], [1.0, 1.0])
+    body, velocity, solid = em.Paraboloid(0.01), 0.02, em.StandardSolid(1e6, 9e6, 1e-2, softening=ones)
+    law = em.AdhesiveShear(1e5, 1e-2, 0.1)
+    line = em.friction(solid, body, velocity=velocity, load=1.0, adhesion=law)
+    cells = em.friction(solid, body, velocity=velocity, load=1.0, adhesion=law, model=em.HalfSpace(cells=64))
+    off = line.contact_area / cells.contact_area - 1
+    assert 0.01 < abs(off) < 0.2 * (1 - line.contact.trailing / line.contact.leading)  # an asymmetric contact
+    assert abs(line.mu - cells.mu) < line.model_error + cells.error
+    assert "softening with strain left out" in cells.model
+
+
+def test_derivatives_through_both_parts_are_those_of_differences():
+    start = np.array([5e6, 3e-3, 0.12, 9e4, 1e5, 9e6, 300.0])
+
+    def mu(factor):
+        stress, velocity, width, energy, pressure, modulus, kelvin = (start[i] * factor[i] for i in range(7))
+        law = em.AdhesiveShear(stress, velocity, width, shift=em.Arrhenius(energy, 293.15))
+        solid = em.StandardSolid(1e6, modulus, 1e-3, shift=em.WLF(8.9, 101.6, 293.15))
+        return em.friction(solid, ROAD, velocity=0.05, pressure=pressure, temperature=kelvin, adhesion=law,
+                           rtol=1e-9).mu  # fmt: skip
+
+    with jax.enable_x64(True):
+        exact = np.array(jax.grad(mu)(jnp.ones(7)))
+    h = 1e-3
+    centred = [
+        (8 * (mu(1 + h * x) - mu(1 - h * x)) - mu(1 + 2 * h * x) + mu(1 - 2 * h * x)) / (12 * h) for x in np.eye(7)
+    ]
+    assert np.abs(centred).min() > 1e-3
+    assert exact == pytest.approx(centred, rel=1e-5)
+
+
+def test_derivatives_under_a_smooth_body():
+    def mu(stress, load):
+        law = em.AdhesiveShear(stress * 1e5, 1e-2, 0.1)
+        return em.friction(em.StandardSolid(1e6, 9e6, 1e-2), em.Paraboloid(0.01), velocity=0.02, load=load,
+                           adhesion=law, rtol=1e-8).mu  # fmt: skip
+
+    with jax.enable_x64(True):
+        exact = np.array(jax.grad(mu, (0, 1))(1.0, 1.0), dtype=float)
+    h = 1e-3
+    centred = [float(mu(1 + h, 1.0) - mu(1 - h, 1.0)) / (2 * h), float(mu(1.0, 1 + h) - mu(1.0, 1 - h)) / (2 * h)]
+    assert exact == pytest.approx(centred, rel=1e-5)
+
+
+LINE = em.RoughLine(np.arange(64) / 64e3, 1e-6 * np.sin(2 * np.pi * np.arange(64) / 64))
+
+
+@pytest.mark.parametrize(
+    ("call", "named"),
+    [
+        (lambda: em.AdhesiveShear(-1.0, 1e-3, 0.1), "stress"),
+        (lambda: em.AdhesiveShear(1e6, 0.0, 0.1), "velocity"),
+        (lambda: em.AdhesiveShear(1e6, 1e-3, -0.1), "width"),
+        (lambda: em.AdhesiveShear(1e6, 1e-3, 0.1, shift=9e4), "shift"),
+        (lambda: LAW.shear_stress(1.0), "temperature"),
+        (lambda: em.friction(RUBBER, ROAD, velocity=1.0, pressure=1e5, adhesion=5e6), "AdhesiveShear"),
+        (lambda: em.friction(RUBBER, ROAD, velocity=1.0, pressure=1e5, adhesion=LAW), "temperature"),
+        (lambda: em.friction(RUBBER, em.Sphere(0.01), velocity=1.0, load=1.0, adhesion=LAW), "temperature"),
+        (lambda: em.friction(RUBBER, LINE, velocity=1.0, load=1.0, adhesion=LAW), "area of real contact"),
+        (lambda: em.friction(RUBBER, ROAD, velocity=1.0, load=1.0, adhesion=LAW), "area of real contact"),
+        (lambda: em.friction(RUBBER, ROAD, velocity=1.0, pressure=1e5, model="line", adhesion=LAW), "em.Multiscale"),
+        (
+            lambda: em.plan(RUBBER, LINE, velocity=1.0, load=1.0, temperature=300.0, adhesion=LAW),
+            "area of real contact",
+        ),
+    ],
+)
+def test_bad_input_is_one_clear_line(call, named):
+    with pytest.raises(InputError, match=named) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+
+
+SCENE_FILE = """
+material = "tread-passenger-synthetic"
+temperature = "20 degC"
+[surface]
+shape = "self_affine"
+hurst = 0.8
+rms_slope = 0.7
+longest = "5 mm"
+shortest = "20 um"
+[adhesion]
+stress = "6 MPa"
+velocity = "5 mm/s"
+width = 0.1
+{more}
+[contact]
+pressure = "0.3 MPa"
+velocity = ["1 mm/s", "10 mm/s"]
+"""
+
+
+def test_a_scene_has_a_table_for_it(tmp_path, capsys):
+    path = tmp_path / "dry.toml"
+    path.write_text(SCENE_FILE.format(more='energy = "80 kJ/mol"\nreference = "20 degC"'), encoding="utf-8")
+    assert main(["friction", str(path), "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "6 MPa at 0.005 m/s" in said
+    header, *rows = [x for x in (tmp_path / "dry-friction.csv").read_text("utf-8").splitlines() if x[0] != "#"]
+    table = dict(zip(header.split(","), np.array([row.split(",") for row in rows]).T, strict=True))
+    mu, one, other, area = (
+        table[f"{name} [-]"].astype(float)
+        for name in ("friction coefficient", "friction coefficient of hysteresis",
+                     "friction coefficient of adhesive shear", "real contact area over nominal area")
+    )  # fmt: skip
+    assert mu == pytest.approx(one + other, rel=1e-12)
+    v = np.array([1e-3, 1e-2])
+    assert other == pytest.approx(formula(v, 293.15, 6e6, 5e-3, 0.1, 8e4) * area / 3e5, rel=1e-9)
+    assert main(["plan", str(path)]) == 0
+    path.write_text(SCENE_FILE.format(more='energy = "80 kJ/mol"'), encoding="utf-8")
+    assert main(["friction", str(path), "--out", str(tmp_path)]) == 2
+    assert "energy and reference belong together" in capsys.readouterr().err
