@@ -75,7 +75,8 @@ class Browser:
 
     def click(self, text: str) -> None:
         """Clicks the visible button or tab of this text."""
-        find = f"[...document.querySelectorAll('button,[role=tab]')].find(e => e.innerText.trim() == {json.dumps(text)} && e.offsetParent)"
+        named = f"e => e.innerText.trim() == {json.dumps(text)} && e.offsetParent"
+        find = f"[...document.querySelectorAll('button,[role=tab]')].find({named})"
         self.until(f"!!{find}")
         self.js(f"{find}.click()")
 

@@ -18,7 +18,9 @@ from .browser import PROGRAM, Browser, wait
 
 SAMPLE = Path(__file__).parents[1] / "examples" / "data"
 needs_nicegui = pytest.mark.skipif(find_spec("nicegui") is None, reason="NiceGUI is not installed (extra app)")
-SHOWN = "[...document.querySelectorAll('img.figure')].filter(e => e.offsetParent && e.complete && e.naturalWidth).length"
+SHOWN = (
+    "[...document.querySelectorAll('img.figure')].filter(e => e.offsetParent && e.complete && e.naturalWidth).length"
+)
 WIDE = "document.documentElement.scrollWidth <= document.documentElement.clientWidth"
 CUT = """[...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].filter(e => e.offsetParent
     && e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.words, .frame, .scroll')).length"""
@@ -102,7 +104,8 @@ def test_from_files_to_friction(address, tmp_path):
         for width in (390, 1280):  # nothing is cut
             browser.resize(width)
             for stage in ("Rubber", "Road", "Friction", "Export"):
-                browser.js(f"[...document.querySelectorAll('[role=tab]')].find(e => e.innerText.trim() == '{stage}').click()")
+                find = f"find(e => e.innerText.trim() == '{stage}')"
+                browser.js(f"[...document.querySelectorAll('[role=tab]')].{find}.click()")
                 browser.until(f"document.querySelector('[role=tab][aria-selected=true]').innerText.trim() == '{stage}'")
                 browser.until(f"{WIDE} && {CUT} == 0", 20)
         assert not browser.console

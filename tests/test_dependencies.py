@@ -27,7 +27,9 @@ def imported() -> dict[str, list[tuple[str, bool]]]:
             elif isinstance(node, ast.ImportFrom) and not node.level and node.module:
                 modules = [node.module]
             for module in modules:
-                found.setdefault(module.split(".")[0].lower(), []).append((path.relative_to(ROOT / "src/elastomdr").as_posix(), node in tree.body))
+                found.setdefault(module.split(".")[0].lower(), []).append(
+                    (path.relative_to(ROOT / "src/elastomdr").as_posix(), node in tree.body)
+                )
     return found
 
 

@@ -1,4 +1,4 @@
-"""Makes dma.csv, road.csv and friction.csv beside itself: made-up measurements in the form in which a laboratory gives them."""
+"""Makes dma.csv, road.csv and friction.csv beside itself: made-up measurements in the form of a laboratory's."""
 
 from pathlib import Path
 

@@ -89,7 +89,7 @@ class ComputedStage:
         self._draw_form()
 
     def _draw_form(self) -> None:
-        table = _ROLLING_KINDS[self._key] if self._key in _ROLLING_KINDS else SurfaceFriction
+        table = _ROLLING_KINDS.get(self._key, SurfaceFriction)
         screen, session = self._screen, self._session
         rubbers = lambda: material_names(session)  # noqa: E731
         files = lambda: [name for name in session.folder.names() if not name.endswith(".toml")]  # noqa: E731

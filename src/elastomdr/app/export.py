@@ -1,5 +1,6 @@
 """What has been computed, to take away: the scene that reproduces it, its tables and its figure."""
 
+from functools import partial
 from typing import Any
 
 from nicegui import ui
@@ -42,7 +43,7 @@ class ExportStage:
                 scene = text.encode()
                 ui.button("Scene (TOML)", on_click=lambda: ui.download.content(scene, f"{stem}.toml")).props(BUTTON)
                 for label, ending in _KINDS.items():
-                    ui.button(label, on_click=lambda e=ending: self._give(stem, done, e)).props(f"{BUTTON} outline")
+                    ui.button(label, on_click=partial(self._give, stem, done, ending)).props(f"{BUTTON} outline")
             ui.label(text).classes("words").props("tabindex=0")
 
     def _notes(self, done: Done) -> tuple[str, ...]:

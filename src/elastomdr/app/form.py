@@ -102,7 +102,7 @@ class Form:
         within = {key: name for key, name in last.items() if table is None or name.startswith(table[0])}
         if table is None:  # the argument of a call
             return last.get(words[0], "") if words else ""
-        return next((within[word] for word in words if word in within), "")
+        return next((found[word] for found in (within, last) for word in words if word in found), "")
 
     def _keys(self, fields: Mapping[str, Any], path: tuple[str, ...], content: dict[str, Any]) -> None:
         """The fields of one table; those that are seldom needed are folded away."""
@@ -126,10 +126,10 @@ class Form:
 
     def _is_nothing(self, field: Any) -> bool:
         """A key that scenes of this kind must leave out, or a list of tables, for which there are no forms."""
-        return not leaf(field.type).kinds or is_list(field.type) and bool(tables_of(field.type))
+        return not leaf(field.type).kinds or (is_list(field.type) and bool(tables_of(field.type)))
 
     def _key(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> None:
-        tables = tables_of(field.type)
+        tables: Sequence[Any] = tables_of(field.type)
         if not tables:
             return self._leaf(key, field, path, content)
         if len(tables) > 1:
@@ -162,6 +162,7 @@ class Form:
                 self._tell(key)
 
             if box is not None:
+                self.widgets[_name((*path, key))] = box
                 box.on_value_change(ticked)
             draw()
 
@@ -232,7 +233,9 @@ class Form:
                 widget.on("keydown.enter", self.entered)
         widget.classes("field")
         if not isinstance(widget, ui.checkbox):
-            widget.props["hint"] = meaning if field.default in (None, msgspec.NODEFAULT) else _with_default(meaning, field)
+            widget.props["hint"] = (
+                meaning if field.default in (None, msgspec.NODEFAULT) else _with_default(meaning, field)
+            )
             widget.props("hide-bottom-space" if not meaning else "")
         self.widgets[name] = widget
 
@@ -311,5 +314,3 @@ def _legend(text: str) -> None:
 def _mark(widget: Any, message: str | None) -> None:
     if hasattr(widget, "error"):
         widget.error = message
-
-

@@ -155,5 +155,7 @@ def recognised(folder: Folder, name: str) -> dict[str, Any]:
 
 def _length(metres: float) -> str:
     """A length as it is typed."""
-    unit, size = next(((u, s) for u, s in (("m", 1.0), ("mm", 1e-3), ("um", 1e-6)) if metres >= 0.9995 * s), ("nm", 1e-9))
+    unit, size = next(
+        ((u, s) for u, s in (("m", 1.0), ("mm", 1e-3), ("um", 1e-6)) if metres >= 0.9995 * s), ("nm", 1e-9)
+    )
     return f"{metres / size:.3g} {unit}"

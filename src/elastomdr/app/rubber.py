@@ -82,9 +82,7 @@ class RubberStage:
                 drop(session, "DMA files", self._dropped, multiple=True)
                 ui.button("Use sample DMA", on_click=self._sample).props(f"{BUTTON} outline")
                 choices = {"data": self._files}
-                self.form = Form(
-                    Fit, session.rubber, first=_FIRST, choices=choices, entered=self.fit
-                )
+                self.form = Form(Fit, session.rubber, first=_FIRST, choices=choices, entered=self.fit)
                 self._button = ui.button("Fit material", on_click=self.fit).props(BUTTON)
             with ui.element("div").classes("right"):
                 self._busy = ui.linear_progress(show_value=False).props("indeterminate")
@@ -186,7 +184,7 @@ def _for_form(message: str) -> str:
     """A reader names the file first, and options of the command line; here it is the field that is named."""
     for key in (*_UNITS, "kind", "temperature", "column", "reference", "poisson", "terms", "law", "name"):
         if re.match(rf"{key}s?\b", message):
-            return f"{key}{message[len(key):].removeprefix('s')}" if key == "column" else message
+            return f"{key}{message[len(key) :].removeprefix('s')}" if key == "column" else message
     return message if message.startswith("data") else f"data: {message}"
 
 
@@ -195,5 +193,3 @@ def _column(text: str) -> tuple[str, Any]:
     if not equals or not role.strip() or not title.strip():
         raise InputError(f"column must be a quantity and a title or number, such as storage=4, got {text!r}.")
     return role.strip(), int(title) if title.strip().isdigit() else title.strip()
-
-

@@ -54,7 +54,11 @@ class Done:
 
 def toml(verb: str, content: dict[str, Any], stem: str, notes: tuple[str, ...] = ()) -> str:
     """The scene file; its first lines say how it is run."""
-    head = [f"# elastomdr {verb} {stem}.toml", *(f"# {note}" for note in notes), f"# written by elastomdr {__version__}"]
+    head = [
+        f"# elastomdr {verb} {stem}.toml",
+        *(f"# {note}" for note in notes),
+        f"# written by elastomdr {__version__}",
+    ]
     filled = _without_empty(content)
     lines = [f"{key} = {_as_toml(value)}" for key, value in filled.items() if not isinstance(value, dict)]
     for name, table in filled.items():

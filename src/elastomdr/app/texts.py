@@ -54,7 +54,9 @@ class Leaf(NamedTuple):
         return " or ".join(accepted(kind) for kind in self.kinds)
 
     def _innermost(self) -> tuple[Any, ...]:
-        return tuple(inner for kind in self.kinds for inner in (_parts(get_args(kind)[0]) if get_args(kind) else [kind]))
+        return tuple(
+            inner for kind in self.kinds for inner in (_parts(get_args(kind)[0]) if get_args(kind) else [kind])
+        )
 
 
 def leaf(kind: Any) -> Leaf:
