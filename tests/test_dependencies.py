@@ -35,7 +35,7 @@ def imported() -> dict[str, list[tuple[str, bool]]]:
 
 def test_imports_are_declared():
     required = names(PROJECT["dependencies"])
-    users = ("tables", "excel", "instruments", "app")
+    users = ("tables", "excel", "instruments", "sweep", "app")
     optional = {name for extra in users for name in names(PROJECT["optional-dependencies"][extra])}
     own = {"elastomdr", *(name.lower() for name in sys.stdlib_module_names)}
     found = {package: where for package, where in imported().items() if package not in own}

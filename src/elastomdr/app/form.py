@@ -129,7 +129,7 @@ class Form:
         return not leaf(field.type).kinds or (is_list(field.type) and bool(tables_of(field.type)))
 
     def _key(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> None:
-        tables: Sequence[Any] = tables_of(field.type)
+        tables = list(tables_of(field.type))
         if not tables:
             return self._leaf(key, field, path, content)
         if len(tables) > 1:
