@@ -9,7 +9,7 @@ import elastomdr as em
 SOURCE = Path(em.__file__).parent
 FLOORS = (
     "material", "mapping", "foundation", "solve", "results", "arguments", "reference", "scenes", "recipes", "sweeps",
-    "io", "fit", "cli",
+    "io", "fit", "cli", "app",
 )  # fmt: skip
 
 

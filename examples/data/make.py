@@ -1,4 +1,4 @@
-"""Makes dma.csv and road.csv beside itself: made-up measurements in the form in which a laboratory gives them."""
+"""Makes dma.csv, road.csv and friction.csv beside itself: made-up measurements in the form of a laboratory's."""
 
 from pathlib import Path
 
@@ -25,3 +25,13 @@ q = np.geomspace(3e2, 3e6, 61)  # [rad/m]
 c = 6e-16 * np.maximum(q / 2e3, 1) ** -3.6 * (1 + 0.05 * rng.normal(size=q.size))  # [m^4]
 rows = [f"{a:.5e},{b:.4e}" for a, b in zip(q, c, strict=True)]
 (here / "road.csv").write_text("\n".join(["# asphalt, made up", "q [rad/m],C [m^4]", *rows]) + "\n")
+
+# Friction of that rubber on that road, read off a curve of em.friction (50 um, 0.3 MPa) with 5 % noise.
+speeds, computed = (1, 10, 100, 1000), {0: (0.200, 0.219, 0.227, 0.229), 20: (0.123, 0.162, 0.196, 0.217),
+                                        60: (0.0405, 0.0688, 0.103, 0.143)}  # fmt: skip
+rows = [
+    f"{speed},{celsius},{mu * (1 + 0.05 * rng.normal()):.4f}"
+    for celsius, values in computed.items()
+    for speed, mu in zip(speeds, values, strict=True)
+]
+(here / "friction.csv").write_text("\n".join(["# made up", "velocity [mm/s],temperature [degC],mu", *rows]) + "\n")

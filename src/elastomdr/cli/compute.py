@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
         with named(f"{path.name or path}:"):
             scene = read_scene(options.verb, path)
             arguments = scene.arguments(path.parent)
-            shown = _shown(scene, arguments, path.parent)
+            shown = how_drawn(scene, arguments, path.parent)
             stem = f"{path.stem}-{scene.called()}"
             with models_by_name():
                 result = _computed(scene, arguments, folder / f".{stem}.parts")
@@ -109,7 +109,7 @@ def _computed(scene: Scene, arguments: dict[str, Any], folder: Path) -> Any:
         bar.end()
 
 
-def _shown(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str, Any]:
+def how_drawn(scene: Scene, arguments: dict[str, Any], folder: Path) -> dict[str, Any]:
     """How the result is drawn: its title, measured points on top; what was left out of these is warned of."""
     shown: dict[str, Any] = {"title": scene.title}
     if scene.called() == "slide" and len(set(arguments["position"])) > 1:

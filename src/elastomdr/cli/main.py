@@ -110,6 +110,10 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--table", metavar="FILE", help="a .csv or .xlsx file with all points, written as well")
     words = "a material file, with cards, tables and figures, from measured isotherms (DMA)"
     importlib.import_module(".fit", __package__).add_arguments(_added(commands, "fit", "fit", words))
+    words = "the way from a DMA file to friction, in a page of this machine's browser"
+    command = _added(commands, "app", ".app.command", words)
+    command.add_argument("--port", metavar="N", type=int, default=0, help="port on this machine (default: a free one)")
+    command.add_argument("--no-browser", action="store_true", help="print the address and open no browser")
     words = "the library of materials, or the numbers and sources of one of them"
     command = _added(commands, "materials", "materials", words)
     command.add_argument("name", metavar="NAME", nargs="?", help="a name in the library, or a material file")
@@ -117,7 +121,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _added(commands: Any, verb: str, module: str, words: str, description: str | None = None) -> _Parser:
-    """The parser of a command that the file `module` of this folder carries out."""
+    """The parser of a command that the file `module` of this folder carries out (`.app.command`: of that package)."""
     command = commands.add_parser(verb, help=words, description=description or f"{words[0].upper()}{words[1:]}.")
     command.set_defaults(module=module)
     return command

@@ -81,6 +81,32 @@ def draw_prony(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any
     return ax
 
 
+def draw_spectrum(fit: "PronyFit", ax: Any = None, style: str | None = None) -> Any:
+    """Moduli of the series over their relaxation times with 95 % intervals, and below them the relative residuals."""
+    alone = ax is None
+    ax = _axes(ax, style, {"nrows": 2, "height_ratios": (3, 2)} if alone else None)
+    ax.set(xscale="log", yscale="log")
+    times, moduli, spread = (np.asarray(x) for x in (fit.material.times, fit.material.moduli, 1.96 * fit.moduli_std))
+    ax.errorbar(times, moduli, np.vstack([np.minimum(spread, 0.99 * moduli), spread]), fmt="o", color=_BLUE,
+                ecolor=FAINT, capsize=0.7 * _dot(ax), markersize=_dot(ax))  # fmt: skip
+    ax.set(xlabel="Relaxation time [s]", ylabel="Modulus of the term [Pa]")
+    frame(ax)
+    if alone:
+        lower = ax._elastomdr.panels[1]
+        dynamic = bool(fit.omega.size)
+        for (name, values), colour in zip(fit.residuals.items(), (_BLUE, _RED, _BAND), strict=False):
+            if np.size(values):
+                x = fit.time if name == "relaxation" else fit.omega
+                lower.semilogx(x, 100 * np.asarray(values), "o", color=colour, markersize=0.7 * _dot(ax), label=name)
+        lower.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
+        lower.set(xlabel="Reduced angular frequency [rad/s]" if dynamic else "Reduced time [s]", ylabel="Residual [%]")
+        lower.legend(frameon=False, fontsize=_size(ax), loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        frame(lower)
+        ax.figure.subplots_adjust(hspace=0.42)
+    _title(ax, f"Relaxation spectrum of {fit.material.name or 'the series'}", f"{fit.terms} terms, 95 % intervals")
+    return ax
+
+
 def draw_shifts(master: "MasterCurve", ax: Any = None, style: str | None = None) -> Any:
     """Horizontal shift factors with 95 % intervals and the laws through them; vertical ones below, where there are."""
     vertical = ax is None and master.log10_b_std.max() >= _NO_VERTICAL

@@ -549,6 +549,36 @@ def draw_surface(line: Any, spectrum: Any = None, axes: Any = None, name: str = 
     return axes
 
 
+def draw_cutoffs(spectrum: Any, whole: Any = None) -> Any:
+    """Draws a spectrum (left) and the rms slope of the surface down to each wavelength (right); returns the left Axes.
+
+    Args:
+        spectrum: C(q) between its cutoffs, with `moment` and `rms_slope`.
+        whole: the spectrum that it is cut from, drawn behind it.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.6, 3.4))  # laid out by hand: this is drawn while a cutoff moves
+    left, right = figure.subplots(1, 2)
+    figure.subplots_adjust(left=0.085, right=0.985, bottom=0.155, top=0.9, wspace=0.24)
+    for each, colour, width in ((whole, "#b8bec6", 1.2), (spectrum, PALETTE[0], 2.0)):
+        if each is None:
+            continue
+        q = np.geomspace(float(each.q_low), float(each.q_high), 200)
+        left.loglog(q, each.at(q), color=colour, linewidth=width)
+        slope = np.sqrt(2 * np.pi * np.maximum(each.moment(3, each.q_low, q), 0.0))
+        right.semilogx(2e3 * np.pi / q, slope, color=colour, linewidth=width)
+    left.set(xlabel="Wave number q [rad/m]", ylabel="Spectrum C(q), <h²> = ∫C d²q [m⁴]")
+    right.set(xlabel="Shortest wavelength kept [mm]", ylabel="rms slope of the surface [-]", ylim=(0.0, None))
+    right.invert_xaxis()
+    rms = f"rms height {1e6 * float(spectrum.rms_height):.3g} µm, rms slope {float(spectrum.rms_slope):.3g}"
+    left.set_title(rms, loc="left", fontsize=10)
+    for ax in (left, right):
+        frame(ax)
+        ax.minorticks_off()
+    return left
+
+
 def saved(ax: Any, model: str = "") -> bytes:
     """The figure that the axes belong to as a PNG image; the model's name goes with it as its description."""
     buffer = io.BytesIO()

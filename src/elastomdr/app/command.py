@@ -1,0 +1,69 @@
+"""`elastomdr app`: serves the page on this machine, and opens it in the browser."""
+
+import argparse
+import os
+import secrets
+import signal
+import socket
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from ..cli import DONE
+from ..errors import InputError
+
+
+def run(options: argparse.Namespace) -> int:
+    """Serves until it is interrupted; returns the exit status."""
+    with socket.socket() as door, tempfile.TemporaryDirectory(prefix="elastomdr-app-") as place:
+        _listen(door, options.port)
+        os.environ["NICEGUI_STORAGE_PATH"] = str(Path(place) / "storage")
+        tempfile.tempdir = place  # what is received is kept nowhere else
+        try:
+            token = secrets.token_urlsafe(24)
+            server = serve(token, Path(place))
+            address = f"http://127.0.0.1:{door.getsockname()[1]}/{token}/"
+            print(f"elastomdr: open {address}   (Ctrl-C ends)", flush=True)
+            if not options.no_browser:
+                import webbrowser
+
+                webbrowser.open(address)
+            signal.signal(signal.SIGTERM, signal.default_int_handler)
+            server.run(sockets=[door])
+        except KeyboardInterrupt:
+            print("elastomdr: ended", file=sys.stderr)
+        finally:
+            tempfile.tempdir = None
+    return DONE
+
+
+def serve(token: str, place: Path) -> Any:
+    """The server of the page, whose addresses all begin with the token. Raises `InputError` without NiceGUI."""
+    try:
+        import uvicorn
+        from fastapi import FastAPI
+        from nicegui import ui
+    except ImportError as error:
+        raise InputError(f"elastomdr app needs NiceGUI: pip install 'elastomdr[app]' ({error}).") from error
+    from .page import page
+    from .security import Guard
+    from .session import Sessions
+
+    sessions = Sessions(place)
+    outer = FastAPI(openapi_url=None)
+    ui.run_with(
+        outer, root=lambda: page(sessions) and None, title="elastomdr", mount_path=f"/{token}", tailwind=False,
+        reconnect_timeout=60.0, show_welcome_message=False,
+    )  # fmt: skip
+    config = uvicorn.Config(Guard(outer, token), log_level="error", timeout_graceful_shutdown=1, lifespan="on")
+    return uvicorn.Server(config)
+
+
+def _listen(door: socket.socket, port: int) -> None:
+    """Binds to this machine only. Raises `InputError` for a port that is in use."""
+    try:
+        door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        door.bind(("127.0.0.1", port))
+    except (OSError, OverflowError) as error:
+        raise InputError(f"--port must be a free port, 0 to 65535, got {port}: {error}.") from error

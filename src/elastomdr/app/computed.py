@@ -1,0 +1,225 @@
+"""Screens that compute a scene: friction, comparison of compounds, rolling."""
+
+import copy
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from nicegui import ui
+
+from ..cli.kinds import KINDS
+from ..cli.steady import SurfaceFriction
+from ..errors import InputError
+from .form import Form
+from .sample import SAMPLE
+from .scene import CancelledError, Done, compute
+from .session import COMPUTING, DRAWING, Session
+from .stage import BUTTON, Notes, Picture, Words, drop, material_names, worked
+
+_FRICTION = ("temperature", "[contact] pressure", "[contact] velocity", "measured", "heat", "adhesion")
+_ROLLING = ("temperature", "layer", "[contact] load", "[contact] velocity", "[layer] thickness", "[layer] bonded")
+_ROLLING_KINDS = {kind.mark if kind.mark != "indenter" else "rolling": kind for kind in KINDS["rolling"]}
+_LABELS = {"rolling": "Rolling resistance", "warming": "Temperature of a wheel", "conveyor": "Power of a belt conveyor"}
+
+
+class Screen(NamedTuple):
+    """How a screen differs from the others."""
+
+    key: str
+    verb: str
+    lead: str
+    button: str
+    only: tuple[str, ...] = ()
+    first: tuple[str, ...] = ()
+
+
+FRICTION = Screen(
+    "friction", "friction", "The rubber of the first screen on the road of the second.", "Compute friction",
+    tuple(key for key in SurfaceFriction.__struct_fields__ if key not in ("surface", "title", "other", "layer")),
+    _FRICTION,
+)  # fmt: skip
+COMPARE = Screen(
+    "compare", "friction", "Several rubbers under the conditions of the friction screen.", "Compare rubbers",
+    ("material", "temperature"), _FRICTION,
+)  # fmt: skip
+ROLLING = Screen("rolling", "rolling", "A cover under a roll, or a wheel with a tyre.", "Compute rolling", (), _ROLLING)
+
+
+class ComputedStage:
+    """A screen with a form, a button and what has been computed."""
+
+    def __init__(self, session: Session, screen: Screen, changed: Callable[[], None], elsewhere: Callable[[str], bool]):
+        self._session, self._screen, self._changed, self._elsewhere = session, screen, changed, elsewhere
+        self._key, self._run = screen.key, 0
+        if screen.key == "rolling":
+            self._key = session.rolling
+        with ui.element("div").classes("stage"):
+            with ui.element("div").classes("left"):
+                ui.label(screen.lead).classes("lead")
+                if screen.key == "friction":
+                    drop(session, "Measured friction, drawn over the curve", self._dropped)
+                    ui.button("Use sample measurement", on_click=self._sample).props(f"{BUTTON} outline")
+                if screen.key == "rolling":
+                    ui.select(_LABELS, value=self._key, label="what").classes("field").on_value_change(self._other_kind)
+                self._place = ui.element("div")
+                self._draw_form()
+                with ui.element("div").classes("buttons"):
+                    self._button = ui.button(screen.button, on_click=self.compute).props(BUTTON)
+                    self._stop = ui.button("Stop", on_click=self._stopped).props(f"{BUTTON} outline")
+                    self._stop.visible = False
+            with ui.element("div").classes("right"):
+                self._busy = ui.linear_progress(show_value=False).props("indeterminate")
+                self._busy.visible = False
+                self._notes, self._picture = Notes(), Picture(f"{screen.key}: the computed curves")
+                self._table = ui.element("div")
+                self._words = Words()
+        if (done := session.done.get(screen.key)) is not None:
+            ui.timer(0.05, lambda: self._show(done), once=True)
+
+    def content(self) -> dict[str, Any]:
+        """The scene as it is filled in."""
+        own = self._session.scenes[self._key]
+        if self._key != "compare":
+            return own
+        common = {k: v for k, v in self._session.scenes["friction"].items() if k not in ("measured", "temperature")}
+        return {**common, **own}
+
+    def refresh(self) -> None:
+        """Offers materials and files that have come meanwhile, and shows what others have changed."""
+        self._draw_form()
+
+    def _draw_form(self) -> None:
+        table = _ROLLING_KINDS.get(self._key, SurfaceFriction)
+        screen, session = self._screen, self._session
+        rubbers = lambda: material_names(session)  # noqa: E731
+        files = lambda: [name for name in session.folder.names() if not name.endswith(".toml")]  # noqa: E731
+        choices: Mapping[str, Any] = {"material": rubbers, "other": rubbers, "measured": files,
+                                      "[indenter] file": files}  # fmt: skip
+        self._place.clear()
+        with self._place:
+            own = session.scenes.setdefault(self._key, _example(self._key))
+            only = screen.only or tuple(key for key in table.__struct_fields__ if key != "title")
+            self.form = Form(table, own, only=only, first=screen.first, choices=choices, entered=self.compute)
+
+    def _other_kind(self, event: Any) -> None:
+        self._key = event.value
+        self._session.rolling = event.value
+        self._draw_form()
+
+    async def _sample(self) -> None:
+        name = self._session.folder.keep("friction.csv", SAMPLE.joinpath("friction.csv").read_bytes())
+        await self._dropped([name])
+
+    async def _dropped(self, names: list[str]) -> None:
+        self._session.scenes[self._key]["measured"] = names[0]
+        self._draw_form()
+        await self.compute()
+
+    def _stopped(self) -> None:
+        self._run += 1
+        self._release()
+
+    def _release(self) -> None:
+        self._busy.visible = self._stop.visible = False
+        self._button.enable()
+
+    async def compute(self) -> None:
+        """Computes the scene, or says beside a field what is wrong with it."""
+        if self._busy.visible:
+            return
+        self.form.clear_errors()
+        self._busy.visible = self._stop.visible = True
+        self._button.disable()
+        self._run += 1
+        run = self._run
+
+        def progress(done: int, total: int) -> None:
+            if run != self._run:
+                raise CancelledError
+
+        try:
+            content = copy.deepcopy(self.content())
+            done = await worked(COMPUTING, compute, self._screen.verb, content, self._session.folder, progress)
+            if run != self._run:
+                return
+            self._session.done[self._screen.key] = done
+            self._changed()
+            await self._show(done)
+        except InputError as error:
+            if run == self._run and not (str(error).startswith("[surface]") and self._elsewhere(str(error))):
+                self.form.show_error(str(error))
+        except CancelledError:
+            return
+        finally:
+            if run == self._run:
+                self._release()
+
+    async def _show(self, done: Done) -> None:
+        figure = await worked(DRAWING, done.figure)
+        self._notes.show(done.warnings)
+        self._words.show(done.result.summary())
+        if self._screen.key == "compare":
+            self._rank(done.result)
+        self._picture.show(figure)
+
+    def _rank(self, result: Any) -> None:
+        """The rubbers at one velocity, the one with most friction first."""
+        self._table.clear()
+        if not result.materials:
+            return
+        velocity = np.unique(np.round(np.ravel(result.velocity), 15))
+        with self._table:
+            middle = velocity[len(velocity) // 2]
+            options = {float(v): f"{v:.3g} m/s" for v in velocity}
+            select = ui.select(options, value=float(middle), label="ranking at").classes("field")
+            place = ui.element("div").classes("scroll")
+
+            def draw() -> None:
+                place.clear()
+                columns, rows = ranking(result, float(select.value))
+                with place:
+                    ui.table(rows=rows, columns=[{"name": c, "label": c, "field": c, "align": "left"} for c in columns])
+
+            select.on_value_change(draw)
+            draw()
+
+
+def ranking(result: Any, velocity: float) -> tuple[list[str], list[dict[str, str]]]:
+    """Columns and rows: friction of each material at a velocity, with its whole uncertainty, highest first."""
+    found = []
+    for name in result.materials:
+        one = result.select(name)
+        row, height = {"material": name}, 0.0
+        for curve in one.curves()[1]:
+            v, mu, error, model = (
+                np.atleast_1d(np.broadcast_to(np.nan if field is None else field, one.mu.shape)[curve.at])
+                for field in (one.velocity, one.mu, one.error, one.model_error)
+            )
+            i = int(np.abs(np.log(v / velocity)).argmin())
+            row[curve.label or "friction"] = f"{mu[i]:.3f} ± {np.nansum([error[i], model[i]]):.3f}"
+            height += float(np.nan_to_num(mu[i]))
+        found.append((height, row))
+    rows = [row for _, row in sorted(found, key=lambda each: -each[0])]
+    return list(rows[0]), rows
+
+
+def _example(key: str) -> dict[str, Any]:
+    """What the forms of the seldom kinds of rolling show at first."""
+    material = "tread-passenger-synthetic"
+    velocity = {"from": "0.5 m/s", "to": "5 m/s", "points": 10}
+    if key == "warming":
+        return {
+            "material": material,
+            "indenter": {"shape": "cylinder", "radius": "100 mm", "length": "50 mm"},
+            "layer": {"thickness": "15 mm", "bonded": False},
+            "contact": {"load": "800 N", "velocity": ["1 m/s", "2 m/s", "4 m/s"]},
+            "warming": {"ambient": "-10 degC", "conductance": "1.2 W/K"},
+        }
+    return {
+        "material": "epdm-70",
+        "temperature": "10 degC",
+        "indenter": {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"},
+        "layer": {"thickness": "6 mm", "bonded": False},
+        "contact": {"velocity": velocity},
+        "conveyor": {"spacing": "1.2 m", "belt": "28 kg/m", "goods": "120 kg/m", "return_spacing": "3 m"},
+    }

@@ -1,0 +1,316 @@
+"""A form made from the tables of scene files: each key is a field with its meaning, its default and an example."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import msgspec
+from nicegui import ui
+
+from ..cli.schema import is_list, keys_of, tables_of
+from .texts import Leaf, from_text, leaf, to_text
+
+Choices = Mapping[str, Callable[[], Mapping[str, str] | Sequence[str]]]
+
+
+class Form:
+    """Fields for the keys of a table; what is typed goes into `content`, which is what a scene file holds.
+
+    Args:
+        table: the type of the table.
+        content: what the fields show and change.
+        only: the keys of the table that are shown, in this order; by default all.
+        first: keys of inner tables that are not put away under "more".
+        choices: by the name of a field, such as "material" or "[surface] file", what there is to choose from.
+        changed: called after each change with the name of the field.
+        entered: called when Enter is pressed in a field.
+    """
+
+    def __init__(
+        self,
+        table: Any,
+        content: dict[str, Any],
+        *,
+        only: Sequence[str] = (),
+        first: Sequence[str] = (),
+        choices: Choices | None = None,
+        changed: Callable[[str], Any] | None = None,
+        entered: Callable[[], Any] | None = None,
+    ):
+        self.table, self.content, self.only, self.first = table, content, only, set(first)
+        self.choices, self.changed, self.entered = dict(choices or {}), changed, entered
+        self.widgets: dict[str, Any] = {}
+        self._folded: dict[str, Any] = {}  # field to the expansion that hides it
+        self._silent = False
+        self._place = ui.element("div").classes("form")
+        self._alert = ui.label().classes("alert").props("role=alert")
+        self._alert.visible = False
+        self.draw()
+
+    def draw(self) -> None:
+        """Makes the fields anew from the content."""
+        self.widgets, self._folded = {}, {}
+        self._place.clear()
+        keys = keys_of(self.table)
+        with self._place:
+            self._keys({key: keys[key] for key in self.only or keys if key in keys}, (), self.content)
+
+    def set(self, name: str, value: Any) -> None:
+        """Gives a field a value as if it had been typed."""
+        self.widgets[name].value = value if isinstance(value, bool) else to_text(value)
+
+    def refresh_choices(self) -> None:
+        """Looks anew for what there is to choose from, such as files that have been dropped."""
+        self._silent = True
+        for name, choices in self.choices.items():
+            if (widget := self.widgets.get(name)) is not None:
+                options = _as_options(choices())
+                kept = widget.value
+                for value in kept if isinstance(kept, list) else [kept]:
+                    if value:
+                        options.setdefault(value, value)
+                widget.set_options(options, value=kept)
+        self._silent = False
+
+    def clear_errors(self) -> None:
+        """Takes all messages away."""
+        self._alert.visible = False
+        for widget in self.widgets.values():
+            _mark(widget, None)
+
+    def show_error(self, message: str) -> str:
+        """Puts a message beside the field that it names; returns the field's name, empty where there is none here."""
+        self.clear_errors()
+        name = self._field(message)
+        if not hasattr(self.widgets.get(name), "error"):
+            self._alert.text = message
+            self._alert.visible = True
+            return name
+        _mark(self.widgets[name], message)
+        if (fold := self._folded.get(name)) is not None:
+            fold.open()
+        self.widgets[name].run_method("focus")
+        return name
+
+    def _field(self, message: str) -> str:
+        """The field that a message begins with, or that it names first."""
+        for name in sorted(self.widgets, key=len, reverse=True):
+            if re.match(rf"{re.escape(name)}(?!\w)", message):
+                return name
+        words, last = re.findall(r"\w+", message), {name.split()[-1]: name for name in reversed(self.widgets)}
+        table = re.match(r"\[(\w+)\]", message)
+        within = {key: name for key, name in last.items() if table is None or name.startswith(table[0])}
+        if table is None:  # the argument of a call
+            return last.get(words[0], "") if words else ""
+        return next((found[word] for found in (within, last) for word in words if word in found), "")
+
+    def _keys(self, fields: Mapping[str, Any], path: tuple[str, ...], content: dict[str, Any]) -> None:
+        """The fields of one table; those that are seldom needed are folded away."""
+        shown = [key for key, field in fields.items() if self._is_first(key, field, path, content)]
+        with ui.element("div").classes("fields"):
+            for key in shown:
+                self._key(key, fields[key], path, content)
+        rest = [key for key in fields if key not in shown and not self._is_nothing(fields[key])]
+        if not rest:
+            return
+        before = set(self.widgets)
+        with ui.expansion("More").classes("more").props("dense") as fold, ui.element("div").classes("fields"):
+            for key in rest:
+                self._key(key, fields[key], path, content)
+        for name in self.widgets.keys() - before:
+            self._folded.setdefault(name, fold)
+
+    def _is_first(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> Any:
+        name = _name((*path, key))
+        return not self._is_nothing(field) and (field.required or content.get(key) or name in self.first)
+
+    def _is_nothing(self, field: Any) -> bool:
+        """A key that scenes of this kind must leave out, or a list of tables, for which there are no forms."""
+        return not leaf(field.type).kinds or (is_list(field.type) and bool(tables_of(field.type)))
+
+    def _key(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> None:
+        tables = list(tables_of(field.type))
+        if not tables:
+            return self._leaf(key, field, path, content)
+        if len(tables) > 1:
+            return self._union(key, field, tables, path, content)
+        self._table(key, field, tables[0], path, content)
+
+    def _table(self, key: str, field: Any, table: Any, path: tuple[str, ...], content: dict[str, Any]) -> None:
+        """A table within the table; one that may be left out has a box to tick."""
+        with ui.element("fieldset").classes("group"):
+            optional = field.default is None
+            title = _meaning(field.type) or key
+            if not optional:
+                _legend(f"{key}: {title}")
+            box = ui.checkbox(f"{key}: {title}", value=key in content) if optional else None
+            place = ui.element("div")
+
+            def draw() -> None:
+                place.clear()
+                if box is None or box.value:
+                    inner = content.get(key) if optional or key in content else None
+                    inner = content.setdefault(key, {}) if inner is None else inner
+                    with place:
+                        self._keys(keys_of(table), (*path, key), inner)
+
+            def ticked() -> None:
+                if not box.value:  # type: ignore[union-attr]
+                    content.pop(key, None)
+                self._forget((*path, key))
+                draw()
+                self._tell(key)
+
+            if box is not None:
+                self.widgets[_name((*path, key))] = box
+                box.on_value_change(ticked)
+            draw()
+
+    def _union(
+        self, key: str, field: Any, tables: Sequence[Any], path: tuple[str, ...], content: dict[str, Any]
+    ) -> None:
+        """A table of several kinds, of which one is chosen."""
+        configs = [table.__struct_config__ for table in tables]
+        tag = configs[0].tag_field
+        by_word = {config.tag: table for config, table in zip(configs, tables, strict=True)}
+        inner = content.setdefault(key, {})
+        inner.setdefault(tag, next(iter(by_word)))
+        name = _name((*path, key, tag))
+        with ui.element("fieldset").classes("group"):
+            _legend(f"{key}: {_meaning(field.type)}")
+            words = {word: word.replace("_", " ") for word in by_word}
+            select = ui.select(words, value=inner[tag], label=tag).classes("field")
+            about = ui.label().classes("about")
+            self.widgets[name] = select
+            place = ui.element("div")
+
+            def draw() -> None:
+                place.clear()
+                about.text = (by_word[inner[tag]].__doc__ or "").split("\n")[0]
+                with place:
+                    self._keys(keys_of(by_word[inner[tag]]), (*path, key), inner)
+
+            def chosen() -> None:
+                if select.value == inner.get(tag):
+                    return
+                kept = {k: v for k, v in inner.items() if k in keys_of(by_word[select.value])}
+                inner.clear()
+                inner.update({tag: select.value, **kept})
+                self._forget((*path, key), keep=name)
+                draw()
+                self._tell(name)
+
+            select.on_value_change(chosen)
+            draw()
+
+    def _leaf(self, key: str, field: Any, path: tuple[str, ...], content: dict[str, Any]) -> None:
+        accepts, name = leaf(field.type), _name((*path, key))
+        label = key.replace("_", " ") + (" *" if field.required else "")
+        value = content.get(key)
+        meaning = _meaning(field.type)
+        if name in self.choices:
+            options = _as_options(self.choices[name]())
+            several = accepts.several and (isinstance(value, list) or name in self.first)
+            for each in value if isinstance(value, list) else [value]:
+                if each:
+                    options.setdefault(each, each)
+            value = ([] if several else None) if value is None else value
+            widget: Any = ui.select(options, value=value, label=label, multiple=several, clearable=not field.required)
+            widget.props("use-chips" if several else "")
+        elif accepts.flag:
+            if accepts.optional:
+                options = {"": "default", "true": "yes", "false": "no"}
+                widget = ui.select(options, value={None: "", True: "true", False: "false"}[value], label=label)
+            else:
+                shown = field.default if value is None else value
+                widget = ui.checkbox(f"{key.replace('_', ' ')}: {meaning}", value=shown)
+        elif accepts.words:
+            options = {"": _default(field.default), **{word: word for word in accepts.words}}
+            widget = ui.select(options, value=value or "", label=label)
+        else:
+            widget = ui.input(label=label, value=to_text(value), placeholder=_example(accepts))
+            if self.entered is not None:
+                widget.on("keydown.enter", self.entered)
+        widget.classes("field")
+        if not isinstance(widget, ui.checkbox):
+            widget.props["hint"] = (
+                meaning if field.default in (None, msgspec.NODEFAULT) else _with_default(meaning, field)
+            )
+            widget.props("hide-bottom-space" if not meaning else "")
+        self.widgets[name] = widget
+
+        def typed() -> None:
+            if self._silent:
+                return
+            found = self._value(widget, accepts, name)
+            if found == content.get(key):
+                return
+            if found is None:
+                content.pop(key, None)
+            else:
+                content[key] = found
+            _mark(widget, None)
+            self._alert.visible = False
+            self._tell(name)
+
+        widget.on_value_change(typed)
+
+    def _value(self, widget: Any, accepts: Leaf, name: str) -> Any:
+        value = widget.value
+        if accepts.flag:
+            return {"": None, "true": True, "false": False}[value] if accepts.optional else value
+        if name in self.choices or accepts.words:
+            return value or None
+        return from_text(accepts, value)
+
+    def _forget(self, path: tuple[str, ...], keep: str = "") -> None:
+        """Drops the fields of a table that is drawn anew."""
+        mark = f"[{'.'.join(path)}] "
+        for name in [name for name in self.widgets if name.startswith(mark) and name != keep]:
+            del self.widgets[name]
+
+    def _tell(self, name: str) -> None:
+        if self.changed is not None:
+            self.changed(name)
+
+
+def _name(path: tuple[str, ...]) -> str:
+    """A key's place as the errors of scene files call it, such as "[contact] load"."""
+    return f"[{'.'.join(path[:-1])}] {path[-1]}" if path[1:] else path[0]
+
+
+def _meaning(kind: Any) -> str:
+    return next((note for note in getattr(kind, "__metadata__", ()) if isinstance(note, str)), "")
+
+
+def _with_default(meaning: str, field: Any) -> str:
+    return f"{meaning}; by default {_default(field.default)}"
+
+
+def _default(default: Any) -> str:
+    if default is None or default is msgspec.NODEFAULT:
+        return "optional"
+    return str(default)
+
+
+def _example(accepts: Leaf) -> str:
+    quantity = accepts.quantity
+    if quantity is None:
+        return "1, 2, 3" if accepts.several and accepts.numeric else ""
+    if accepts.spread:
+        return f"{quantity.example}, or A to B, 24 points"
+    return f"{quantity.example}, or several" if accepts.several else quantity.example
+
+
+def _as_options(found: Mapping[str, str] | Sequence[str]) -> dict[str, str]:
+    return dict(found) if isinstance(found, Mapping) else {name: name for name in found}
+
+
+def _legend(text: str) -> None:
+    with ui.element("legend"):
+        ui.label(text)
+
+
+def _mark(widget: Any, message: str | None) -> None:
+    if hasattr(widget, "error"):
+        widget.error = message

@@ -1,0 +1,195 @@
+"""From a DMA file to a material: what was read as what, master curve, shifts, spectrum, residuals."""
+
+import re
+import shlex
+import warnings
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+from nicegui import ui
+
+import elastomdr as em
+
+from ..cli.schema import Several, Table, Text, decode
+from ..cli.units import Temperature
+from ..errors import InputError
+from ..fit.figures import draw_prony, draw_shifts, draw_spectrum
+from .form import Form
+from .sample import SAMPLE
+from .scene import image
+from .session import COMPUTING, DRAWING, Session
+from .stage import BUTTON, Notes, Picture, Words, drop, worked
+
+_UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
+_FIRST = ("data", "reference", "name", "poisson")
+
+
+class Fit(Table):
+    """How measured isotherms are read and made into a material: the options of elastomdr fit."""
+
+    data: Annotated[list[str], "the files that were dropped; several files of one material are joined"]
+    reference: Annotated[Temperature | None, "reference temperature, by default the isotherm nearest 20 degC"] = None
+    name: Annotated[Text | None, "name of the material, by default that of the data"] = None
+    poisson: Annotated[float | None, "Poisson's ratio, by default 0.5"] = None
+    kind: Annotated[Literal["shear", "tensile"] | None, "what the moduli are, where the file does not say"] = None
+    temperature: Annotated[
+        Several[Temperature] | None, "of all points, or one for each isotherm, where the file does not say"
+    ] = None
+    frequency_unit: Annotated[Text | None, "Hz or rad/s, where the file does not say"] = None
+    modulus_unit: Annotated[Text | None, "Pa, kPa, MPa or GPa, where the file does not say"] = None
+    temperature_unit: Annotated[Text | None, "degC or K, where the file does not say"] = None
+    time_unit: Annotated[Text | None, "s, ms, min or h, where the file does not say"] = None
+    column: Annotated[Several[Text] | None, 'columns by quantity, such as "storage=4, loss=5"'] = None
+    law: Annotated[Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"] | None, "shift law"] = None
+    vertical: Annotated[bool | None, "with or without vertical shifts; by default the data decide"] = None
+    terms: Annotated[int | None, "number of relaxation times, by default the data decide"] = None
+
+    def command(self) -> str:
+        """The command that does the same."""
+        words = ["elastomdr", "fit", *self.data]
+        words += [f"--reference={self.reference - 273.15:.6g}degC"] if self.reference is not None else []
+        if self.temperature is not None:
+            words.append("--temperature=" + ",".join(f"{kelvin - 273.15:.6g}degC" for kelvin in self.temperature))
+        for key in ("name", "kind", "poisson", "law", "terms", *_UNITS):
+            if (value := getattr(self, key)) is not None:
+                words.append(f"--{key.replace('_', '-')}={value}")
+        words += [f"--column={text}" for text in self.column or ()]
+        words += [] if self.vertical is None else ["--vertical" if self.vertical else "--no-vertical"]
+        return shlex.join(words)
+
+
+@dataclass
+class Fitted:
+    """A fit as the page shows it."""
+
+    name: str  # of the material's file
+    command: str
+    summary: str
+    warnings: tuple[str, ...]
+    figures: dict[str, bytes] = field(repr=False)
+    fit: Any = field(repr=False)
+
+
+class RubberStage:
+    """The screen."""
+
+    def __init__(self, session: Session, changed: Any):
+        self._session, self._changed = session, changed
+        session.rubber.setdefault("data", [])
+        with ui.element("div").classes("stage"):
+            with ui.element("div").classes("left"):
+                ui.label("Drop measured isotherms (DMA): text, spreadsheet or an instrument's export.").classes("lead")
+                drop(session, "DMA files", self._dropped, multiple=True)
+                ui.button("Use sample DMA", on_click=self._sample).props(f"{BUTTON} outline")
+                choices = {"data": self._files}
+                self.form = Form(Fit, session.rubber, first=_FIRST, choices=choices, entered=self.fit)
+                self._button = ui.button("Fit material", on_click=self.fit).props(BUTTON)
+            with ui.element("div").classes("right"):
+                self._busy = ui.linear_progress(show_value=False).props("indeterminate")
+                self._busy.visible = False
+                self._notes = Notes()
+                self._pictures = {
+                    key: Picture(about)
+                    for key, about in (
+                        ("master", "Master curve with the fitted series"),
+                        ("shifts", "Shift factors against temperature"),
+                        ("spectrum", "Relaxation spectrum, and residuals of the fit"),
+                    )
+                }
+                self._words = Words()
+        if session.fits:
+            self._show(list(session.fits.values())[-1])
+
+    def _files(self) -> list[str]:
+        return [name for name in self._session.folder.names() if not name.endswith(".toml")]
+
+    async def _sample(self) -> None:
+        name = self._session.folder.keep("dma.csv", SAMPLE.joinpath("dma.csv").read_bytes())
+        self._session.rubber |= {"reference": "20 degC", "poisson": 0.5}
+        self._session.scenes["friction"]["temperature"] = ["0 degC", "20 degC", "60 degC"]
+        await self._dropped([name])
+
+    async def _dropped(self, names: list[str]) -> None:
+        if len(names) == 1 and names[0].endswith(".toml"):
+            em.load_material(str(self._session.folder.path / names[0]))
+            self._changed(names[0])
+            return
+        self._session.rubber["data"] = names
+        self.form.draw()
+        await self.fit()
+
+    async def fit(self) -> None:
+        """Reads the files and fits a material, or says beside a field what is wrong with it."""
+        self.form.clear_errors()
+        self._busy.visible = True
+        self._button.disable()
+        try:
+            fitted = await worked(COMPUTING, calculate, dict(self._session.rubber), self._session)
+            fitted.figures = await worked(DRAWING, figures, fitted.fit)
+        except InputError as error:
+            self.form.show_error(_for_form(str(error)))
+            return
+        finally:
+            self._busy.visible = False
+            self._button.enable()
+        self._session.fits.pop(fitted.name, None)
+        self._session.fits[fitted.name] = fitted
+        self._session.notes[fitted.name] = fitted.command
+        self._show(fitted)
+        self._changed(fitted.name)
+
+    def _show(self, fitted: Fitted) -> None:
+        self._notes.show(fitted.warnings)
+        for key, picture in self._pictures.items():
+            picture.show(fitted.figures.get(key))
+        self._words.show(f"{fitted.summary}\n\n{fitted.command}")
+
+
+def calculate(content: dict[str, Any], session: Session) -> Fitted:
+    """Fits a material and keeps its file. Raises `InputError`."""
+    asked: Fit = decode(Fit, {key: value for key, value in content.items() if value is not None})
+    if not asked.data:
+        raise InputError("data: drop a file, or use the sample.")
+    session.folder.check(asked.data)
+    if asked.name is not None and not re.fullmatch(r"[\w.-]+", asked.name):
+        raise InputError(f"name must be letters, digits, dots and dashes, got {asked.name!r}.")
+    columns = dict(_column(text) for text in asked.column or ())
+    options = {key: value for key in ("kind", *_UNITS) if (value := getattr(asked, key)) is not None}
+    if asked.temperature is not None:
+        options["temperature"] = list(asked.temperature) if len(asked.temperature) > 1 else asked.temperature[0]
+    more = {key: value for key in ("vertical", "terms", "law", "poisson") if (value := getattr(asked, key)) is not None}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
+        paths = [session.folder.path / name for name in asked.data]
+        try:
+            dma = em.read_dma(paths if len(paths) > 1 else paths[0], columns=columns or None, **options)
+        except OSError as error:
+            raise InputError(f"data: {error.strerror or error}") from error
+        found = em.fit.material(dma, asked.reference, name=asked.name or "", **more)
+        name = f"{found.material.name}.toml"
+        em.save_material(found.material, session.folder.path / name, info=found.info())
+    rows = (f"row left out: {row}" for row in dma.bad_rows)
+    return Fitted(name, asked.command(), found.summary(), (*found.warnings, *rows), {}, found)
+
+
+def figures(fit: Any) -> dict[str, bytes]:
+    """Master curve, shifts and spectrum of a fit as SVG images."""
+    found = {"master": image(draw_prony(fit.prony)), "spectrum": image(draw_spectrum(fit.prony))}
+    if fit.master.temperature.size > 1:
+        found["shifts"] = image(draw_shifts(fit.master))
+    return found
+
+
+def _for_form(message: str) -> str:
+    """A reader names the file first, and options of the command line; here it is the field that is named."""
+    for key in (*_UNITS, "kind", "temperature", "column", "reference", "poisson", "terms", "law", "name"):
+        if re.match(rf"{key}s?\b", message):
+            return f"{key}{message[len(key) :].removeprefix('s')}" if key == "column" else message
+    return message if message.startswith("data") else f"data: {message}"
+
+
+def _column(text: str) -> tuple[str, Any]:
+    role, equals, title = text.partition("=")
+    if not equals or not role.strip() or not title.strip():
+        raise InputError(f"column must be a quantity and a title or number, such as storage=4, got {text!r}.")
+    return role.strip(), int(title) if title.strip().isdigit() else title.strip()

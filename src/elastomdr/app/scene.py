@@ -1,0 +1,134 @@
+"""Computing a scene, and the files that come of it: the TOML that reproduces it, its tables and its figure."""
+
+import io
+import json
+import tempfile
+import warnings
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+import elastomdr as em
+
+from .. import __version__
+from ..cli.compute import how_drawn
+from ..cli.kinds import decoded
+from .security import Folder
+
+_FILES = ("file", "measured")  # keys that name a file beside the scene
+
+
+class CancelledError(Exception):
+    """Raised where a computation is stopped by its user."""
+
+
+@dataclass
+class Done:
+    """A computed scene."""
+
+    verb: str
+    content: dict[str, Any]
+    result: Any
+    warnings: tuple[str, ...]
+    drawn: dict[str, Any] = field(repr=False)
+
+    def figure(self, kind: str = "svg") -> bytes:
+        """The figure as an SVG or PNG image."""
+        return image(self.result.plot(**self.drawn), kind)
+
+    def csv(self) -> bytes:
+        """The table, as the command line writes it."""
+        return self.result.csv().encode()
+
+    def excel(self) -> bytes:
+        """The table as a workbook. Raises `InputError` without openpyxl."""
+        with tempfile.TemporaryDirectory() as place:
+            path = Path(place) / "table.xlsx"
+            self.result.to_excel(path)
+            return path.read_bytes()
+
+
+def toml(verb: str, content: dict[str, Any], stem: str, notes: tuple[str, ...] = ()) -> str:
+    """The scene file; its first lines say how it is run."""
+    head = [
+        f"# elastomdr {verb} {stem}.toml",
+        *(f"# {note}" for note in notes),
+        f"# written by elastomdr {__version__}",
+    ]
+    filled = _without_empty(content)
+    lines = [f"{key} = {_as_toml(value)}" for key, value in filled.items() if not isinstance(value, dict)]
+    for name, table in filled.items():
+        if isinstance(table, dict):
+            lines += ["", f"[{name}]", *(f"{key} = {_as_toml(value)}" for key, value in table.items())]
+    return "\n".join([*head, "", *lines, ""])
+
+
+def bundle(done: Done, folder: Folder, stem: str, notes: tuple[str, ...] = ()) -> bytes:
+    """A zip archive of the scene, the files it names, its table and its figure."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(f"{stem}.toml", toml(done.verb, done.content, stem, notes))
+        for name in files_of(done.content):
+            archive.write(folder.path / name, name)
+        archive.writestr(f"out/{stem}-{done.verb}.csv", done.csv())
+        for kind in ("png", "svg"):
+            archive.writestr(f"out/{stem}-{done.verb}.{kind}", done.figure(kind))
+    return buffer.getvalue()
+
+
+def files_of(content: dict[str, Any]) -> list[str]:
+    """The files beside the scene that it names."""
+    found, rubber = [], content.get("material", [])
+    names = [*(rubber if isinstance(rubber, list) else [rubber]), content.get("other")]
+    found += [name for name in names if isinstance(name, str) and _is_file(name)]
+    for table in (content, *(part for part in content.values() if isinstance(part, dict))):
+        found += [table[key] for key in _FILES if key in table]
+    return list(dict.fromkeys(found))
+
+
+def compute(
+    verb: str, content: dict[str, Any], folder: Folder, progress: Callable[[int, int], None] | None = None
+) -> Done:
+    """Computes a scene as the command line does. Raises `InputError` that begins with the key at fault."""
+    content = json.loads(json.dumps(_without_empty(content)))  # what is typed meanwhile does not matter
+    scene = decoded(verb, content)
+    folder.check(files_of(content))
+    with warnings.catch_warnings(record=True) as caught:
+        for kind in (em.ConvergenceWarning, em.ExtrapolationWarning, em.ModelWarning):
+            warnings.simplefilter("always", kind)
+        arguments = scene.arguments(folder.path)
+        drawn = how_drawn(scene, arguments, folder.path)
+        more = {"progress": progress} if scene.called() == "friction" and scene.mark == "surface" else {}
+        result = getattr(em, scene.called())(**arguments, **more)
+    ours = (em.ConvergenceWarning, em.ExtrapolationWarning, em.ModelWarning)
+    texts = tuple(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, ours)))
+    return Done(verb, content, result, texts, drawn)
+
+
+def image(axes: Any, kind: str = "svg") -> bytes:
+    """The figure that the axes belong to as an SVG or PNG image."""
+    buffer = io.BytesIO()
+    axes.figure.savefig(buffer, format=kind, dpi=200)
+    return buffer.getvalue()
+
+
+def _is_file(name: str) -> bool:
+    return name.endswith(".toml") or "/" in name or "\\" in name
+
+
+def _as_toml(value: Any) -> str:
+    """A value in one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_as_toml(one)}" for key, one in value.items()) + " }"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_as_toml, value))}]"
+    return tomli_w.dumps({"x": value}).removeprefix("x = ").rstrip("\n")
+
+
+def _without_empty(content: dict[str, Any]) -> dict[str, Any]:
+    """Without [numerics] as long as nothing stands in it."""
+    return {key: value for key, value in content.items() if key != "numerics" or value}

@@ -1,0 +1,157 @@
+"""Who may speak to the page, how much may be sent, and the folder that files stay in."""
+
+import hmac
+import os
+import re
+import shutil
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+
+MOST_BYTES = 20_000_000  # of one file
+MOST_IN_ALL = 200_000_000  # of the files of one session
+MOST_SECONDS = 60.0  # for sending a file
+_EXTRA = 100_000  # what a form adds to its file
+_LONGEST = 100  # characters of a file's name
+HEADERS = {"Referrer-Policy": "no-referrer", "X-Frame-Options": "DENY", "X-Content-Type-Options": "nosniff"}
+
+
+class Guard:
+    """An ASGI application before the page's own: lets through what has the token as the first part of its address.
+
+    The address of every request, of every file and of the WebSocket begins with the token. A request that names another
+    host than this machine is refused (a foreign page that resolves its own name to 127.0.0.1), and so is a body that is
+    too large or takes too long.
+    """
+
+    def __init__(self, app: Any, token: str, *, bytes_: int = MOST_BYTES + _EXTRA, seconds: float = MOST_SECONDS):
+        self.app, self._token, self._bytes, self._seconds = app, token.encode(), bytes_, seconds
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        if scope["type"] == "lifespan":
+            return await self.app(scope, receive, send)
+        if not self._known(scope):
+            return await _refuse(scope, send, 403, "elastomdr app: open the address that the terminal shows.")
+        if scope["type"] == "websocket":
+            return await self.app(scope, receive, send)
+        length = _header(scope, b"content-length")
+        if length.isdigit() and int(length) > self._bytes:
+            return await _refuse(scope, send, 413, _too_large())
+        return await self._bounded(scope, receive, send)
+
+    def _known(self, scope: Any) -> bool:
+        first = scope["path"].split("/")[1:2]
+        host = _header(scope, b"host").decode("latin-1").rsplit(":", 1)[0]
+        good = bool(first) and hmac.compare_digest(first[0].encode("utf-8", "replace"), self._token)
+        return good and host in ("127.0.0.1", "localhost")
+
+    async def _bounded(self, scope: Any, receive: Any, send: Any) -> None:
+        import asyncio
+
+        end, got, answered = time.monotonic() + self._seconds, 0, False
+        refused: _TooMuchError | None = None
+
+        async def within() -> Any:
+            nonlocal got, refused
+            if answered or scope["method"] in ("GET", "HEAD"):
+                return await receive()  # nothing but the end of the connection is awaited
+            try:
+                message = await asyncio.wait_for(receive(), max(end - time.monotonic(), 0.001))
+            except TimeoutError:
+                refused = _TooMuchError(408, f"A file must be sent within {self._seconds:g} s.")
+                raise refused from None
+            got += len(message.get("body", b""))
+            if got > self._bytes:
+                refused = _TooMuchError(413, _too_large())
+                raise refused
+            return message
+
+        async def answer(message: Any) -> None:
+            nonlocal answered
+            if refused is not None and not answered:
+                return  # the application's own answer to what stopped it
+            answered = True
+            if message["type"] == "http.response.start":
+                own = [(name.lower().encode(), value.encode()) for name, value in HEADERS.items()]
+                message = {**message, "headers": [*message.get("headers", []), *own]}
+            await send(message)
+
+        try:
+            await self.app(scope, within, answer)
+        except _TooMuchError:
+            pass
+        finally:
+            if refused is not None and not answered:
+                await _refuse(scope, send, refused.status, str(refused))
+
+
+class Folder:
+    """The files of one session; nothing is read or written elsewhere."""
+
+    def __init__(self, path: Path, most: int = MOST_IN_ALL):
+        path.mkdir(parents=True, exist_ok=True)
+        self.path, self._most = path, most
+
+    def names(self, *endings: str) -> list[str]:
+        """The names of the files, of these endings where any are given, newest first."""
+        found = [file for file in self.path.iterdir() if file.is_file() and (file.suffix in endings or not endings)]
+        return [file.name for file in sorted(found, key=lambda file: -file.stat().st_mtime_ns)]
+
+    def keep(self, name: str, content: bytes) -> str:
+        """Writes a file; returns the name that it has here. Raises `InputError` for one that is too large or empty."""
+        if not content:
+            raise InputError(f"{name!r} is empty.")
+        if len(content) > MOST_BYTES:
+            raise InputError(_too_large())
+        here = safe(name)
+        there = sum(file.stat().st_size for file in self.path.iterdir() if file.name != here)
+        if there + len(content) > self._most:
+            raise InputError(f"the files of this page must be {self._most / 1e6:g} MB or less in all.")
+        unfinished = self.path / f".{here}.part"
+        unfinished.write_bytes(content)
+        os.replace(unfinished, self.path / here)
+        return here
+
+    def check(self, names: Iterable[Any]) -> None:
+        """Raises `InputError` for a name that is no file of this folder."""
+        for name in names:
+            if not isinstance(name, str) or name not in self.names():
+                raise InputError(f"file must be one that was dropped here, got {name!r}.")
+
+    def remove(self) -> None:
+        """Removes the folder with all files."""
+        shutil.rmtree(self.path, ignore_errors=True)
+
+
+def safe(name: str) -> str:
+    """A file's name without folders and without what a shell or another system would trip over."""
+    last = re.split(r"[/\\]", name)[-1]
+    text = re.sub(r"[^\w.() -]+", "-", last).strip(" .-")
+    stem, dot, ending = text.rpartition(".")
+    short = f"{stem[: _LONGEST - len(ending[:20])]}{dot}{ending[:20]}" if dot else text[:_LONGEST]
+    return short or "file"
+
+
+class _TooMuchError(Exception):
+    def __init__(self, status: int, text: str):
+        super().__init__(text)
+        self.status = status
+
+
+def _too_large() -> str:
+    return f"A file must be {MOST_BYTES / 1e6:g} MB or less."
+
+
+def _header(scope: Any, name: bytes) -> bytes:
+    return next((value for key, value in scope.get("headers", ()) if key.lower() == name), b"")
+
+
+async def _refuse(scope: Any, send: Any, status: int, text: str) -> None:
+    if scope["type"] == "websocket":
+        return await send({"type": "websocket.close", "code": 1008})
+    headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"connection", b"close")]
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": text.encode()})

@@ -1,0 +1,73 @@
+"""What one page in the browser holds: its folder, the scenes as far as they are filled in, what has been computed."""
+
+import secrets
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from .scene import Done
+from .security import Folder
+
+_MOST = 20  # sessions that are kept
+# One thread computes, so that what is warned of belongs to what is computed; another one draws meanwhile.
+COMPUTING = ThreadPoolExecutor(1, "compute")
+DRAWING = ThreadPoolExecutor(1, "draw")
+
+
+@dataclass
+class Session:
+    """One page; it survives that the page is loaded again."""
+
+    name: str
+    folder: Folder
+    scenes: dict[str, dict[str, Any]] = field(default_factory=dict)  # by stage, as a scene file holds them
+    done: dict[str, Done] = field(default_factory=dict)  # by stage
+    rubber: dict[str, Any] = field(default_factory=dict)  # what is asked of a fit
+    fits: dict[str, Any] = field(default_factory=dict)  # by the name of the material's file
+    notes: dict[str, str] = field(default_factory=dict)  # material's file to the command that makes it
+    rolling: str = "rolling"  # which kind of rolling is filled in
+    used: float = 0.0
+
+
+class Sessions:
+    """The sessions of a server, each with a folder of its own inside one that goes when the server ends."""
+
+    def __init__(self, place: Path):
+        self._place = place
+        self._known: dict[str, Session] = {}
+
+    def get(self, name: str | None) -> Session:
+        """The session of this name, or a new one."""
+        session = self._known.get(name or "")
+        if session is None:
+            name = secrets.token_hex(8)
+            session = self._known[name] = Session(name, Folder(self._place / name), scenes=_start())
+            for old in sorted(self._known.values(), key=lambda each: -each.used)[_MOST:]:
+                if old is not session:
+                    self._known.pop(old.name).folder.remove()
+        session.used = time.monotonic()
+        return session
+
+
+def _start() -> dict[str, dict[str, Any]]:
+    """What the forms show at first: materials of the library, a self-affine road, a belt cover on a roll."""
+    contact = {"pressure": "0.3 MPa", "velocity": {"from": "1e-4 m/s", "to": "10 m/s", "points": 24}}
+    road = {"shape": "self_affine", "hurst": 0.8, "rms_slope": 0.7, "longest": "5 mm", "shortest": "50 um"}
+    friction = {"material": "epdm-70", "temperature": ["0 degC", "20 degC", "40 degC"], "surface": road}
+    roll = {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"}
+    return {
+        "friction": {**friction, "contact": contact},
+        "compare": {"material": ["epdm-70", "tread-passenger-synthetic"], "temperature": "20 degC"},
+        "rolling": {
+            "material": "epdm-70",
+            "temperature": ["0 degC", "20 degC", "40 degC"],
+            "indenter": roll,
+            "layer": {"thickness": "6 mm", "bonded": False},
+            "contact": {
+                "load": ["0.3 kN", "1 kN"],
+                "velocity": {"from": "0.5 m/s", "to": "10 m/s", "points": 16},
+            },
+        },
+    }

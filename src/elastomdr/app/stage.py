@@ -1,0 +1,108 @@
+"""What the screens share: dropping files, figures, messages, work outside of the event loop."""
+
+import asyncio
+import base64
+from collections.abc import Awaitable, Callable, Sequence
+from concurrent.futures import Executor
+from typing import Any, TypeVar
+
+from nicegui import events, ui
+
+import elastomdr as em
+
+from ..errors import InputError
+from .security import MOST_BYTES
+from .session import Session
+
+T = TypeVar("T")
+BUTTON = "no-caps unelevated"
+
+
+async def worked(pool: Executor, call: Callable[..., T], *arguments: Any) -> T:
+    """The result of a call that is made in a thread of its own."""
+    return await asyncio.get_running_loop().run_in_executor(pool, call, *arguments)
+
+
+def material_names(session: Session) -> dict[str, str]:
+    """What a rubber may be: the fitted and dropped ones of this page, then the library."""
+    own = {name: f"{name.removesuffix('.toml')} (this page)" for name in session.folder.names(".toml")}
+    return own | {name: name for name in em.materials()}
+
+
+def drop(
+    session: Session, label: str, taken: Callable[[list[str]], Awaitable[None]], *, multiple: bool = False
+) -> ui.upload:
+    """A place to drop files on; `taken` is called with the names that they have in the session's folder."""
+    failed = ui.label().classes("alert").props("role=alert")
+    failed.visible = False
+
+    def refuse(text: str) -> None:
+        failed.text, failed.visible = text, True
+
+    async def arrived(event: events.MultiUploadEventArguments) -> None:
+        failed.visible = False
+        try:
+            names = [session.folder.keep(file.name, await file.read()) for file in event.files]
+            await taken(names)
+        except InputError as error:
+            refuse(str(error))
+        finally:
+            upload.reset()
+
+    upload = ui.upload(
+        label=label,
+        multiple=multiple,
+        auto_upload=True,
+        max_file_size=MOST_BYTES,
+        on_multi_upload=arrived,
+        on_rejected=lambda: refuse(f"A file must be {MOST_BYTES / 1e6:g} MB or less."),
+    )
+    upload.classes("drop").props(f'flat bordered aria-label="{label}"')
+    upload.on("failed", lambda: refuse("The file did not arrive: too large, or too slow."), args=[])
+    return upload
+
+
+class Picture:
+    """A figure, as an image with a description."""
+
+    def __init__(self, about: str):
+        with ui.element("div").classes("frame"):
+            self._image = ui.element("img").classes("figure").props(f'alt="{about}"')
+        self._image.visible = False
+
+    @property
+    def shown(self) -> bool:
+        """Whether there is a figure."""
+        return self._image.visible
+
+    def show(self, svg: bytes | None) -> None:
+        """Shows an SVG image, or nothing."""
+        self._image.visible = svg is not None
+        if svg is not None:
+            self._image.props["src"] = f"data:image/svg+xml;base64,{base64.b64encode(svg).decode()}"
+
+
+class Notes:
+    """What is worth a warning, one line each."""
+
+    def __init__(self) -> None:
+        self._place = ui.element("div").classes("notes")
+
+    def show(self, texts: Sequence[str]) -> None:
+        """Shows these texts in the place of the ones before."""
+        self._place.clear()
+        with self._place:
+            for text in texts:
+                ui.label(text).classes("note")
+
+
+class Words:
+    """A text in lines of their own, such as a summary."""
+
+    def __init__(self) -> None:
+        self._label = ui.label().classes("words").props("tabindex=0")
+        self._label.visible = False
+
+    def show(self, text: str) -> None:
+        """Shows a text in the place of the one before."""
+        self._label.text, self._label.visible = text, bool(text)

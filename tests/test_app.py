@@ -1,0 +1,295 @@
+"""The page: texts of its fields, who may speak to it, and every screen by a simulated user."""
+
+import asyncio
+import io
+import json
+import time
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import elastomdr as em
+from elastomdr.app.scene import Done, compute, toml
+from elastomdr.app.security import Folder, Guard, safe
+from elastomdr.app.texts import from_text, leaf, to_text
+from elastomdr.cli.main import main
+from elastomdr.cli.schema import keys_of
+from elastomdr.cli.steady import SurfaceContact, SurfaceFriction
+from elastomdr.cli.surface import Measured
+
+SAMPLE = Path(__file__).parents[1] / "examples" / "data"
+SPAN = {"from": "1e-3 m/s", "to": "1 m/s", "points": 4}
+needs_nicegui = pytest.mark.skipif(
+    __import__("importlib.util").util.find_spec("nicegui") is None, reason="NiceGUI is not installed (extra app)"
+)
+
+
+def typed(table, key, text):
+    return from_text(leaf(keys_of(table)[key].type), text)
+
+
+def test_texts_of_fields():
+    assert typed(SurfaceContact, "velocity", "1e-3 to 1 m/s, 4 points") == SPAN
+    assert to_text(SPAN) == "1e-3 m/s to 1 m/s, 4 points"
+    assert typed(SurfaceContact, "velocity", "1 mm/s") == "1 mm/s"
+    assert typed(SurfaceContact, "pressure", "0.1 MPa, 0.3 MPa") == ["0.1 MPa", "0.3 MPa"]
+    assert typed(SurfaceFriction, "temperature", "-20, 0; 20 degC") == ["-20 degC", "0 degC", "20 degC"]
+    assert typed(SurfaceFriction, "temperature", "10,5 degC") == "10,5 degC"  # one text, for the scene to refuse
+    assert typed(SurfaceContact, "seeds", "1, 2") == [1, 2]
+    assert typed(SurfaceContact, "gamma", "0.5") == 0.5
+    assert typed(SurfaceContact, "gamma", "a half") == "a half"
+    assert typed(Measured, "pixel_size", "2 um") == "2 um"
+    assert typed(SurfaceContact, "pressure", "  ") is None
+
+
+def asked(guard, path, *, host="127.0.0.1:80", kind="http", method="GET", chunks=(b"",), headers=(), wait=0.0):
+    """Status of the answer, or what a WebSocket is told."""
+    sent, left = [], list(chunks)
+
+    async def receive():
+        if not left:
+            await asyncio.sleep(wait or 60)
+        return {"type": "http.request", "body": left.pop(0) if left else b"", "more_body": bool(left) or bool(wait)}
+
+    async def send(message):
+        sent.append(message)
+
+    scope = {"type": kind, "path": path, "method": method, "headers": [(b"host", host.encode()), *headers]}
+    asyncio.run(guard(scope, receive, send))
+    return next((message.get("status", message["type"]) for message in sent), None)
+
+
+async def application(scope, receive, send):
+    """Reads all that it is sent; as FastAPI's, it answers for itself when reading fails."""
+    if scope["type"] == "websocket":
+        return await send({"type": "websocket.accept"})
+    try:
+        while (await receive()).get("more_body"):
+            pass
+    except Exception:
+        await send({"type": "http.response.start", "status": 500, "headers": []})
+        raise
+    await send({"type": "http.response.start", "status": 200, "headers": []})
+    await send({"type": "http.response.body", "body": b"ok"})
+
+
+def test_guard():
+    guard = Guard(application, "secret", bytes_=100, seconds=0.05)
+    assert asked(guard, "/secret/") == 200
+    assert asked(guard, "/secret/_nicegui/file.js", host="localhost:8000") == 200
+    for path in ("/", "/secre/", "/secrets/", "//secret/", "/other/secret/"):
+        assert asked(guard, path) == 403, path
+    assert asked(guard, "/secret/", host="example.org") == 403  # a foreign name that resolves to this machine
+    assert asked(guard, "/secret/ws", kind="websocket") == "websocket.accept"
+    assert asked(guard, "/ws", kind="websocket") == "websocket.close"
+    assert asked(guard, "/secret/up", method="POST", chunks=[b"a" * 60, b"b" * 40]) == 200
+    assert asked(guard, "/secret/up", method="POST", chunks=[b"a" * 60, b"b" * 60]) == 413  # no length was announced
+    assert asked(guard, "/secret/up", method="POST", headers=[(b"content-length", b"101")]) == 413
+    assert asked(guard, "/secret/up", method="POST", chunks=[b"a"], wait=1.0) == 408
+
+
+def test_folder(tmp_path):
+    folder = Folder(tmp_path / "own", most=100)
+    for name in ("../../etc/passwd", "..\\..\\boot.ini", "/etc/passwd", "a\0b.csv", "..", "", "x" * 400 + ".csv"):
+        kept = folder.keep(name, b"1")
+        assert (folder.path / kept).parent == folder.path
+        assert kept == safe(name)
+        assert len(kept) < 125
+    assert sorted(tmp_path.iterdir()) == [folder.path]
+    with pytest.raises(em.InputError, match="in all"):
+        folder.keep("large.csv", b"0" * 101)
+    with pytest.raises(em.InputError, match="20 MB"):
+        folder.keep("large.csv", b"0" * 20_000_001)
+    with pytest.raises(em.InputError, match="empty"):
+        folder.keep("none.csv", b"")
+    for name in ("../own/file", "/etc/hostname", 3, "absent.csv"):
+        with pytest.raises(em.InputError, match="dropped"):
+            folder.check([name])
+
+
+def scene(**more):
+    road = {"shape": "self_affine", "hurst": 0.8, "rms_slope": 0.7, "longest": "5 mm", "shortest": "50 um"}
+    contact = {"pressure": "0.3 MPa", "velocity": SPAN}
+    return {"material": "epdm-70", "temperature": ["0 degC", "20 degC"], "surface": road, "contact": contact} | more
+
+
+def test_scene_reproduces_the_page(tmp_path):
+    """The same numbers by the command line from the scene that the page writes."""
+    folder = Folder(tmp_path)
+    done = compute("friction", scene(title='of "steel"\t\\', numerics={}), folder)
+    text = toml("friction", done.content, "mine", ("material: elastomdr fit x.csv",))
+    assert tomllib.loads(text) == scene(title='of "steel"\t\\')
+    assert 'velocity = { from = "1e-3 m/s"' in text
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    assert main(["friction", str(tmp_path / "mine.toml"), "--out", str(tmp_path / "out")]) == 0
+    written = (tmp_path / "out" / "mine-friction.csv").read_text(encoding="utf-8").splitlines()
+    assert written[2:] == done.csv().decode().splitlines()
+    with pytest.raises(em.InputError, match="dropped here"):
+        compute("friction", scene(material="/etc/absent.toml"), folder)
+    with pytest.raises(em.InputError, match="dropped here"):
+        compute("friction", scene(surface={"shape": "file", "file": "../x.csv"}), folder)
+
+
+def simulated(tmp_path, act):
+    """Runs `act(user, page, again)` with a simulated user on the page; `again` opens the same or another session."""
+    from nicegui import background_tasks
+    from nicegui.testing.user_simulation import user_simulation
+
+    from elastomdr.app.page import page
+    from elastomdr.app.session import Sessions
+
+    sessions, pages = Sessions(tmp_path), []
+
+    async def all_of_it():
+        async with user_simulation(root=lambda: pages.append(page(sessions))) as user:
+
+            async def opened(address="/"):
+                await user.open(address)
+                return pages[-1]
+
+            await act(user, await opened(), opened)
+            for task in list(background_tasks.running_tasks):
+                task.cancel()
+
+    asyncio.run(all_of_it())
+
+
+async def until(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        await asyncio.sleep(0.02)
+
+
+@needs_nicegui
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_every_screen(tmp_path):
+    from nicegui import ui
+
+    async def act(user, page, opened):
+        session = page._session
+        user.find("Use sample DMA").click()
+        await until(lambda: session.fits)
+        await until(lambda: page.rubber._pictures["spectrum"].shown)
+        await user.should_see("frequency from 2", retries=1)  # what was read as what
+        assert session.scenes["friction"]["material"] == "dma.toml"
+
+        user.find("Use sample road").click()
+        await until(lambda: "rms height   118.8 um" in page.road._words._label.text)
+        page.road.form.set("[surface] shortest", "0.1 mm")
+        await until(lambda: "5 mm to 100 um" in page.road._words._label.text)
+        spent = []
+        for micrometres in range(90, 100, 2):  # a cutoff that moves
+            before, start = page.road._words._label.text, time.process_time()
+            page.road.form.set("[surface] shortest", f"{micrometres} um")
+            await until(lambda before=before: page.road._words._label.text != before)
+            spent.append(time.process_time() - start)
+        assert min(spent) < 0.3
+        page.road.form.set("[surface] shortest", "10 smoots")
+        field = page.road.form.widgets["[surface] shortest"]
+        await until(lambda: field.error)
+        assert "unit" in field.error
+        page.road.form.set("[surface] shortest", "50 um")
+        await until(lambda: not field.error)
+
+        form = page.friction.form
+        form.set("[contact] velocity", SPAN | {"points": 3})
+        form.set("[contact] pressure", "0.3")
+        user.find("Compute friction").click()
+        await until(lambda: form.widgets["[contact] pressure"].error)
+        assert "0.3 MPa" in form.widgets["[contact] pressure"].error
+        assert not session.done
+        form.set("[contact] pressure", "0.3 MPa")
+        form.set("adhesion", True)
+        user.find("Compute friction").click()
+        await until(lambda: form.widgets["[adhesion] stress"].error)  # is missing
+        for key, text in {"stress": "5 MPa", "velocity": "1 mm/s", "width": "0.1"}.items():
+            form.set(f"[adhesion] {key}", text)
+        user.find("Use sample measurement").click()
+        await until(lambda: page.friction._picture.shown)
+        result = session.done["friction"].result
+        assert result.mu.shape == (3, 3)
+        assert (result.adhesion > 0).all()
+        page.friction.form.set("[contact] pressure", "0.2 MPa")
+        user.find(kind=ui.input, content="pressure").trigger("keydown.enter")  # computes, as the button does
+        await until(lambda: session.done["friction"].content["contact"]["pressure"] == "0.2 MPa")
+
+        user.find("Compare rubbers").click()
+        await until(lambda: page.compare._picture.shown)
+        assert session.done["compare"].result.materials == ("dma", "epdm-70", "tread-passenger-synthetic")
+        with user:
+            (table,) = user.find(kind=ui.table).elements
+        assert [row["material"] for row in table.rows] == ["dma", "tread-passenger-synthetic", "epdm-70"]
+        assert all("±" in row["friction"] for row in table.rows)
+        user.find("Compute rolling").click()
+        await until(lambda: page.rolling._picture.shown)
+
+        user.find("Export").click()
+        await user.should_see("elastomdr rolling rolling.toml --out out")
+        user.find("Scene (TOML)").click()
+        answer = await user.download.next()
+        content = tomllib.loads(answer.content.decode())
+        assert content["surface"]["file"] == "road.csv"
+        user.find("All (zip)").click()
+        archive = zipfile.ZipFile(io.BytesIO((await user.download.next(timeout=60)).content))
+        assert {"friction.toml", "dma.toml", "road.csv", "friction.csv"} <= set(archive.namelist())
+        archive.extractall(tmp_path / "taken")
+        assert main(["friction", str(tmp_path / "taken/friction.toml"), "--out", str(tmp_path / "taken")]) == 0
+        written = (tmp_path / "taken/friction-friction.csv").read_text(encoding="utf-8").splitlines()
+        assert written[1:] == session.done["friction"].csv().decode().splitlines()
+        user.find("Excel").click()
+        assert (await user.download.next(timeout=60)).content[:2] == b"PK"
+
+        again = await opened(f"/?session={session.name}")  # loaded again: nothing is lost
+        assert again._session is session
+        await until(lambda: again.friction._picture.shown and again.rubber._pictures["master"].shown)
+        assert again.friction.form.widgets["[contact] pressure"].value == "0.2 MPa"
+
+    simulated(tmp_path, act)
+
+
+BAD = {"binary.csv": bytes(range(256)) * 40, "words.csv": b"no,numbers\nat,all\n", "x.xlsx": b"PK\3\4"}
+
+
+@needs_nicegui
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_bad_files_and_two_sessions_at_once(tmp_path):
+    """What is wrong is said, what was there stays; two pages know nothing of each other."""
+
+    async def act(user, one, opened):
+        other = await opened()
+        assert one._session.folder.path != other._session.folder.path
+
+        await one.rubber._sample()
+        kept = json.dumps(one._session.scenes)
+        for name, content in BAD.items():
+            await one.rubber._dropped([one._session.folder.keep(name, content)])
+            said = one.rubber.form.widgets["data"].error
+            assert said, name
+        assert json.dumps(one._session.scenes) == kept
+        assert list(one._session.fits) == ["dma.toml"]
+        for name in ("binary.csv", "words.csv"):
+            await one.road._dropped([name])
+            await until(lambda: any(getattr(w, "error", None) for w in one.road.form.widgets.values()))
+
+        other.friction.form.set("[contact] velocity", "1 mm/s, 1 cm/s")
+        await asyncio.gather(other.friction.compute(), one.rubber._sample(), other.rolling.compute())
+        assert set(other._session.done) == {"friction", "rolling"}, [
+            getattr(widget, "error", None) for widget in other.friction.form.widgets.values()
+        ]
+        assert not one._session.done
+        assert not other._session.fits
+        assert other._session.scenes["friction"]["material"] == "epdm-70"
+
+    simulated(tmp_path, act)
+
+
+def test_a_done_scene_is_what_was_asked(tmp_path):
+    """What is typed while it is computed does not change the scene that is exported."""
+    content = scene()
+    done = compute("friction", content, Folder(tmp_path))
+    content["contact"]["pressure"] = "9 MPa"
+    assert isinstance(done, Done)
+    assert done.content["contact"]["pressure"] == "0.3 MPa"
