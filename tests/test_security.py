@@ -1,4 +1,4 @@
-"""Files made to do harm: nothing is run, nothing outside the folder is written, what would fill the memory is refused."""
+"""Files made to do harm: nothing is run, nothing is written elsewhere, what would fill the memory is refused."""
 
 import ast
 import zipfile
