@@ -34,6 +34,7 @@ from .steady import OnLayer, Steady
 ON_LAYER = "cylinder on a layer, plane strain (exact but for the ends of the cylinder)"
 ON_HALF_SPACE = "cylinder on a half-space, plane strain (exact but for the ends of the cylinder)"
 _ORDERS = ((32, 48), (48, 64), (64, 96), (96, 128), (128, 192))  # terms of the pressure, to be compared
+_FLOOR = 1e-5  # relative error below which a point counts whatever `rtol` asks: `error` says what was reached
 _TRACED = (32, 48)
 _TRACED_RATIO = 12.0  # half-length over thickness served under a JAX transformation
 _SHARE = 0.3  # of what the lower order changes, at most, that is left of it in the higher one
@@ -261,7 +262,7 @@ def _refined(
         if left.size == 0:
             break
     done = _Found(*result)
-    return done, (done.good == 1) & _met(done, rtol, flat.radius)
+    return done, (done.good == 1) & _met(done, max(rtol, _FLOOR), flat.radius)
 
 
 def _met(found: _Found, rtol: float, radius: Any) -> Any:
