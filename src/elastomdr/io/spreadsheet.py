@@ -8,6 +8,7 @@ import contextlib
 import json
 import sys
 
+MOST_CELLS = 5_000_000  # of all sheets: a few kilobytes can hold a thousand times as many
 MOST_MEMORY = 4_000_000_000  # bytes of address space
 
 
@@ -29,6 +30,9 @@ def main(path: str) -> int:
         sheets = {name: book.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in book.sheet_names}
     except (CalamineError, OSError, ValueError) as error:
         print(error)
+        return 1
+    if sum(len(row) for sheet in sheets.values() for row in sheet) > MOST_CELLS:
+        print(f"more than {MOST_CELLS / 1e6:g} million cells")
         return 1
     json.dump({name: [[text(cell) for cell in row] for row in sheet] for name, sheet in sheets.items()}, sys.stdout)
     return 0

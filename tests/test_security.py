@@ -1,0 +1,97 @@
+"""Files made to do harm: nothing is run, nothing is written elsewhere, what would fill the memory is refused."""
+
+import ast
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import elastomdr as em
+from elastomdr.files import read_bytes, write_files
+
+SOURCE = Path(em.__file__).parent
+_XML = '<?xml version="1.0" encoding="UTF-8"?>'
+_MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+_OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+_PACKAGE = "http://schemas.openxmlformats.org/package/2006/relationships"
+
+
+def _workbook(path: Path, rows: str, padding: int = 0) -> Path:
+    """A spreadsheet with one sheet, its XML followed by so many spaces, which compress to a thousandth."""
+    parts = {
+        "_rels/.rels": f'<Relationships xmlns="{_PACKAGE}"><Relationship Id="r1" Type="{_OFFICE}/officeDocument" '
+        'Target="xl/workbook.xml"/></Relationships>',
+        "xl/workbook.xml": f'<workbook xmlns="{_MAIN}" xmlns:r="{_OFFICE}"><sheets><sheet name="S" sheetId="1" '
+        'r:id="r1"/></sheets></workbook>',
+        "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="{_PACKAGE}"><Relationship Id="r1" '
+        f'Type="{_OFFICE}/worksheet" Target="worksheets/sheet1.xml"/></Relationships>',
+        "xl/worksheets/sheet1.xml": f'<worksheet xmlns="{_MAIN}"><sheetData>{rows}</sheetData></worksheet>'
+        + " " * padding,
+    }
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in parts.items():
+            archive.writestr(name, _XML + text)
+    return path
+
+
+def _cells(*places: tuple[str, int]) -> str:
+    return "".join(f'<row r="{row}"><c r="{column}{row}"><v>1</v></c></row>' for column, row in places)
+
+
+@pytest.mark.parametrize("column", ["XFD", "J"], ids=["17 billion cells", "10 million cells"])
+def test_a_spreadsheet_that_is_larger_than_its_file(tmp_path, column):
+    path = _workbook(tmp_path / "bomb.xlsx", _cells(("A", 1), (column, 1048576)))
+    assert path.stat().st_size < 2000
+    with pytest.raises(em.InputError, match="path must be a spreadsheet that can be read"):
+        em.read_dma(path)
+
+
+def test_a_spreadsheet_that_is_mostly_padding(tmp_path):
+    path = _workbook(tmp_path / "bomb.xlsx", _cells(("A", 1)), padding=50_000_000)
+    assert path.stat().st_size < 100_000
+    with pytest.raises(em.InputError):
+        em.read_dma(path)
+
+
+@pytest.mark.parametrize("text", ["a = " + "[" * 100_000, "a" + ".a" * 10_000 + " = 1", "a = " + "9" * 10_000])
+def test_toml_that_is_deep_or_long(tmp_path, text):
+    path = tmp_path / "deep.toml"
+    path.write_text(text)
+    with pytest.raises(em.InputError, match=r"deep\.toml"):
+        em.load_material(path)
+
+
+def test_reading_is_bounded(tmp_path):
+    path = tmp_path / "long.csv"
+    with path.open("wb") as file:
+        file.truncate(10**12)  # no block of it is on the disk
+    with pytest.raises(OSError, match="more than"):
+        read_bytes(path)
+    with pytest.raises(em.InputError, match="more than"):
+        em.read_dma(path)
+
+
+def test_a_link_in_place_of_an_output_is_replaced_and_not_followed(tmp_path):
+    outside, folder = tmp_path / "kept.csv", tmp_path / "out"
+    outside.write_text("kept")
+    folder.mkdir()
+    (folder / "friction.csv").symlink_to(outside)
+    write_files({folder / "friction.csv": b"new"})
+    assert outside.read_text() == "kept"
+    assert not (folder / "friction.csv").is_symlink()
+
+
+def test_nothing_that_is_read_is_run():
+    """No eval, exec or pickle anywhere in the package, no shell, and NumPy is not allowed to unpickle."""
+    for path in SOURCE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, (ast.Import, ast.ImportFrom)):
+                names = [alias.name for alias in node.names] + [getattr(node, "module", None) or ""]
+                assert not {"pickle", "marshal", "shelve", "dill", "cloudpickle"} & set(names), path
+            if isinstance(node, ast.Call):
+                name = node.func.id if isinstance(node.func, ast.Name) else ""
+                assert name not in {"eval", "exec", "compile"}, (path, node.lineno)
+                given = {word.arg: word.value for word in node.keywords}
+                for key in ("shell", "allow_pickle"):
+                    value = given.get(key)
+                    assert value is None or (isinstance(value, ast.Constant) and value.value is False), path
