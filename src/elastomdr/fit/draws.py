@@ -85,4 +85,6 @@ def _vertical(fit: MaterialFit, change: np.ndarray) -> Any:
     if not isinstance(own, VerticalTable):
         return own
     # A modulus at T is that of the common curve over exp(ln b).
-    return replaced(own, factor=np.asarray(own.factor) * np.exp(-np.interp(own.temperature, fit.master.temperature, change)))
+    return replaced(
+        own, factor=np.asarray(own.factor) * np.exp(-np.interp(own.temperature, fit.master.temperature, change))
+    )

@@ -18,7 +18,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import as_float64, ascending, is_traced, not_negative, numpy_unless_traced, only_one, positive, require, scalar
+from .._runtime import (
+    as_float64,
+    ascending,
+    is_traced,
+    not_negative,
+    numpy_unless_traced,
+    only_one,
+    positive,
+    require,
+    scalar,
+)
 from .._trees import Tree, fill, static
 from ..errors import InputError, closest
 

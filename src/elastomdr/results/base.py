@@ -190,9 +190,7 @@ class Result:
     # ------------------------------------------------------------------------------------------ materials
 
     @classmethod
-    def stack(
-        cls, results: Sequence[Self], names: Sequence[str], drawn: tuple[str, str] | None = None
-    ) -> Self:
+    def stack(cls, results: Sequence[Self], names: Sequence[str], drawn: tuple[str, str] | None = None) -> Self:
         """Joins results of the same call for several materials along a new first axis, "material".
 
         Args:

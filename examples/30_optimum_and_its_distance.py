@@ -1,4 +1,4 @@
-"""29: four branch moduli for more grip on a wet road at the same rolling resistance, and how far that is from the data.
+"""29: four branch moduli for more grip on a wet road at no more rolling resistance, and how far that is from the data.
 
 Teaches: `jax.value_and_grad` through `em.friction` (Multiscale) and `em.rolling`, compiled once, gives scipy's SLSQP
 exact gradients over several scenes. An optimum is only as good as its distance from what was measured: the change of
@@ -12,7 +12,7 @@ last step of the shift factors goes on.
 
 Check: both gradients against differences; the constraint is met; grip of the optimum by a plain call.
 
-    python examples/29_optimum_and_its_distance.py [--out DIR]
+    python examples/30_optimum_and_its_distance.py [--out DIR]
 """
 
 import argparse
@@ -100,7 +100,7 @@ def main(out: Path) -> None:
     print(f"rolling resistance at 60 degC {100 * (held - 1):+.2f} %")
     print(f"outside what was measured: storage {times[0]:.1f} and loss modulus {times[1]:.1f} times the misfit; the "
           f"data end at {RUBBER.range.temperature[1] - 273.15:.0f} degC")  # fmt: skip
-    draw(best, omega, off, misfit, out / "29_optimum_and_its_distance.png")
+    draw(best, omega, off, misfit, out / "30_optimum_and_its_distance.png")
     assert held < 1 + 1e-6, "rolling resistance must be held"
     assert gain > 1, "there must be something to gain"
     plain = float(np.mean(em.friction(best, ROAD, **WET).mu)) / scale[0]
@@ -132,7 +132,9 @@ def draw(best: em.Prony, omega: np.ndarray, off: list, misfit: list, path: Path)
     left.set_title("Hysteresis on the road, 5 °C", fontsize=10)
     for change, size, colour, name in zip(off, misfit, ("#1f5a94", "#c8702a"), ("storage", "loss"), strict=True):
         right.semilogx(omega, 100 * change, color=colour, label=f"{name}: optimum over measured")
-        right.fill_between(omega, -100 * size, 100 * size, color=colour, alpha=0.2, linewidth=0, label=f"{name}: misfit")
+        right.fill_between(
+            omega, -100 * size, 100 * size, color=colour, alpha=0.2, linewidth=0, label=f"{name}: misfit"
+        )
     right.set(xlabel="Angular frequency at 25 °C [rad/s]", ylabel="Change of the modulus [%]")
     right.set_title("How far the optimum is from what was measured", fontsize=10)
     for ax in (left, right):
