@@ -105,13 +105,14 @@ def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
 def _reversible(*trees: Any) -> bool:
     """Whether JAX traces some of it, and none of that for forward derivatives, which a reverse rule would exclude."""
     import jax
+    from jax.core import Tracer
     from jax.interpreters.ad import JVPTracer
 
     def forward(tracer: Any) -> bool:
         inner = getattr(tracer, "val", None)
-        return isinstance(tracer, JVPTracer) or (isinstance(inner, jax.core.Tracer) and forward(inner))
+        return isinstance(tracer, JVPTracer) or (isinstance(inner, Tracer) and forward(inner))
 
-    traced = [leaf for leaf in jax.tree.leaves(trees) if isinstance(leaf, jax.core.Tracer)]
+    traced = [leaf for leaf in jax.tree.leaves(trees) if isinstance(leaf, Tracer)]
     return bool(traced) and not any(map(forward, traced))
 
 
@@ -119,9 +120,10 @@ def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
     """`on_jax` with a reverse derivative that has 64-bit types too: JAX transposes after the call has returned, under
     the caller's setting, where 32-bit zeros would meet 64-bit numbers."""
     import jax
+    from jax.core import Tracer
 
     leaves, tree = jax.tree.flatten((args, kwargs))
-    places = [i for i, leaf in enumerate(leaves) if isinstance(leaf, jax.core.Tracer)]
+    places = [i for i, leaf in enumerate(leaves) if isinstance(leaf, Tracer)]
     rest: list[Any] = []
 
     def run(*given: Any) -> tuple[Any, ...]:
@@ -158,7 +160,7 @@ def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
 def as_numpy(leaf: Any) -> Any:
     """A NumPy array in place of an array of JAX's that is not traced; anything else as it is."""
     jax = sys.modules.get("jax")
-    if jax is not None and isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer):
+    if jax is not None and isinstance(leaf, jax.Array) and not isinstance(leaf, Tracer):
         return np.asarray(leaf)
     return leaf
 
