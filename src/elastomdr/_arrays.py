@@ -160,7 +160,7 @@ def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
 def as_numpy(leaf: Any) -> Any:
     """A NumPy array in place of an array of JAX's that is not traced; anything else as it is."""
     jax = sys.modules.get("jax")
-    if jax is not None and isinstance(leaf, jax.Array) and not isinstance(leaf, Tracer):
+    if jax is not None and isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer):
         return np.asarray(leaf)
     return leaf
 
