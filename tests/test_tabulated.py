@@ -204,7 +204,7 @@ REFUSED = {
     "line_contact": lambda m: em.line_contact(m, LINE, velocity=1.0, load=1.0),
     "rough line": lambda m: em.friction(m, LINE, velocity=1.0, load=1.0),
     "plan": lambda m: em.plan(m, BALL, velocity=1.0, load=1.0),
-    "rolling": lambda m: em.rolling(m, em.Cylinder(0.1, 1.0), velocity=1.0, load=1.0),
+    "rolling": lambda m: em.rolling(m, BALL, velocity=1.0, load=1.0),
     "warming": lambda m: em.warming(m, em.Cylinder(0.1, 1.0), velocity=1.0, load=1.0, ambient=293.0, conductance=1.0),
     "indent": lambda m: em.indent(m, BALL, time=[0.0, 1.0], depth=1e-4),
     "impact": lambda m: em.impact(m, BALL, mass=1e-3, velocity=1.0),

@@ -28,6 +28,11 @@ FACTORS = {
     "time": {"s": 1, "ms": 1e-3, "min": 60, "h": 3600, "hr": 3600, "sec": 1},
     "angle": {"rad": 1, "deg": np.pi / 180, "°": np.pi / 180},
     "ratio": {"-": 1, "%": 0.01},
+    "strain": {"-": 1, "%": 0.01},
+    "viscosity": {"Pa*s": 1, "Pa s": 1, "mPa*s": 1e-3, "kPa*s": 1e3},
+    "compliance": {"1/Pa": 1, "1/kPa": 1e-3, "1/MPa": 1e-6},
+    "stiffness": {"N/m": 1, "N/mm": 1e3, "kN/m": 1e3},
+    "area": {"m^2": 1, "mm^2": 1e-6, "mm2": 1e-6, "cm^2": 1e-4},
     "velocity": {"m/s": 1, "mm/s": 1e-3, "um/s": 1e-6, "km/h": 1 / 3.6, "m/min": 1 / 60, "in/s": INCH},
     "length": {"m": 1, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "in": INCH},
     "wave number": {"1/m": 1, "rad/m": 1, "1/um": 1e6},
@@ -50,7 +55,7 @@ def test_units_of_titles(kind):
 PREFIX = {"G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
 OTHERS = {
     "min": 60, "h": 3600, "day": 86400, "bar": 1e5, "t": 1e3, "g": 1e-3, "degC": 1, "kg": 1,
-    **{name: 1 for name in ("m", "N", "K", "s", "Pa", "Hz", "J", "W", "rad")},
+    **{name: 1 for name in ("m", "N", "K", "s", "Pa", "Hz", "J", "W", "rad", "mol")},
 }  # fmt: skip
 
 
