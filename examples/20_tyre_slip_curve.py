@@ -5,7 +5,7 @@ the friction mu(v, T, p) of dry rubber; `curve.law()` is that table as an `em.Fr
 `to_fric_coef` and `to_modelica` write for other programs; `em.traction` with the law as its `friction` and the `slip`
 of a wheel that brakes is a viscoelastic brush, whose `to_tir` writes a Magic Formula.
 
-Inputs, measured: `epdm-70-softening` of the library, shear DMA of a filled EPDM with its strain sweep, -10 to 53 degC
+Inputs: measured, `epdm-70-softening` of the library, shear DMA of a filled EPDM with its strain sweep, -10 to 53 degC
 and up to 1.1 % strain. Illustrative: its shift factors as a WLF law, 0.11 decades off, since flash temperatures go
 beyond the table; softening from 1 to 100 % strain, where filled rubber loses a factor of 2 to 10; shear of 5.5 MPa at 5
 mm/s with width 0.1 and 80 kJ/mol, of the size found for dry treads (Lorenz et al., J. Chem. Phys. 142 (2015) 194701); a

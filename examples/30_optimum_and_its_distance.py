@@ -1,4 +1,4 @@
-"""29: four branch moduli for more grip on a wet road at no more rolling resistance, and how far that is from the data.
+"""30: four branch moduli for more grip on a wet road at no more rolling resistance, and how far that is from the data.
 
 Teaches: `jax.value_and_grad` through `em.friction` (Multiscale) and `em.rolling`, compiled once, gives scipy's SLSQP
 exact gradients over several scenes. An optimum is only as good as its distance from what was measured: the change of

@@ -14,7 +14,7 @@ import pytest
 import elastomdr as em
 from elastomdr.cli.main import main
 
-from .cli_cases import INDENT, MATERIAL, SCENE
+from .cli_cases import MATERIAL, SCENE, SLIDE
 from .dma_files import eplexor_xls
 
 FUZZ = Path(__file__).parents[1] / "benchmarks" / "robustness" / "fuzz.py"
@@ -204,12 +204,12 @@ def test_output_that_is_closed_is_no_reason_to_fail():
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the place of the cache is the platform's")
 def test_a_damaged_cache_of_compiled_code_is_one_line(place):
-    (place / "pressed.toml").write_text(INDENT)
+    (place / "started.toml").write_text(SLIDE)
     environment = {key: value for key, value in os.environ.items() if not key.startswith("JAX_")}
     environment["XDG_CACHE_HOME"] = str(place / "cache")
 
     def indent():
-        argv = [sys.executable, "-m", "elastomdr", "indent", "pressed.toml"]
+        argv = [sys.executable, "-m", "elastomdr", "slide", "started.toml"]
         return subprocess.run(argv, capture_output=True, text=True, env=environment, check=False, timeout=120)
 
     first = indent()

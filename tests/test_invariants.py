@@ -27,6 +27,7 @@ def rubber(first, second, gap, modulus=1.0, time=1.0):
     return em.Foundation(modulus, [modulus * first, modulus * second], [time, time * (1 + gap)])
 
 
+@pytest.mark.filterwarnings("ignore:The radius")  # of a ball of metres
 @FEW
 @given(SCENE, power(-6, 6), power(-12, 12), power(-9, 3))
 def test_units_of_modulus_time_and_length(scene, modulus, time, length):

@@ -43,6 +43,7 @@ def test_classifiers_agree_with_what_is_required():
 
 def test_wheel_carries_materials_and_scenes_to_start_from():
     wheel = PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]
-    assert wheel["force-include"] == {"materials": "elastomdr/material/data"}
+    assert wheel["force-include"]["materials"] == "elastomdr/material/data"
+    assert all((ROOT / source).exists() for source in wheel["force-include"])
     assert {path.stem for path in (ROOT / "materials").glob("*.toml")} <= set(em.materials())
     assert list((ROOT / "src" / "elastomdr" / "cli" / "templates").glob("*.toml"))

@@ -91,7 +91,7 @@ def test_figures_say_how_they_are_made_and_what_is_seen(page):
     for name, below in re.findall(r"!\[[^\]]+\]\(([^)]+\.png)\)\n\n(.*?)(?=\n\n|\Z)", text, re.DOTALL):
         assert (page.parent / name).is_file()
         assert re.match(r"\*(?!\*).*\*$", below, re.DOTALL), name
-        command = re.search(r"`(?:python (\S+\.py)(?: --out (\S+))?|elastomdr \w+ \S+ --out out)`", below)
+        command = re.search(r"`(?:python (\S+\.py)(?: --out (\S+))?|elastomdr \w+(?: [^`]+)?)`", below)
         assert command, name
         if command[1]:
             assert (ROOT / command[1]).is_file(), name

@@ -9,12 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
-
 import elastomdr as em
 
 from ..errors import ConvergenceWarning, InputError
-from ..material.draws import Draws
 from . import DONE, NOT_CONVERGED
 from .compute import warned_of_at_the_end
 from .kinds import decoded, read_content
@@ -53,6 +50,10 @@ class Varied:
         return self.verb
 
     def __call__(self, material: Any = None, draw: int | None = None, **given: Any) -> Any:
+        import numpy as np
+
+        from ..material.draws import Draws
+
         given |= {} if material is None else {"material": material}
         place = [values.index(given.pop(name)) for name, values in zip(self.names, self.values, strict=True)]
         found = self.arguments[int(np.ravel_multi_index(place, [len(v) for v in self.values])) if place else 0]
@@ -85,6 +86,10 @@ def run(options: argparse.Namespace) -> int:
 
 def assembled(content: dict[str, Any], folder: Path) -> tuple[Varied, dict[str, Any]]:
     """The call of a sweep and its axes, from the content of a scene file. Raises `InputError`."""
+    import numpy as np
+
+    from ..material.draws import Draws
+
     asked = decode(_Sweeping, {"sweep": content.get("sweep", {})}).sweep
     scene = {key: value for key, value in content.items() if key != "sweep"}
     for key, values in asked.vary.items():

@@ -16,6 +16,7 @@ import numpy as np
 from .._runtime import Array, is_traced
 from .slide import Forces
 
+_SHOWN = 0.1  # error over mu beyond which a number is not handed out under a transformation either
 _SYMMETRIC = 0.03  # of the slope of the body: mu below it counts as that, since at rest mu is zero but for the grid
 _ROUNDING = 1e-9  # mu of a flat body
 _FINEST = 6  # levels beyond the coarsest
@@ -47,7 +48,8 @@ def refine(
     body, if that is more), with depth and normal force known to rtol of their largest values; and with an energy
     balance that closes to it, where `missing` gives what is missing in it at each instant and what that is relative to.
     Under `jit`, `grad` or `vmap`, where errors cannot be looked at, two levels are made, and what they give is handed
-    out with its error: the elements are given there, and rtol cannot be met by more of them.
+    out with its error, unless that is a large part of mu: the elements are given there, and rtol cannot be met by
+    more of them.
     """
     old, fits = solve(0)
     level, last, before = 0, 0.0, None
@@ -76,7 +78,8 @@ def refine(
             sure = sure & (numpy.abs(part) <= rtol * largest)
         good = sure & ~(error > rtol * scale)  # without contact there is no mu, and no error of it
         if is_traced(new) or level >= most or bool(np.all(good)) or not bool(np.any(fits)):
-            return Levels(limit, mu, error, good, level + 1, known if is_traced(new) else good)
+            shown = known & ~(error > _SHOWN * scale) if is_traced(new) else good
+            return Levels(limit, mu, error, good, level + 1, shown)
         old, last, before = new, changes[0] / 8, seen
 
 
