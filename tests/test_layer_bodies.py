@@ -191,6 +191,7 @@ def test_plain_sliding_loads_no_jax():
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
 
 
+@pytest.mark.slow
 def test_gradients():
     """Of friction in thickness, modulus, radius, load and speed, against differences."""
     import jax
