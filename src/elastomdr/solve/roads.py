@@ -25,7 +25,7 @@ import numpy as np
 PER_DECADE = 32  # cells of log q that a solution begins with
 _SMALLEST = 26  # how many factors of 2 the smallest cell, next to q_low, is below those that are even
 _STEP = np.log(10.0) / 32  # of log frequency in the tables of a material
-_REACH = 14.0  # how far below a frequency in log the average over the angles looks
+_REACH = 21.0  # how far below a frequency in log the average over the angles looks
 _ANGLES = 400  # nodes over the angle, midpoints in log tan(phi/2), of the tables
 _DIRECT = 48  # the same, where each frequency has an average of its own
 
