@@ -177,6 +177,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     assert level is not None
     good = good & np.isfinite(fine.mu)
     mu, error = _limit(mus, full, carried.viscosity / step * level.by.give)
+    error = error + _ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)
     return Line._make((*(np.where(good, x, np.nan) for x in answer), sweeps, good)), found
 
