@@ -7,8 +7,8 @@ cut, lines deleted, doubled or exchanged, numbers made huge, tiny, negative, nan
 empty or binary files, folders and pipes in their place. Each run must end with status 0, 2 or 3 in good time; with 2
 there must be one line on the standard error that begins with "elastomdr: error: ", and no run may leave a traceback.
 All goes through `elastomdr.cli.main.main`, and the same files through the page's own handlers, where what is wrong must
-be an `em.InputError` of one clear line, which the page shows beside a field. A scene that survives its reading and every check of its arguments is not
-computed, which would take hours, but for the first `--computed` of them.
+be an `em.InputError` of one clear line, which the page shows beside a field. A scene that survives its reading and
+every check of its arguments is not computed, which would take hours, but for the first `--computed` of them.
 """
 
 import argparse
@@ -162,7 +162,11 @@ def run(argv: list[str]) -> tuple[str, str]:
     finally:
         signal.alarm(0)
     said = err.getvalue()
-    if status == 2 and not (said.startswith("elastomdr: error: ") and said.count("\n") <= 1 + (argv[0] == "page") and len(said) < 2000 * (1 + (argv[0] == "page"))):
+    if status == 2 and not (
+        said.startswith("elastomdr: error: ")
+        and said.count("\n") <= 1 + (argv[0] == "page")
+        and len(said) < 2000 * (1 + (argv[0] == "page"))
+    ):
         return "2", f"not one clear line: {said[:300]!r}"
     if "memory" in said:
         return "2", f"asks for too much memory: {said[:300]!r}"

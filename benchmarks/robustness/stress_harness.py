@@ -269,4 +269,5 @@ def _print(suite: Suite, found: list[Done], chosen: argparse.Namespace) -> None:
         )
     for one in [one for one in found if one.failure][: chosen.show]:
         batch = drawn(suite, one.family, one.number, chosen.seed)
-        print(f"\n  {'CRASHED' if one.crashed else 'judge failed'}: {one.family} {one.number}, {suite.about(batch)}\n{one.failure}")
+        how = "CRASHED" if one.crashed else "judge failed"
+        print(f"\n  {how}: {one.family} {one.number}, {suite.about(batch)}\n{one.failure}")

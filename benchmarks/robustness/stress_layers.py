@@ -98,7 +98,7 @@ def judge(scene: Drawn, found: dict[str, Any]) -> list[Verdict]:
             depth = scene.size**2 / scene.radius
             if i == 0:
                 forces = [
-                    ball(scene.poisson, scene.bonded, scene.thickness, scene.radius, depth, cells) for cells in (24, 48)
+                    ball(scene.poisson, scene.bonded, scene.thickness, scene.radius, depth, cells) for cells in (16, 32)
                 ]
             relaxed = scene.law.equilibrium + (scene.law.moduli * np.exp(-scene.values[i] / scene.law.times)).sum()
             miss = abs(value / (relaxed * forces[1]) - 1)

@@ -4,10 +4,10 @@
 
 Spectra from 0.1 to 6 decades, self-affine with and without roll-off or tables with bends; 1 to 30 branches over 16
 decades of time, shifted by WLF and by an entropic vertical law; pressures from light to full contact, velocities over
-18 decades; strain softening, adhesive shear. `theory`: `em.Persson` and `em.Multiscale` against the integrals of
-`docs/theory.md`, a second time; `full contact`: both at so high a pressure that the closed integral is exact, `line`: a
-rough line that touches everywhere; `cells`: `em.reference.half_space_sliding` on a map against elimination with a dense matrix; `press`: a line
-pressed on, against bisection and Laplace inversion. The routes are in `slow_surface.py`.
+18 decades; strain softening, adhesive shear. `persson` and `multiscale`: against the integrals of `docs/theory.md`, a
+second time; `full contact`: both at so high a pressure that the closed integral is exact; `line`: a rough line that
+touches everywhere; `cells`: `em.reference.half_space_sliding` on a map, against elimination with a dense matrix;
+`press`: a line pressed on, against bisection and Laplace's inversion. The routes are in `slow_surface.py`.
 """
 
 import math
@@ -18,7 +18,7 @@ import numpy as np
 from slow_route import Law
 from stress_harness import Suite, Verdict, run
 
-FAMILIES = {"persson": (0.3, 1), "multiscale": (0.38, 1), "full contact": (0.1, 1), "line": (0.08, 1),
+FAMILIES = {"persson": (0.3, 1), "multiscale": (0.42, 1), "full contact": (0.1, 1), "line": (0.04, 1),
             "cells": (0.06, 1), "press": (0.08, 1)}  # fmt: skip
 C1, C2, REFERENCE = 8.86, 101.6, 293.15  # of WLF's law
 
@@ -82,8 +82,10 @@ def draw(family: str, number: int, scenes: int, random: np.random.Generator) -> 
         n = int(random.choice([64, 100, 256]))
         q, rough = 2 * np.pi / low / n * np.arange(n), np.zeros(n)
         for j in range(1, n // 8):
-            rough += random.normal() * j ** -random.uniform(0.6, 2.5) * np.cos(
-                2 * np.pi * (j * np.arange(n) / n + random.random())
+            rough += (
+                random.normal()
+                * j ** -random.uniform(0.6, 2.5)
+                * np.cos(2 * np.pi * (j * np.arange(n) / n + random.random()))
             )
         c = slope / low * rough / rough.std()
         if family == "line":
@@ -289,8 +291,8 @@ JUDGES = {"line": _line, "cells": _cells, "press": _press}
 
 def about(scene: Drawn) -> str:
     return (
-        f"{scene.law.moduli.size} branches, {scene.q.size} points over {np.log10(scene.q[-1] / max(scene.q[0], 1e-300)):.2g}"
-        f" decades, velocities {scene.velocity}, pressures {scene.pressure}, {scene.options}, rtol {scene.rtol:g}"
+        f"{scene.law.moduli.size} branches, {scene.q.size} points, velocities {scene.velocity}, pressures "
+        f"{scene.pressure}, {scene.options}, rtol {scene.rtol:g}"
     )
 
 

@@ -33,6 +33,7 @@ _MANY = 32  # lanes of a load from which they make batches of their own
 _LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
 _EDGES = 1.5  # over a first-order estimate: the edges lie anywhere between samples
+_ROUNDING = 16 * np.finfo(float).eps  # of the work of elements, over their load and slope
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
 
