@@ -20,6 +20,7 @@ from ..material.vertical import thermal_factors
 from .roads import namespace
 
 _SEARCHED = 512  # wave numbers among which those of a strain are looked for
+_NEAREST = 1e-6  # relative distance to q_low within which the strain is not told from zero
 
 
 class Softened(NamedTuple):
@@ -43,7 +44,8 @@ class Softened(NamedTuple):
         wanted = wanted[(wanted > strain[0]) & (wanted < strain[-1])]
         right = np.searchsorted(strain, wanted)
         q = np.unique(np.geomspace(q[right - 1], q[right], 65).ravel())
-        return np.interp(wanted**2, self.strain(q) ** 2, q) if q.size else q
+        found = np.interp(wanted**2, self.strain(q) ** 2, q) if q.size else q
+        return found[found > float(self.spectrum.q_low) * (1 + _NEAREST)]
 
 
 class Warmed(NamedTuple):
