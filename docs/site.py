@@ -89,7 +89,7 @@ def gallery() -> str:
     """Examples and notebooks, each with its first figure."""
     lines = ["# Examples", ""]
     for title, text, paths in (
-        ("Notebooks", "Three tasks from data to result. Open them in Jupyter: `jupyter lab examples/notebooks`.", NOTEBOOKS),
+        ("Notebooks", "Three tasks from data to result, for Jupyter: `jupyter lab examples/notebooks`.", NOTEBOOKS),
         ("Scripts", "Each runs by itself: `python examples/NAME.py [--out DIR]`, and ends in a check.",
          [path for path in EXAMPLES if path.parent.name == "examples"]),
         ("Worked problems", "[Ten problems](../problems.md) with closed forms, as scripts.",
