@@ -201,6 +201,18 @@ def ascending(name: str, values: Any) -> None:
         )
 
 
+def alike(least: int, **lists: Any) -> None:
+    """Raises `InputError` unless these are lists of one length, with `least` entries or more."""
+    first, *others = (np.shape(values) for values in lists.values())
+    if len(first) != 1 or first[0] < least or any(other != first for other in others):
+        *names, last = lists
+        *shapes, end = (str(np.shape(values)) for values in lists.values())
+        raise InputError(
+            f"{', '.join(names)} and {last} must be lists of the same length with {least} entries at least, got shapes "
+            f"{', '.join(shapes)} and {end}."
+        )
+
+
 def only_one(**arguments: Any) -> str:
     """The name of the only argument that is not None. Raises `InputError` where none is, or several are."""
     given = [name for name, value in arguments.items() if value is not None]

@@ -28,7 +28,6 @@ class Scene(NamedTuple):
     kelvin: Any  # as given [K], or None
     reduced: Any  # v a_T [m/s], of the broadcast shape
     vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
-    vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
     traced: bool
 
     def full(self, array: Any) -> Any:
