@@ -44,6 +44,7 @@ GROUPS = {
 }  # fmt: skip
 EXAMPLES = sorted((ROOT / "examples").rglob("[0-9][0-9]_*.py"))
 NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
+RESULTS = "Results and errors"  # the group of all other names
 PAGES = {  # of the repository that lie outside docs, by their place on the site
     "index.md": "README.md",
     "contributing.md": "CONTRIBUTING.md",
@@ -166,8 +167,14 @@ def api() -> dict[str, str]:
     made = {}
     for title, names in _groups().items():
         lines = [f"# {title}", ""]
+        if title == RESULTS:  # what they share stands once
+            lines += ["All results have the methods of this class:", "", "::: elastomdr.results.base.Result", ""]
         for name, home in names.items():
-            lines += [f"::: elastomdr.{home}.{name}", ""]
+            lines += [
+                f"::: elastomdr.{home}.{name}",
+                *["    options: {inherited_members: false}"][: title == RESULTS],
+                "",
+            ]
         made[f"api/{re.sub(r'[^a-z]+', '-', title.lower())}.md"] = "\n".join(lines)
     return made
 
@@ -195,7 +202,7 @@ def _groups() -> dict[str, dict[str, str]]:
     known = [name for names in GROUPS.values() for name in names]
     if absent := set(known) - set(homes):
         raise KeyError(f"names in GROUPS that elastomdr does not have: {sorted(absent)}")
-    groups = {**GROUPS, "Results and errors": tuple(sorted(set(homes) - set(known)))}
+    groups = {**GROUPS, RESULTS: tuple(sorted(set(homes) - set(known)))}
     found = {title: {name: homes[name] for name in names} for title, names in groups.items()}
     return found | {f"em.{package}": _members(package) for package in ("fit", "reference")}
 
@@ -226,11 +233,13 @@ def on_page_markdown(markdown: str, page: Any, config: MkDocsConfig, files: File
     """Links of the repository become links of the site, or plain words where the file is no page."""
     folder = Path(page.file.src_uri).parent
     home = PAGES.get(page.file.src_uri)
-    inside = (ROOT / home).parent if home else ROOT / "docs" / folder
+    of_notebook = folder.name == "notebooks"
+    inside = (ROOT / home).parent if home else ROOT / folder if of_notebook else ROOT / "docs" / folder
+    as_it_is = page.file.src_uri.startswith(("examples/", "api")) and not of_notebook
 
     def follow(match: re.Match[str]) -> str:
         words, target = match[1], match[2]
-        if re.match(r"[a-z]+:|#", target) or page.file.src_uri.startswith(("examples/", "api")):
+        if as_it_is or re.match(r"[a-z]+:|#", target):
             return match[0]
         place, _, anchor = target.partition("#")
         full = (inside / place).resolve()

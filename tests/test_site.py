@@ -39,7 +39,7 @@ def site(tmp_path_factory):
     for package in ("mkdocs", "material", "mkdocstrings", "math_core"):
         pytest.importorskip(package)
     folder = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
     built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env={**os.environ, **QUIET})
     assert built.returncode == 0, built.stdout + built.stderr
     assert "WARNING" not in built.stderr
