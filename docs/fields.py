@@ -5,6 +5,8 @@ from typing import Any
 
 import griffe
 
+TITLE = "\n\nAttributes:\n"
+
 
 class Fields(griffe.Extension):
     """Adds the label, unit and meaning of each field to the docstring of its class."""
@@ -16,10 +18,8 @@ class Fields(griffe.Extension):
                 for owner in [*reversed(cls.mro()), cls]:
                     found |= {name: str(a.value) for name, a in owner.attributes.items() if a.value is not None}
                 rows = [f"    {name}: {_words(call)}" for name, call in found.items() if call.startswith("quantity(")]
-                if (
-                    rows and cls.docstring and "\n\nAttributes:\n" not in cls.docstring.value
-                ):  # this is called more than once
-                    cls.docstring.value += "\n\nAttributes:\n" + "\n".join(rows)
+                if rows and cls.docstring and TITLE not in cls.docstring.value:  # this is called more than once
+                    cls.docstring.value += TITLE + "\n".join(rows)
 
 
 def _words(call: str) -> str:

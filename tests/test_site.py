@@ -60,6 +60,7 @@ def test_what_the_pages_show(site):
         assert re.search(rf'href="[\w-]+\.html#elastomdr\.[\w.]*{name}"', index), name
     pages = [page.read_text(encoding="utf-8") for page in (site / "api").glob("*.html")]
     assert sum(page.count("<span>DESCRIPTION</span>") for page in pages) > 100  # tables of arguments
+    assert sum(page.count(">ATTRIBUTE<") for page in pages) > 15  # and of the fields of results
     assert not any("Args:" in page for page in pages)
     theory = (site / "theory.html").read_text(encoding="utf-8")
     assert theory.count("<math") > 200
