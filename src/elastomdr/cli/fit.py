@@ -97,7 +97,9 @@ def run(options: argparse.Namespace) -> int:
         paths = found.save(folder)
     print(found.summary())
     print(f"wrote {len(paths)} files: {', '.join(path.name for path in paths)} in {folder}")
-    print(f'in a scene file here: material = "{folder.as_posix()}/{found.material.name}.toml"')
+    path = (folder / f"{found.material.name}.toml").as_posix()
+    print(f'in a scene file here: material = "{path}"')
+    print(f"friction on a measured profile: elastomdr init road.toml --material {path} --profile PROFILE.csv")
     if found.master.converged and found.prony.converged:
         return DONE
     print("elastomdr: warning: the fit did not converge; look at its figures before using it.", file=sys.stderr)
