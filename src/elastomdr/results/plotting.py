@@ -939,7 +939,11 @@ def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
         left.semilogx(law.velocity, law(law.velocity, **at), color=colour, linewidth=look.line)
         known = np.isfinite(place.uncertainty)
         right.barh(i, place.mu, 0.5, color=colour, xerr=place.uncertainty if known else None, capsize=3)
-        sure = {True: "", False: "lead not significant", None: "" if np.isnan(place.ahead) else "lead: not known"}
+        sure = {
+            True: "",
+            False: "lead not significant",
+            None: "" if np.isnan(place.ahead) else "significance not known",
+        }
         words = " ".join(
             filter(None, (place.material, f"({sure[place.significant]})" if sure[place.significant] else ""))
         )
