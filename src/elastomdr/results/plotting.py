@@ -751,8 +751,8 @@ def _write_legend(ax: Any, canvas: Canvas, shown: dict[str, Any]) -> None:
 
 
 def crowded(ax: Any, canvas: Canvas) -> bool:
-    """Whether the axes are some of several that somebody else has laid out: a legend beside them takes their width."""
-    return not canvas.own and len(ax.figure.axes) > 1
+    """Whether the axes are some of several that matplotlib lays out: a legend beside them takes their width."""
+    return not canvas.own and len(ax.figure.axes) > 1 and ax.get_figure(root=True).get_layout_engine() is not None
 
 
 def below(ax: Any, style: Style) -> dict[str, Any]:
