@@ -285,6 +285,9 @@ def test_bad_files_and_two_sessions_at_once(tmp_path):
             assert said, name
         assert json.dumps(one._session.scenes) == kept
         assert list(one._session.fits) == ["dma.toml"]
+        export = SAMPLE / "dma-q800.txt"  # does not say whether it was sheared or pulled
+        await one.rubber._dropped([one._session.folder.keep(export.name, export.read_bytes())])
+        assert one.rubber.form.widgets["kind"].error.endswith("give it, as kind='shear' or 'tensile'.")
         for name in ("binary.csv", "words.csv"):
             await one.road._dropped([name])
             await until(lambda: any(getattr(w, "error", None) for w in one.road.form.widgets.values()))
