@@ -140,12 +140,14 @@ def _hashable(value: Any) -> Any:
 def _client(address: str | None) -> Any:
     """A client of the cluster at an address. Raises `InputError` where there is none."""
     import contextlib
+    import logging
 
     if address is None:
         return contextlib.nullcontext()
     try:
         from distributed import Client
 
+        logging.disable()  # Dask logs a lost cluster with pages of tracebacks
         return Client(address, timeout="10s")
     except (OSError, ValueError) as error:
         raise InputError(

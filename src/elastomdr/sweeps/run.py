@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 
 _NEEDED = ("dask", "distributed", "filelock", "tqdm", "xarray", "zarr")
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt, malloc.h
+_CALM = {  # by default the processes of Dask look after themselves 50 times a second, for 5 % of a core
+    "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "1s",
+    "DASK_DISTRIBUTED__WORKER__MEMORY__MONITOR_INTERVAL": "1s",
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
+}
 _LOGGED = 30  # seconds between two lines of progress in the log of a job
 _AHEAD = 4  # chunks under way or waiting for each worker
 
@@ -142,9 +147,16 @@ def _cluster(workers: int) -> Any:
         return LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
     from distributed.deploy.subprocess import SubprocessCluster
 
-    return SubprocessCluster(
-        host="127.0.0.1", n_workers=workers, threads_per_worker=1, dashboard_address=cast(str, None), silence_logs=40
-    )
+    added = {name: text for name, text in _CALM.items() if name not in os.environ}
+    os.environ.update(added)
+    try:
+        return SubprocessCluster(
+            host="127.0.0.1", n_workers=workers, threads_per_worker=1, dashboard_address=cast(str, None),
+            silence_logs=40,
+        )  # fmt: skip
+    finally:
+        for name in added:
+            del os.environ[name]
 
 
 def _on_cluster(client: Client, asked: Grid, chunks: list[Any], todo: list[int]) -> Iterator[tuple[int, Any]]:
