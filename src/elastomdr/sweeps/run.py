@@ -77,8 +77,7 @@ def sweep(
     with _alone(path):
         try:
             kept = Store(path, asked)
-            failed, told = _computed(asked, kept, client, progress)
-            kept.describe(told)
+            kept.describe(_computed(asked, kept, client, progress))
         except OSError as error:
             if isinstance(error, ConnectionError):
                 raise
@@ -94,7 +93,7 @@ def sweep(
             ConvergenceWarning,
             stacklevel=2,
         )
-    elif failed:
+    elif failed := kept.not_converged():
         warnings.warn(
             f"{failed} of {int(np.prod(asked.shape))} points did not converge; they are NaN.",
             ConvergenceWarning,
@@ -103,13 +102,13 @@ def sweep(
     return kept.opened()
 
 
-def _computed(asked: Grid, kept: Store, client: Client | None, progress: bool) -> tuple[int, dict[str, str]]:
-    """Computes the chunks that are open; the number of points that failed, and what a result says of itself."""
+def _computed(asked: Grid, kept: Store, client: Client | None, progress: bool) -> dict[str, str]:
+    """Computes the chunks that are open; what a result says of itself."""
     from tqdm import tqdm
 
     chunks = asked.chunks()
     todo = [number for number in range(len(chunks)) if kept.state[number] == OPEN]
-    failed, told = 0, {}
+    told: dict[str, str] = {}
     total = int(np.prod(asked.shape))
     sizes = [int(np.prod([place.stop - place.start for place in chunk])) for chunk in chunks]
     left = sum(sizes[number] for number in todo)
@@ -118,11 +117,11 @@ def _computed(asked: Grid, kept: Store, client: Client | None, progress: bool) -
         file=sys.stderr, delay=2, dynamic_ncols=True, mininterval=0.1 if sys.stderr.isatty() else _LOGGED,
     )  # fmt: skip
     with bar, _workers(client, len(todo)) as work:
-        for number, (parts, message, bad, words) in work(asked, chunks, todo):
+        for number, (parts, message, words) in work(asked, chunks, todo):
             kept.keep(number, chunks[number], parts, message, RAISED if message else DONE)
-            failed, told = failed + bad, told or words
+            told = told or words
             bar.update(sizes[number])
-    return failed, told
+    return told
 
 
 @contextlib.contextmanager
@@ -206,13 +205,12 @@ def _given(asked: Grid) -> Grid:
     return asked
 
 
-def compute(asked: Grid, chunk: tuple[slice, ...]) -> tuple[dict[str, Any], str, int, dict[str, str]]:
-    """The calls of a chunk: arrays and attributes by field, what was raised, points that failed, provenance."""
+def compute(asked: Grid, chunk: tuple[slice, ...]) -> tuple[dict[str, Any], str, dict[str, str]]:
+    """The calls of a chunk: arrays and attributes by field, what was raised, provenance."""
     _keep_memory()
     shape = tuple(place.stop - place.start for place in chunk)
     parts: dict[str, Any] = {}
     messages, told = [], {}
-    failed = 0
     for where, arguments in asked.calls(chunk):
         try:
             with warnings.catch_warnings():
@@ -223,7 +221,6 @@ def compute(asked: Grid, chunk: tuple[slice, ...]) -> tuple[dict[str, Any], str,
             messages.append(f"{_place(asked, chunk, where)}: {type(error).__name__}: {error}")
             continue
         told = told or {"model": result.model}
-        failed += int(np.sum(~np.asarray(result.converged)))
         for q, values in fields.items():
             if q.key in arguments and np.ndim(arguments[q.key]):
                 continue  # an axis already
@@ -232,7 +229,7 @@ def compute(asked: Grid, chunk: tuple[slice, ...]) -> tuple[dict[str, Any], str,
                 empty = np.zeros(shape, bool) if values.dtype == bool else np.full(shape, np.nan)
                 parts[q.key] = (empty, {key: text for key, text in about.items() if text})
             parts[q.key][0][where] = values
-    return parts, " | ".join(messages), failed, told
+    return parts, " | ".join(messages), told
 
 
 @functools.cache

@@ -74,6 +74,10 @@ class Store:
         """The messages of what did not compute, by the number of their chunk."""
         return dict(self._group.attrs.get(_RAISED, {}))
 
+    def not_converged(self) -> int:
+        """How many points did not converge, in this run or in one before."""
+        return int(np.count_nonzero(np.asarray(self._arrays["converged"][:]) == 0))
+
     def describe(self, attributes: dict[str, str]) -> None:
         """Adds what the results say of themselves to the attributes of the store, and collects the metadata."""
         import zarr
