@@ -1,7 +1,7 @@
 """`em.sweep` against the plain calls it consists of: cost of the machinery, gain of a second worker; draws.
 
-    python benchmarks/sweep.py               # 100,000 points, three rounds, two minutes
-    python benchmarks/sweep.py --million     # 1e6 points on two workers: minutes and memory, another two minutes
+    python benchmarks/sweep.py               # 100,000 points, three rounds: two minutes on an idle machine
+    python benchmarks/sweep.py --million     # 1e6 points on two workers, minutes and memory: another two
 
 Multiscale friction of so many materials on 10 roads, at 4 pressures, 5 temperatures and 50 velocities. The plain calls
 are one per material and road, on arrays of the same 1,000 points, without anything written. Rounds take plain calls,
@@ -142,6 +142,7 @@ def million() -> None:
     print()
     record["verdicts"] = [
         verdict("1e6 points on two workers", wall / 60, 15, " min"),
+        verdict("1e6 points, all processes", cpu, 1800, " s of processor"),
         verdict("memory of a worker", memory, 2, " GB"),
     ]
     save("sweep_million", record)
