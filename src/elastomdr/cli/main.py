@@ -53,6 +53,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output, such as `head`, has what it wanted
         _drop_output()
         return DONE
+    except ConnectionError as error:  # of a cluster
+        return _refused(str(error))
     except OSError as error:  # files are written and read with care; what is left is our own output
         _drop_output()
         return _refused(f"the output cannot be written: {error.strerror or error}.")
