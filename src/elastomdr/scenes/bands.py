@@ -64,8 +64,8 @@ def friction_bands(
         per_decade: bands in each decade of frequency.
 
     Returns:
-        An `em.FrictionBands` with one more axis, the bands. They sum to the friction of the line; before they
-        are scaled to it within 1e-2, which `error` holds, or the point is NaN; one `ConvergenceWarning` counts such points.
+        An `em.FrictionBands` with one more axis, the bands. They sum to the friction of the line, to which they are
+        scaled: from within 1e-2, which `error` holds, or the point is NaN; one `ConvergenceWarning` counts such points.
 
     Raises:
         InputError: as `em.friction` with `model=em.Line(...)`.
