@@ -45,11 +45,11 @@ def under_a_cosine(stiff, moduli, times, eta, k, height, velocity, depth):
     while True:
         t = np.linspace(0, period, 20_001)
         i = int(np.argmax(force(f, 0.0, t) < 0))
-        end = brentq(lambda s: force(f, 0.0, s)[0], t[i - 1], t[i], xtol=1e-16 * period)
+        end = brentq(lambda s, f=f: force(f, 0.0, s)[0], t[i - 1], t[i], xtol=1e-16 * period)
         y = np.append(w(end), held(f, 0.0, end))
         t = np.linspace(end, period, 20_001)
         i = 5 + int(np.argmax((free(y, t - end)[0] < w(t))[5:]))
-        start = brentq(lambda s: free(y, s - end)[0, 0] - w(s), t[i - 1], t[i], xtol=1e-16 * period)
+        start = brentq(lambda s, y=y, end=end: free(y, s - end)[0, 0] - w(s), t[i - 1], t[i], xtol=1e-16 * period)
         again = free(y, start - end)[1:, 0]
         work, load = integrals(f, 0.0, end) + integrals(again, start, period)
         before, f = f, held(again, start, period)[:, 0]
