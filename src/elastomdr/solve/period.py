@@ -87,7 +87,7 @@ def coefficients(law: Lanes, step: Float[Array, " lanes"]) -> Coefficients:
         late = np.where(z < 1e-4, 0.5 - z / 6 + z**2 / 24, (z - lost) / z**2)  # (1 - a_k)/z_k
     gain = law.moduli * held
     dashpot, second = law.viscosity / step, law.second / step**2
-    give, seen = weights(law.apart, law.times, gain, law.relaxed, step)
+    give, seen = map(np.asarray, weights(law.apart, law.times, gain, law.relaxed, step))
     each = law.moduli * late
     return Coefficients(
         np.exp(-z), seen, lost, gain, give, law.relaxed, held, dashpot + each.sum(axis=0), second, each
