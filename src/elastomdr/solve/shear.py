@@ -108,7 +108,7 @@ def shear_history(
             return jax.lax.cond(i < used, one, lambda carry: carry, carry), None
 
         none = jnp.zeros_like(grid.x)
-        (state, seen), _ = jax.lax.scan(advance, (state, ((jnp.zeros(()),) * 5, none)), jnp.arange(steps))
+        (state, seen), _ = jax.lax.scan(advance, (state, ((jnp.zeros(()),) * 6, none)), jnp.arange(steps))
         return state, ((state.work, state.slip_loss, state.depth), _measured(grid, state, seen, by_load))
 
     start, first = _start(scene, grid, history, by_load)
@@ -170,7 +170,7 @@ def _start(scene: Scene, grid: Grid, history: History, by_load: bool) -> tuple[S
     Dashpots carry what is put on at once without moving.
     """
     none, state = jnp.zeros(()), untouched(scene, grid)
-    still = state, ((none, history.value[0] if by_load else none, none, none, none), state.u)
+    still = state, ((none, history.value[0] if by_load else none, none, none, none, none), state.u)
     normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
 
     def put(state: State, ds: Array) -> tuple[State, tuple]:
@@ -197,7 +197,7 @@ def _sudden(law: Relaxation) -> Coefficients:
 def step(
     scene: Scene, grid: Grid, cn: Coefficients, ct: Coefficients, state: State, value: Array, ds: Any, by_load: bool
 ) -> tuple[State, tuple]:
-    """One contact step: the state after it, (F_x, F_N, contact radius, stick radius, stored energy), and tau.
+    """One contact step: the state after it, (F_x, F_N, contact radius, stick radius, energy, error of F_N), and tau.
 
     `ds` is the body's tangential displacement in the step, or finds it from the force as a function of it.
     """
@@ -250,16 +250,38 @@ def step(
     )
     radius = _edge(grid, pushed - recovery)
     stick = jnp.minimum(_edge(grid, jnp.where(q > 0, limit - jnp.abs(trial), -1e-300)), radius)
-    seen = (jnp.sum(grid.weight * tau), jnp.sum(grid.weight * q), radius, stick, jnp.sum(grid.weight * stored))
+    late = jnp.zeros(())  # what a given load misses of the normal force at the end
+    if not callable(ds):
+        tau, end = _at_end(scene, cn, ct, state, (pushed, depth - state.depth), (carried, ds), (tau, q), slips)
+        late, q = (jnp.abs(jnp.sum(grid.weight * (end - q))), q) if by_load else (late, end)
+    seen = (jnp.sum(grid.weight * tau), jnp.sum(grid.weight * q), radius, stick, jnp.sum(grid.weight * stored), late)
     return after, (seen, tau)
+
+
+def _at_end(
+    scene: Scene, cn: Coefficients, ct: Coefficients, state: State, down: tuple, along: tuple, mean: tuple, slips: Array
+) -> tuple[Array, Array]:
+    """Tractions at the end of a step: with a dashpot the conditions are put on means, which do not see the rate there.
+
+    `down` and `along`: by how much the element and the body have moved.
+    """
+    tau, q = mean
+    held = cn.equilibrium * state.u + jnp.sum(cn.decay * state.f, axis=0)
+    held = held + (cn.end - cn.rate) * down[0] + cn.rate * down[1]
+    q_end = jnp.where(q > 0, jnp.where(cn.rate > 0, jnp.maximum(held, 0.0), q), 0.0)
+    stuck = ct.equilibrium * state.s + jnp.sum(ct.decay * state.p, axis=0)
+    stuck = stuck + (ct.end - ct.rate) * along[0] + ct.rate * along[1]
+    limit = jnp.where(q_end > 0, scene.friction * jnp.where(q_end > 0, q_end, 1.0), 0.0)
+    stuck = jnp.clip(jnp.where(ct.rate > 0, stuck, tau), -limit, limit)
+    return jnp.where(slips, jnp.sign(tau) * limit, stuck), q_end
 
 
 def _measured(grid: Grid, state: State, seen: tuple, by_load: bool) -> tuple:
     """What a step has seen, and a bound on what its tangential force misses."""
-    (force, normal_force, *rest), tau = seen
+    (force, normal_force, *rest, late), tau = seen
     # Under a load the depth carries the error of the normal sum over to F_x, in proportion.
     ratio = jnp.abs(force) / jnp.where(normal_force > 0, normal_force, 1.0) if by_load else 0.0
-    return force, normal_force, *rest, _missed(grid.weight * tau) + ratio * _missed(grid.weight * state.q)
+    return force, normal_force, *rest, _missed(grid.weight * tau) + ratio * (_missed(grid.weight * state.q) + late)
 
 
 def _missed(parts: Array) -> Array:
