@@ -140,8 +140,10 @@ if sys.argv[1] == "fit":
     from elastomdr.fit import figures
     timed(figures, "figures")
 else:
-    from elastomdr.results import curve
-    timed(curve.AbstractCurve, "png")
+    from elastomdr.cli import compute
+    from elastomdr.results.base import Result
+    timed(compute, "_write_figure")
+    timed(Result, "plot")
 status = command.main(sys.argv[1:])
 print(imports[0], drawn[0], *sorted({"jax", "scipy", "matplotlib"} & set(sys.modules)))
 sys.exit(status)

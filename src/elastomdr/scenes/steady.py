@@ -204,8 +204,12 @@ def _fields(
     One program where JAX traces.
     """
 
+    good = found.line.converged
+    if not is_traced(found) and np.all(good):
+        good = None
+
     def shaped(field: Any) -> Any:
-        return None if field is None else nan_unless(found.line.converged, field).reshape(shape)
+        return None if field is None else (field if good is None else nan_unless(good, field)).reshape(shape)
 
     force = found.line.normal_force * vertical
     fields = {
