@@ -37,7 +37,7 @@ _NEAR = 1e-3  # b/a below which the search halves its logarithm
 _USUAL = math.log(1e-3)  # log of a contact size [m] to begin with
 _GUESSES, _GUESSED = 8, 0.1  # how often a guess at log A is improved, and by how much at the last
 _GUESSED_WELL = 1e-4  # and that at log(a + b) under a parabola, whose error is the square of it
-_TO_ROUNDING = 1e-13  # the same after the last step where the body is a parabola
+_TO_ROUNDING = 2e-13  # the same after the last step where the body is a parabola
 _NEARLY_SPRING = 0.05  # passage time over relaxation time from which closed forms keep their digits,
 _SERIES = [1 / (math.factorial(k) * (k + 3)) for k in range(8)]  # and of what is done below it
 _STEPS = 15  # of Newton's method on load and edge together, before a point is left to the search by brackets
@@ -322,8 +322,8 @@ def _of_parabola(p: Passage, given: Array, top: Array, by_size: bool) -> tuple[A
     found = np.zeros(given.shape, bool)
     for _ in range(_GUESSES):
         length = np.exp(log_length)
-        left, first, second, third = (law.moduli @ x for x in _exponential_means(length * rate))
-        last, mean = law.equilibrium + left, law.equilibrium + first
+        kept, first, second, third = (law.moduli @ x for x in _exponential_means(length * rate))
+        last, mean = law.equilibrium + kept, law.equilibrium + first
         mean = mean + drag / length if lossy else mean
         arm = law.equilibrium / 2 + second
         b = arm / mean
@@ -342,8 +342,9 @@ def _of_parabola(p: Passage, given: Array, top: Array, by_size: bool) -> tuple[A
             step = np.log(given / (weight * curvature * length**3 * force)) / rise
         log_length = np.minimum(log_length + step, top + math.log(2))
         miss = np.abs(step)
-        # Each miss is the square of the one before times a constant: what is left after this step is known.
-        if miss.max() < _GUESSED_WELL and (not exact or (miss**3 <= _TO_ROUNDING * before**2).all()):
+        # Each miss is the square of the one before times a number, taken as 1/4 at least.
+        left = miss**2 * np.maximum(miss / before**2, 0.25)
+        if miss.max() < _GUESSED_WELL and (not exact or left.max() <= _TO_ROUNDING):
             moved = left_over / mean * step  # da/dL = left_over/mean
             a, b = a + moved, b + step - moved
             found = size <= widest

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -200,7 +200,7 @@ def _solve_new(
     return Passages(*(field[rows] for field in every))
 
 
-def _place(asked: np.ndarray, there: np.ndarray) -> np.ndarray:
+def _place(asked: Any, there: Any) -> np.ndarray:
     """Where each number asked for is among others, if it is there; any index if not."""
     order = np.argsort(there)
     return order[np.minimum(np.searchsorted(there, asked, sorter=order), order.size - 1)]
