@@ -151,11 +151,13 @@ def _edges_of_numbers(
     if start is not None and isinstance(p.lines, SingleLine) and start.converged.all():
         log_size, ratio = np.log(start.leading), (start.trailing / start.leading)[None]
     else:
+        single = isinstance(p.lines, SingleLine)
+        log_size = value
         if by_depth:
             log_size = np.log(_size_of_depth(p.lines, value, top))
-        elif not isinstance(p.lines, SingleLine):
+        elif not single:
             log_size = _first_guess(p, value, top)
-        if isinstance(p.lines, SingleLine) and (p.rule.parabola or not by_depth):
+        if single and (p.rule.parabola or not by_depth):
             log_size, ratio, found = _of_parabola(p, log_size if by_depth else value, top, by_depth)
             if p.rule.parabola and found.all():
                 return p, np.exp(log_size), ratio, found
