@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._arrays import Array, arrays, fixed, fori_loop, numpy_at_first, on_jax, on_numpy, xp
+from .._arrays import arrays, fixed, fori_loop, numpy_at_first, on_jax, on_numpy, xp
 from .._runtime import (
+    Array,
     as_float64,
     finite,
     is_traced,
@@ -114,9 +115,10 @@ def shear(
     if not is_traced(time) and not (np.diff(time) > 0).all():
         raise InputError("time must be ascending, without repeats.")
     traced = is_traced(normal, tangential, shape, time, displacement, value, mu)
-    numpy = xp if traced else np
+    numpy: Any = xp if traced else np
     try:
-        value, displacement = (numpy.broadcast_to(x, time.shape) for x in (value, displacement))
+        full: list[Array] = [numpy.broadcast_to(x, time.shape) for x in (value, displacement)]
+        value, displacement = full
     except ValueError as error:
         raise InputError(
             f"displacement and {name} must be single numbers or as long as time ({time.shape[0]}), got shapes "
@@ -189,7 +191,8 @@ def shear(
 
 def _marched(scene: Scene, history: History, elements: int, per_area: bool, *, steps: int, **options: Any) -> Sheared:
     """The history of `elements` equal elements."""
-    work = elements * steps * history.time.shape[0] * (1 + max(scene[i].moduli.shape[0] for i in (1, 2)))
+    branches = max(law.moduli.shape[0] for law in (scene.normal, scene.tangential))
+    work = elements * steps * history.time.shape[0] * (1 + branches)
     if on_numpy() and work > _MUCH:
         return on_jax(_by_elements, scene, history, elements, per_area, steps=steps, **options)
     return _by_elements(scene, history, elements, per_area, steps=steps, **options)
@@ -201,7 +204,7 @@ def _by_elements(scene: Scene, history: History, elements: int, per_area: bool, 
     return known(shear_history(scene, history, line(scene, elements, per_area), **options))
 
 
-def _so_far(x: Array) -> Array:
+def _so_far(x: Any) -> Any:
     """The largest entry up to each."""
     if not is_traced(x):
         return np.maximum.accumulate(x)

@@ -22,7 +22,7 @@ from .._arrays import compiled, fixed, fori_loop, in_steps, mapped, on_numpy, xp
 from .._runtime import Array, is_traced
 from ..foundation.decay import phi1
 from ..foundation.modes import Modes
-from ..foundation.step import Elements, advance, coefficients, lag, released, rest
+from ..foundation.step import Elements, advance, coefficients, fade, lag, released, rest
 from ..mapping.disc import Disc, gauss
 from ..material.relaxation import Relaxation
 from .carried import settle
@@ -239,6 +239,7 @@ def _once(
     # A step at the first instant meets a glassy foundation; a dashpot lets nothing happen at once.
     value, depth_rules = start
     glassy, damped = law.equilibrium + xp.sum(law.moduli), law.viscosity > 0
+    viscous = not on_numpy() or bool(damped)
     area = xp.where(damped, 0.0, value / xp.where(damped, 1.0, glassy))
     d = xp.where(depth_rules, value, disc.depth_of_area(area))
     u = xp.maximum(d - g, 0.0)
@@ -253,15 +254,16 @@ def _once(
     def step(carry: tuple, now: Steps) -> tuple[tuple, tuple]:
         state, d, total, work, d_start, total_start = carry
         d_start, total_start = xp.where(now.first, d, d_start), xp.where(now.first, total, total_start)
-        c = coefficients(law, now.h)
+        c = coefficients(law, now.h, viscous=viscous)
         end = total_start + (now.target - total_start) * now.part
-        free = released(c, state.u, xp.sum(c.seen * state.f, axis=0))
+        fading = fade(c, state.f)
+        free = released(c, state.u, fading.seen)
         # With a dashpot q is a mean over the end of the step: the load is averaged in the same way.
         carried = end - (end - total) * lag(c)
         found = settle(g + free, weight * c.stiffness, 0.0, xp.maximum(carried, 0.0), d)
         found = xp.where(carried > 0, found, xp.min(g + free))  # without a load it lies on the surface
         new = xp.where(now.by_depth, d_start + (now.target - d_start) * now.part, found)
-        received, state = state.work, advance(c, state, d - g, new - g)
+        received, state = state.work, advance(c, state, d - g, new - g, fading)
         force = law.equilibrium * state.u + xp.sum(state.f, axis=0) + law.viscosity * (new - d) / now.h
         before, total = total, xp.where(now.by_depth, xp.sum(weight * xp.where(state.q > 0, force, 0.0)), end)
         # int F dd of the body, apart from what elements receive; a dashpot's force jumps with the rate of the depth.
