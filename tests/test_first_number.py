@@ -79,7 +79,7 @@ def test_small_histories_load_nothing_heavy():
         f"em.traction({ball}, velocity=1.0, creepage=0.01, friction=0.8, load=5.0)\n"
         f"em.indent({ball}, time=[0, 1, 2], load=[0, 1, 0.5], rtol=1e-3)\n"
         f"em.slide({ball}, time=[0, 1e-2], position=[0, 1e-4], load=1.0, rtol=0.1)\n"
-        f"em.drive({ball}, time=[0, 1e-2], position=[0, 1e-4], load=1.0, tangential=em.Mount(0.1, 1e3, 1.0), rtol=0.1)\n"
+        f"em.drive({ball}, time=[0, 1e-2], position=[0, 1e-4], load=1.0, tangential=em.Mount(0.1, 1e3), rtol=0.1)\n"
         f"em.shear({ball}, time=[0, 1], displacement=[0, 1e-6], load=1.0, friction=0.5, elements=50, steps=4)"
     )
     assert loaded(calls) == set()
