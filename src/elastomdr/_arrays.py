@@ -260,6 +260,15 @@ def fori_loop(start: int, stop: int, body: Callable[[Any, Any], Any], state: Any
     return state
 
 
+def checkpointed(function: Callable[P, R]) -> Callable[P, R]:
+    """`jax.checkpoint`."""
+    if _mode.numpy:
+        return function
+    import jax
+
+    return jax.checkpoint(function)
+
+
 def fixed(tree: R) -> R:
     """`jax.lax.stop_gradient`."""
     if _mode.numpy:
