@@ -32,7 +32,7 @@ class Scene(NamedTuple):
 
     def full(self, array: Any) -> Any:
         """`array` in the broadcast shape; None stays None."""
-        return None if array is None else (xp if self.traced else np).broadcast_to(array, self.shape) + 0.0
+        return None if array is None else (xp if is_traced(array) else np).zeros(self.shape) + array
 
     def at_reference(self) -> Any:
         """Load or pressure over b_T, or the depth, at each point, flat."""

@@ -34,6 +34,11 @@ class Rule:
         """Samples of the profile along one contact, or between two of its points."""
         return self.nodes * (len(self.fractions) - 1)
 
+    @property
+    def parabola(self) -> bool:
+        """Whether the profile is a parabola: its slope is one straight line."""
+        return self.exact and not self.split and self.nodes == 2
+
     def coarser(self) -> "Rule":
         """A rule to begin the search with."""
         return dataclasses.replace(self, nodes=min(self.nodes, 6), fractions=(0.0, *self.fractions[:0:-2][::-1]))

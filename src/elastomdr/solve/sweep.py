@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -200,17 +200,23 @@ def _solve_new(
     if not known:
         known.append((load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol)))
         return known[0][2]
-    asked = list(zip(load.tolist(), velocity.tolist(), strict=True))
-    before = {pair for loads, velocities, _ in known for pair in zip(loads.tolist(), velocities.tolist(), strict=True)}
-    new = np.array([pair not in before for pair in asked], bool)
+    asked = load + 1j * velocity  # pairs as one number each
+    loads, velocities, every = _joined(known)
+    rows = _place(asked, loads + 1j * velocities)
+    new = (loads + 1j * velocities)[rows] != asked
     if new.any():
         load, velocity = load[new], velocity[new]
-        start = _between(*_joined(known), load, velocity)
+        start = _between(loads, velocities, every, load, velocity)
         known.append((load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol, start)))
-    loads, velocities, every = _joined(known)
-    row = {pair: i for i, pair in enumerate(zip(loads.tolist(), velocities.tolist(), strict=True))}
-    rows = [row[pair] for pair in asked]
+        loads, velocities, every = _joined(known)
+        rows = _place(asked, loads + 1j * velocities)
     return Passages(*(field[rows] for field in every))
+
+
+def _place(asked: Any, there: Any) -> np.ndarray:
+    """Where each number asked for is among others, if it is there; any index if not."""
+    order = np.argsort(there)
+    return order[np.minimum(np.searchsorted(there, asked, sorter=order), order.size - 1)]
 
 
 def _joined(known: list[tuple[Array, Array, Passages]]) -> tuple[Array, Array, Passages]:
