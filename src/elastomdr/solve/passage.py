@@ -56,7 +56,7 @@ class Passages(NamedTuple):
     depth: Float[Array, " points"]  # [m]
     leading: Float[Array, " points"]  # leading edge of the central line [m]
     trailing: Float[Array, " points"]  # its trailing edge, counted backwards from the apex [m]
-    exponent: Float[Array, " points"]  # a g'(a)/g(a), the power with which the profile rises at the leading edge
+    exponent: Float[Array, " points"]  # a g'(a)/g(a), the power with which the profile rises, the mean of both edges
     error: Float[Array, " points"]  # estimated error of mu from sampling
     converged: Bool[Array, " points"]
 
@@ -473,7 +473,7 @@ def _forces(p: Passage, size: Array, ratio: Array, converged: Array) -> Passages
         depth=lines.depth(size),
         leading=entry[0],
         trailing=(ratio * entry)[0],
-        exponent=lines.exponent(size),
+        exponent=lines.rise(entry[0], (ratio * entry)[0]),
         error=fixed((drag_error + xp.abs(mu) * normal_error) / normal),
         converged=converged,
     )

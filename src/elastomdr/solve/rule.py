@@ -87,7 +87,7 @@ def _along_line(shape: AbstractShape, rtol: float, smallest: float) -> tuple[Rul
     if isinstance(shape, Cone):
         return (Rule(2, split=True, exact=True),)
     if isinstance(shape, PowerLaw) and shape.exponent == int(shape.exponent) and shape.exponent <= 10:
-        return (Rule(int(shape.exponent), split=bool(shape.exponent % 2), exact=True),)
+        return (Rule(max(int(shape.exponent), 2), split=bool(shape.exponent % 2), exact=True),)
     digits = math.log10(10 / rtol)
     if isinstance(shape, PowerLaw):
         # Slopes x^(n-1): panels so narrow that few nodes show one, down to where what is left does not count.
