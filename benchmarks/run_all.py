@@ -18,7 +18,8 @@ from common import heading, save, table, verdict
 
 MINUTES = 20
 SCRIPTS = (
-    "steady_sliding", "sharp", "skipping", "cold_start", "half_space", "validity_map", "robustness/extremes",
+    "steady_sliding", "sharp", "skipping", "cold_start", "half_space", "validity_map",
+    "validity_shapes", "robustness/extremes",
     "indentation", "creep_tamaas", "sliding_tamaas", "energy", "impacts", "transient", "rough_sliding", "rough_fit",
     "rough_press",
     "robustness/rough_scenes", "topography", "fit_coverage --sets 50",

@@ -1,19 +1,28 @@
-"""`em.sweep` against the plain calls it consists of: cost of the machinery, gain of a second worker, memory.
+"""`em.sweep` against the plain calls it consists of: cost of the machinery, gain of a second worker; draws.
 
-    python benchmarks/sweep.py [--materials 100]
+    python benchmarks/sweep.py               # 100,000 points, three rounds: two minutes on an idle machine
+    python benchmarks/sweep.py --million     # 1e6 points on two workers, minutes and memory: another two
 
-Multiscale friction of so many materials on 10 roads, at 4 pressures, 5 temperatures and 50 velocities: 1e6 points by
-default. The plain calls are one per material and road, on arrays of 1,000 points, without anything written.
+Multiscale friction of so many materials on 10 roads, at 4 pressures, 5 temperatures and 50 velocities. The plain calls
+are one per material and road, on arrays of the same 1,000 points, without anything written. Rounds take plain calls,
+one worker and two workers in turn. Cost is processor time of all processes of a sweep, with scheduler and the process
+that writes, over that of the plain calls; the gain of a second worker is of wall time, so it needs an idle machine.
 """
 
 import argparse
+import contextlib
+import os
 import resource
+import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import psutil
 from common import heading, one_thread, save, table, verdict
+from distributed import Client
 
 import elastomdr as em
 from elastomdr.sweeps import run
@@ -36,54 +45,122 @@ def scene(materials: int) -> tuple[dict, dict]:
 
 
 def plain(objects: dict, arrays: dict) -> float:
-    """Seconds of the calls alone."""
-    began = time.perf_counter()
+    """Processor seconds of the calls alone."""
+    began = time.process_time()
     pressure, temperature, velocity = np.ix_(*arrays.values())
     for material in objects["material"]:
         for surface in objects["surface"]:
             em.friction(material, surface, pressure=pressure, temperature=temperature, velocity=velocity)
-    return time.perf_counter() - began
+    return time.process_time() - began
 
 
-def swept(objects: dict, arrays: dict, workers: int) -> tuple[float, float]:
-    """Seconds of a sweep once its workers are there, and the largest memory of a worker [MB]."""
-    from distributed import Client
+class Cluster:
+    """Workers that have made their first call, and the processor time of everything that a sweep on them takes."""
 
-    def peak() -> float:
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    def __init__(self, client: Client, workers: int, processes: list[psutil.Process], objects: dict, arrays: dict):
+        self.client, self._processes = client, processes
+        first = {name: values[:1] for name, values in objects.items()}
+        for _ in range(2 * workers):
+            self.swept(first, arrays)
 
-    with tempfile.TemporaryDirectory() as folder, run._cluster(workers) as cluster, Client(cluster) as client:
+    def _seconds(self) -> float:
+        return sum(sum(process.cpu_times()[:2]) for process in self._processes)
+
+    def swept(self, objects: dict, arrays: dict) -> tuple[float, float]:
+        """Wall and processor seconds of a sweep."""
+        with tempfile.TemporaryDirectory() as folder:
+            wall, cpu = time.perf_counter(), self._seconds()
+            em.sweep(em.friction, objects | arrays, store=Path(folder) / "s.zarr", client=self.client, progress=False)
+            return time.perf_counter() - wall, self._seconds() - cpu
+
+    def memory(self) -> float:
+        """The most that a worker has taken [GB]."""
+
+        def peak() -> float:
+            return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+
+        return max(self.client.run(peak).values())
+
+
+@contextlib.contextmanager
+def cluster(workers: int, objects: dict, arrays: dict) -> Iterator[Cluster]:
+    me = psutil.Process()
+    before = set(me.children(recursive=True))
+    with run._cluster(workers) as started, Client(started) as client:
         client.wait_for_workers(workers)
-        client.run(
-            em.friction, objects["material"][0], objects["surface"][0], pressure=3e5, temperature=300.0, velocity=1
-        )
-        began = time.perf_counter()
-        em.sweep(em.friction, objects | arrays, store=Path(folder) / "s.zarr", client=client)
-        return time.perf_counter() - began, max(client.run(peak).values())
+        own = [process for process in me.children(recursive=True) if process not in before]
+        yield Cluster(client, workers, [me, *own], objects, arrays)
+
+
+def drawn() -> float:
+    """Processor seconds of 1000 draws of a ball's friction curve."""
+    draws, velocity = em.load_material("epdm-70").draws(1000), np.geomspace(1e-4, 10, 64)
+    ball = {"velocity": velocity, "load": 1.0, "temperature": 293.15}
+    em.friction(draws[0], em.Sphere(5e-3), **ball)
+    began = time.process_time()
+    curve = em.friction(draws, em.Sphere(5e-3), **ball)
+    assert curve.converged.all()
+    return time.process_time() - began
+
+
+def rounds(count: int, materials: int) -> None:
+    objects, arrays = scene(materials)
+    points = 10_000 * materials
+    record = heading("Sweep of friction by Multiscale", f"{points} points, {count} rounds")
+    rows = []
+    with cluster(1, objects, arrays) as alone, cluster(2, objects, arrays) as both:
+        for _ in range(count):
+            calls, (one, one_cpu), (two, two_cpu) = (
+                plain(objects, arrays),
+                *(each.swept(objects, arrays) for each in (alone, both)),
+            )
+            rows.append([calls, one_cpu, two_cpu, one, two])
+    record["seconds"] = table(
+        [
+            "plain calls, processor [s]", "one worker, processor [s]", "two workers, processor [s]",
+            "one worker, wall [s]", "two workers, wall [s]",
+        ],
+        rows,
+    )  # fmt: skip
+    calls, one_cpu, _, one, two = np.array(rows).T
+    print()
+    record["verdicts"] = [
+        verdict("one worker beside plain calls", 100 * float(np.median(one_cpu / calls) - 1), 10, " %"),
+        verdict("two workers over one", float(np.median(one / two)), 1.8, least=True),
+        verdict("1000 draws of a ball's friction curve of 64 velocities", drawn(), 10, " s of processor"),
+    ]
+    save("sweep", record)
+
+
+def million() -> None:
+    objects, arrays = scene(100)
+    record = heading("Sweep of friction by Multiscale", "1000000 points on two workers")
+    with cluster(2, objects, arrays) as both:
+        wall, cpu = both.swept(objects, arrays)
+        memory = both.memory()
+    record["seconds"] = table(["wall [s]", "processor [s]"], [[wall, cpu]])
+    print()
+    record["verdicts"] = [
+        verdict("1e6 points on two workers", wall / 60, 15, " min"),
+        verdict("1e6 points, all processes", cpu, 1800, " s of processor"),
+        verdict("memory of a worker", memory, 2, " GB"),
+    ]
+    save("sweep_million", record)
 
 
 def main() -> None:
+    if os.environ.get("OPENBLAS_NUM_THREADS") != "1":  # read when numpy is imported
+        one_thread()
+        os.execv(sys.executable, [sys.executable, *sys.argv])
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--materials", type=int, default=100)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--materials", type=int, default=10)
+    parser.add_argument("--million", action="store_true", help="1e6 points on two workers instead")
     options = parser.parse_args()
-    one_thread()
-    objects, arrays = scene(options.materials)
-    few = objects | {"material": objects["material"][: max(2, options.materials // 10)]}
-    record = heading("Sweep of friction by Multiscale", f"{10_000 * options.materials} points")
-    calls, (one, _), (both, _) = plain(few, arrays), swept(few, arrays, 1), swept(few, arrays, 2)
-    whole, memory = swept(objects, arrays, 2)
-    record["seconds"] = table(
-        ["points", "plain calls [s]", "one worker [s]", "two workers [s]"],
-        [[10_000 * len(few["material"]), calls, one, both], [10_000 * options.materials, np.nan, np.nan, whole]],
-    )
-    print()
-    record["verdicts"] = [
-        verdict("all points on two workers", whole / 60, 15, " min"),
-        verdict("memory of a worker", memory / 1000, 2, " GB"),
-        verdict("one worker beside plain calls", 100 * (one / calls - 1), 10, " %"),
-        verdict("two workers over one", one / both, 1.8, least=True),
-    ]
-    save("sweep", record)
+    if options.million:
+        million()
+    else:
+        rounds(options.rounds, options.materials)
 
 
 if __name__ == "__main__":

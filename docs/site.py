@@ -1,18 +1,20 @@
 """What makes the site of the repository: a hook of mkdocs.
 
-The README becomes the first page, every example a page with its code and figure, and the public names of the package
-another, from their docstrings; the keys of scene files come from their schema. Other pages at the root of the
-repository, and those of materials and benchmarks, are taken as they are. Links to files that are no pages lose their
-link. Equations become MathML, so that the site needs no script from elsewhere.
+The README becomes the first page, every example and every notebook a page with its code and figures, and each group of
+public names another, from their docstrings; the keys of scene files come from their schema. Other pages at the root of
+the repository, and those of materials and benchmarks, are taken as they are. Links to files that are no pages lose
+their link. Equations become MathML, so that the site needs no script from elsewhere.
 """
 
 import ast
+import base64
+import html
 import json
 import re
 from pathlib import Path
 from typing import Any
 
-import latex2mathml.converter
+from math_core import LatexToMathML
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
@@ -40,6 +42,9 @@ GROUPS = {
         "load_friction",
     ),
 }  # fmt: skip
+EXAMPLES = sorted((ROOT / "examples").rglob("[0-9][0-9]_*.py"))
+NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
+RESULTS = "Results and errors"  # the group of all other names
 PAGES = {  # of the repository that lie outside docs, by their place on the site
     "index.md": "README.md",
     "contributing.md": "CONTRIBUTING.md",
@@ -52,23 +57,28 @@ HOMES = {path: uri for uri, path in PAGES.items()} | {"examples": "examples/inde
 HOMES |= {str(Path(path).parent): uri for path, uri in HOMES.items() if path.endswith("/README.md")}
 
 
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Puts the pages of examples and of the API below their titles in the contents."""
+    below = {
+        "Examples": [*(_page(path) for path in [*NOTEBOOKS, *EXAMPLES])],
+        "API": [*api()],
+    }
+    for entry in config.nav or []:
+        for title, pages in below.items():
+            if title in entry:
+                entry[title] = [entry[title], *pages]
+    return config
+
+
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Adds the pages that are made."""
-    made = {uri: (ROOT / path).read_text(encoding="utf-8") for uri, path in PAGES.items()}
+    made: dict[str, str | bytes] = {uri: (ROOT / path).read_text(encoding="utf-8") for uri, path in PAGES.items()}
     made["benchmarks.md"] += figures()
-    made["api.md"] = api()
-    listed = [
-        "# Examples",
-        "",
-        "Each file runs by itself: `python examples/NAME.py [--out DIR]`; CI runs them all.",
-        "",
-    ]
-    for path in sorted((ROOT / "examples").rglob("[0-9][0-9]_*.py")):
-        page = path.relative_to(ROOT).with_suffix(".md").as_posix()
-        made[page] = example(path)
-        title = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))).splitlines()[0]
-        listed.append(f"- [{title}]({page.removeprefix('examples/')})")
-    made["examples/index.md"] = "\n".join(listed) + "\n"
+    made |= api() | {"api/index.md": api_index(), "examples/index.md": gallery()}
+    for path in EXAMPLES:
+        made[_page(path)] = example(path)
+    for path in NOTEBOOKS:
+        made |= notebook(path)
     for uri, content in made.items():
         files.append(File.generated(config, uri, content=content))
     for path in sorted((ROOT / "benchmarks" / "results").glob("*.png")):
@@ -76,15 +86,69 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
+def gallery() -> str:
+    """Examples and notebooks, each with its first figure."""
+    lines = ["# Examples", ""]
+    for title, text, paths in (
+        ("Notebooks", "Three tasks from data to result, for Jupyter: `jupyter lab examples/notebooks`.", NOTEBOOKS),
+        ("Scripts", "Each runs by itself: `python examples/NAME.py [--out DIR]`, and ends in a check.",
+         [path for path in EXAMPLES if path.parent.name == "examples"]),
+        ("Worked problems", "[Ten problems](../problems.md) with closed forms, as scripts.",
+         [path for path in EXAMPLES if path.parent.name == "problems"]),
+    ):  # fmt: skip
+        lines += [f"## {title}", "", text, "", '<div class="grid cards gallery" markdown>', ""]
+        for path in paths:
+            page = _page(path).removeprefix("examples/")
+            figure = page.replace(".md", "_1.png") if path.suffix == ".ipynb" else "../" + _figure(path)
+            lines += [f"-   [![]({figure}){{loading=lazy}} {_title(path)}]({page})", ""]
+        lines += ["</div>", ""]
+    return "\n".join(lines)
+
+
 def example(path: Path) -> str:
-    """The page of an example: its docstring, its figure where the repository has one, its code."""
+    """The page of an example: its docstring, its figure, its code."""
     text = path.read_text(encoding="utf-8")
-    head, *rest = ast.get_docstring(ast.parse(text)).splitlines()
-    figure = path.relative_to(ROOT / "examples").with_suffix(".png")
-    up = "../" * (len(figure.parts))
-    shown = f"![{head}]({up}figures/{figure.as_posix()})\n\n" if (ROOT / "docs" / "figures" / figure).exists() else ""
+    _, *rest = ast.get_docstring(ast.parse(text)).splitlines()
+    up = "../" * _page(path).count("/")
     code = text.split('"""', 2)[2].strip()
-    return f"# {head}\n\n" + "\n".join(rest).strip() + f"\n\n{shown}```python\n{code}\n```\n"
+    words = "\n".join(rest).strip()
+    return f"# {_title(path)}\n\n{words}\n\n![{_title(path)}]({up}{_figure(path)})\n\n```python\n{code}\n```\n"
+
+
+def notebook(path: Path) -> dict[str, str | bytes]:
+    """The page of a notebook with the outputs that it holds, its figures, and the notebook itself."""
+    made: dict[str, str | bytes] = {}
+    page = _page(path)
+    lines = []
+    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        lines += [source if cell["cell_type"] == "markdown" else f"```python\n{source}\n```", ""]
+        for output in cell.get("outputs", []):
+            data = output.get("data", {"text/plain": output.get("text", "")})
+            if "image/png" in data:
+                figure = page.replace(".md", f"_{1 + sum(name.endswith('.png') for name in made)}.png")
+                made[figure] = base64.b64decode(data["image/png"])
+                lines += [f"![{_title(path)}]({Path(figure).name})", ""]
+            else:
+                lines += ["```text", "".join(data["text/plain"]).rstrip(), "```", ""]
+    made[page.replace(".md", ".ipynb")] = path.read_bytes()
+    return made | {page: "\n".join([*lines, f"[Download this notebook]({path.name})", ""])}
+
+
+def _page(path: Path) -> str:
+    return path.relative_to(ROOT).with_suffix(".md").as_posix()
+
+
+def _figure(path: Path) -> str:
+    return "figures/" + path.relative_to(ROOT / "examples").with_suffix(".png").as_posix()
+
+
+def _title(path: Path) -> str:
+    """The first line of an example's docstring, or of a notebook, without number and stop."""
+    if path.suffix == ".ipynb":
+        return json.loads(path.read_text(encoding="utf-8"))["cells"][0]["source"][0].strip("# \n")
+    title = re.sub(r"^(\d+: )", "", ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))).splitlines()[0])
+    return title[0].upper() + title[1:].rstrip(".")
 
 
 def figures() -> str:
@@ -98,25 +162,49 @@ def figures() -> str:
     return "\n".join(lines)
 
 
-def api() -> str:
-    """The public names of the package, from the table in its __init__."""
-    homes = {
-        name: module
-        for module, names in _table(ROOT / "src" / "elastomdr" / "__init__.py", "_HOMES").items()
-        for name in names
-    }
+def api() -> dict[str, str]:
+    """A page for each group of public names, from the table in the package's __init__."""
+    made = {}
+    for title, names in _groups().items():
+        lines = [f"# {title}", ""]
+        if title == RESULTS:  # what they share stands once
+            lines += ["All results have the methods of this class:", "", "::: elastomdr.results.base.Result", ""]
+        for name, home in names.items():
+            lines += [
+                f"::: elastomdr.{home}.{name}",
+                *["    options: {inherited_members: false}"][: title == RESULTS],
+                "",
+            ]
+        made[f"api/{re.sub(r'[^a-z]+', '-', title.lower())}.md"] = "\n".join(lines)
+    return made
+
+
+def api_index() -> str:
+    """All public names, group by group."""
+    lines = [
+        "# API",
+        "",
+        "`import elastomdr as em`: the names below are those of `em`.",
+        "",
+        "| group | names |",
+        "|---|---|",
+    ]
+    for page, (title, names) in zip(api(), _groups().items(), strict=True):
+        links = ", ".join(f"[`{name}`][elastomdr.{home}.{name}]" for name, home in names.items())
+        lines.append(f"| [{title}]({Path(page).name}) | {links} |")
+    return "\n".join([*lines, ""])
+
+
+def _groups() -> dict[str, dict[str, str]]:
+    """Title of a group to its names, each with the module it lives in."""
+    table = _table(ROOT / "src" / "elastomdr" / "__init__.py", "_HOMES")
+    homes = {name: module for module, names in table.items() for name in names}
     known = [name for names in GROUPS.values() for name in names]
     if absent := set(known) - set(homes):
         raise KeyError(f"names in GROUPS that elastomdr does not have: {sorted(absent)}")
-    groups = {**GROUPS, "Results and errors": tuple(sorted(set(homes) - set(known)))}
-    lines = ["# API", "", "`import elastomdr as em`: the names below are those of `em`.", ""]
-    for title, names in groups.items():
-        lines += [f"## {title}", "", *(line for name in names for line in (f"::: elastomdr.{homes[name]}.{name}", ""))]
-    for package in ("fit", "reference"):
-        lines += [f"## em.{package}", ""]
-        for name, module in _members(package).items():
-            lines += [f"::: elastomdr.{module}.{name}", ""]
-    return "\n".join(lines)
+    groups = {**GROUPS, RESULTS: tuple(sorted(set(homes) - set(known)))}
+    found = {title: {name: homes[name] for name in names} for title, names in groups.items()}
+    return found | {f"em.{package}": _members(package) for package in ("fit", "reference")}
 
 
 def _table(path: Path, name: str) -> dict[str, Any]:
@@ -145,11 +233,13 @@ def on_page_markdown(markdown: str, page: Any, config: MkDocsConfig, files: File
     """Links of the repository become links of the site, or plain words where the file is no page."""
     folder = Path(page.file.src_uri).parent
     home = PAGES.get(page.file.src_uri)
-    inside = (ROOT / home).parent if home else ROOT / "docs" / folder
+    of_notebook = folder.name == "notebooks"
+    inside = (ROOT / home).parent if home else ROOT / folder if of_notebook else ROOT / "docs" / folder
+    as_it_is = page.file.src_uri.startswith(("examples/", "api")) and not of_notebook
 
     def follow(match: re.Match[str]) -> str:
         words, target = match[1], match[2]
-        if re.match(r"[a-z]+:|#", target) or page.file.src_uri.startswith(("examples/", "api")):
+        if as_it_is or re.match(r"[a-z]+:|#", target):
             return match[0]
         place, _, anchor = target.partition("#")
         full = (inside / place).resolve()
@@ -169,12 +259,13 @@ def on_page_markdown(markdown: str, page: Any, config: MkDocsConfig, files: File
     return re.sub(r"(?<!!)\[((?:[^\[\]]|\[[^\[\]]*\])+)\]\(([^)\s]+)\)", follow, images)
 
 
-def on_page_content(html: str, page: Any, config: MkDocsConfig, files: Files) -> str:
+def on_page_content(text: str, page: Any, config: MkDocsConfig, files: Files) -> str:
     """Equations as MathML."""
+    convert = LatexToMathML().convert_with_local_state
 
-    def convert(match: re.Match[str]) -> str:
-        tex = match[3].replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">")
-        display = "block" if match[1] == "div" else "inline"
-        return latex2mathml.converter.convert(tex, display=display)
+    def equation(match: re.Match[str]) -> str:
+        block = match[1] == "div"
+        made = convert(html.unescape(match[3]), displaystyle=block)
+        return f'<div class="equation">{made}</div>' if block else made
 
-    return re.sub(r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>', convert, html, flags=re.DOTALL)
+    return re.sub(r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>', equation, text, flags=re.DOTALL)

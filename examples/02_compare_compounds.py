@@ -40,7 +40,7 @@ def main(out: Path) -> None:
         check_low_velocity(rubber)
 
     ax.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]", ylim=(0, 0.03))
-    ax.set_title(f"Four compounds at 20 °C\n{curve.model}", fontsize=10)
+    ax.set_title(f"Four compounds at 20 °C\n{curve.model}", fontsize=10, wrap=True)
     ax.legend(frameon=False)
     ax.grid(color="#dddddd")
     figure.savefig(out / "02_compare_compounds.png", dpi=150)

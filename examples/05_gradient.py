@@ -62,7 +62,7 @@ def draw(velocity: np.ndarray, mu: np.ndarray, radius: np.ndarray, sensitivity: 
     top.semilogx(velocity, mu, color="#1f5a94")
     top.set(ylabel="Friction coefficient [-]", ylim=(0, None))
     model = em.plan(RUBBER, BALL, velocity=velocity, load=LOAD).model
-    top.set_title(f"Ball of 5 mm radius, 1 N, on {RUBBER.name} at -25 °C\n{model}", fontsize=10)
+    top.set_title(f"Ball of 5 mm radius, 1 N, on {RUBBER.name} at -25 °C\n{model}", fontsize=10, wrap=True)
     top.grid(color="#dddddd")
     cells = edges(velocity), edges(RUBBER.times)
     colours = bottom.pcolormesh(*cells, sensitivity[:, 1:].T, cmap="RdBu_r", vmin=-0.8, vmax=0.8)

@@ -66,6 +66,7 @@ def compound() -> em.Prony:
 
 
 def main(out: Path, table: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     tread = compound()
     curve = em.friction(
@@ -86,7 +87,7 @@ def main(out: Path, table: Path) -> None:
         tangential=sheared,
         **WHEEL,
     )
-    draw(curve, found, parts).savefig(out / "20_tyre_slip_curve.png", dpi=130)
+    draw(curve, found, parts).savefig(out / "20_tyre_slip_curve.png")
     plt.close("all")
     top = found.peak()
     for i, kelvin in enumerate(KELVIN):
@@ -119,7 +120,7 @@ def sources(tread: em.Prony) -> dict[str, em.FrictionCurve]:
 
 
 def draw(curve: em.FrictionCurve, found: em.Traction, parts: dict[str, em.FrictionCurve]) -> plt.Figure:
-    figure, axes = plt.subplots(2, 2, figsize=(10.8, 8.0), layout="constrained")
+    figure, axes = plt.subplots(2, 2, figsize=(8.6, 6.8))
     first, second, third, last = axes.flat
     styles = (
         ("#888888", ":"),
@@ -131,28 +132,26 @@ def draw(curve: em.FrictionCurve, found: em.Traction, parts: dict[str, em.Fricti
     )
     for (name, part), (colour, line) in zip(parts.items(), styles, strict=True):
         first.semilogx(VELOCITY, part.mu, line, color=colour, label=name)
-    first.set_title("Which part comes from what, 20 °C, 0.21 MPa", fontsize=10, loc="left")
+    first.set_title("Which part comes from what, 20 °C, 0.21 MPa")
     for i, colour in enumerate(("#1f5a94", "#3a8a4d", "#a03030")):
         second.semilogx(VELOCITY, curve.mu[i, 1], color=colour, label=f"{KELVIN[i] - 273.15:.0f} °C")
         second.semilogx(VELOCITY, curve.cold[i, 1], "--", color=colour)
         at = found.peak().place[-1][i, 1]
         last.plot(100 * SLIP, found.force[i, 1] / 1e3, color=colour, label=f"{KELVIN[i] - 273.15:.0f} °C")
         last.plot(100 * SLIP[at], found.force[i, 1, at] / 1e3, "o", color=colour, markersize=5)
-    second.set_title("Friction at 0.21 MPa; dashed: without heat", fontsize=10, loc="left")
-    last.set_title(f"Braking force, 4 kN, {SPEED:g} m/s; dot: the largest", fontsize=10, loc="left")
+    second.set_title("Friction at 0.21 MPa; dashed: without heat")
+    last.set_title(f"Braking force, 4 kN, {SPEED:g} m/s; dot: the largest")
     for j, colour in enumerate(("#8bb4d9", "#1f5a94", "#0b2540")):
         at = found.peak().place[-1][1, j]
         third.plot(100 * SLIP, found.coefficient[1, j], color=colour, label=f"{LOAD[j] / 1e3:.0f} kN")
         third.plot(100 * SLIP[at], found.coefficient[1, j, at], "o", color=colour, markersize=5)
-    third.set_title(f"Slip curve at 20 °C, {SPEED:g} m/s; dot: the largest", fontsize=10, loc="left")
+    third.set_title(f"Slip curve at 20 °C, {SPEED:g} m/s; dot: the largest")
     for ax in (first, second):
         ax.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]", ylim=(0, None))
     third.set(xlabel="Slip [%]", ylabel="Braking force over load [-]", ylim=(0, None), xlim=(0, 100))
     last.set(xlabel="Slip [%]", ylabel="Braking force [kN]", ylim=(0, None), xlim=(0, 100))
     for ax in axes.flat:
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-        ax.legend(frameon=False, fontsize=8, ncols=2 if ax is first else 1, loc="upper right")
+        ax.legend(loc="upper right", ncols=2 if ax is first else 1, fontsize=7, columnspacing=1)
     first.set_ylim(0, 1.7)
     return figure
 

@@ -38,6 +38,7 @@ TEN_HERTZ, MIDDLE = 20 * np.pi, VELOCITY * float(np.sqrt(ROAD.q_low * ROAD.q_hig
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     rubbers = [em.load_material(name) for name in NAMES]
     asked = {"velocity": VELOCITY, "pressure": PRESSURE, "temperature": KELVIN}
@@ -56,23 +57,20 @@ def main(out: Path) -> None:
             f"{high:.0f} Hz; tan delta in the band {band[i]:.3f}, at 10 Hz {room[i]:.3f}"
         )
 
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11.4, 4.6), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 4.2))
     omega = np.geomspace(1.0, 1e7, 200)
     for name, bands, curve, rubber, colour in zip(NAMES, found, curves, rubbers, COLOURS, strict=True):
-        bands.plot(
-            left, title="Friction by frequency, 1 m/s, MDR line" if rubber is rubbers[0] else None, colour=colour
-        )
+        bands.plot(left, title="By frequency, 1 m/s, line" if rubber is rubbers[0] else None, colour=colour)
         right.loglog(omega, rubber.at(KELVIN).loss_tangent(omega), color=colour, label=f"{name}, mu {curve.mu:.3f}")
     low, high = np.min([b.central()[0] for b in found]), np.max([b.central()[1] for b in found])
     right.axvspan(low, high, color="#dddddd", zorder=0, label="eight tenths of the friction")
     right.axvline(TEN_HERTZ, color="#888888", linestyle=":", label="10 Hz")
-    right.set(xlabel="Frequency [rad/s]", ylabel="Loss tangent at 20 °C [-]", ylim=(1e-3, None))
+    right.set(xlabel="Angular frequency [rad/s]", ylabel="Loss tangent at 20 °C [-]", ylim=(1e-3, None))
     left.autoscale(axis="y")
     left.set_ylim(0, None)
     left.get_legend().remove()  # the colours are those of the other axes
-    right.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0))
-    right.grid(color="#dddddd")
-    figure.savefig(out / "21_ranking_compounds.png", dpi=150)
+    figure.legend(*right.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    figure.savefig(out / "21_ranking_compounds.png")
     plt.close(figure)
 
     check(friction, band, cool, room, hot)

@@ -35,8 +35,9 @@ DWELLS = np.array([1.0, 100.0])  # s
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8))
     colours = ("#1f3d7a", "#d08a2e", "#a03030")
     for name, dash in zip(NAMES, ("-", "--"), strict=True):
         rubber = em.load_material(name)
@@ -53,15 +54,13 @@ def main(out: Path) -> None:
         if name == NAMES[0]:
             started = start(right, rubber.at(KELVIN[0]), pressure)
             check(rubber, curve, started, float(cord.line_load))
-    left.set(xlabel="Speed of the rod [m/s]", ylabel="Friction force of the seal [N]")
-    left.set_title(f"O-ring of {1e3 * CORD:g} mm, squeezed by {100 * SQUEEZE:g} %", fontsize=10)
+    left.set(xlabel="Speed of the rod [m/s]", ylabel="Friction force of the seal [N]", ylim=(None, 3))
+    left.set_title(f"O-ring of {1e3 * CORD:g} mm, squeezed by {100 * SQUEEZE:g} %")
     right.set(xlabel="Way of the rod [µm]", ylabel="Friction / steady friction [-]")
-    right.set_title(f"Start at 10 mm/s after a dwell, {NAMES[0]}", fontsize=10)
+    right.set_title(f"Start at 10 mm/s after a dwell, {NAMES[0]}")
     for ax in (left, right):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-        ax.legend(frameon=False, fontsize=8)
-    figure.savefig(out / "22_seal.png", dpi=150)
+        ax.legend(loc="upper right", ncols=2 if ax is left else 1)
+    figure.savefig(out / "22_seal.png")
     plt.close(figure)
 
 

@@ -48,6 +48,7 @@ AT = 10  # of the velocities, for the table
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     run = {"velocity": VELOCITY, "belt": BELT, "goods": GOODS[:, None, None], "temperature": KELVIN[:, None]}
     with warnings.catch_warnings():
@@ -60,7 +61,7 @@ def main(out: Path) -> None:
     wide = (roll.contact.leading + roll.contact.trailing)[:, AT] / 6e-3
     print(f"middle roll: contact {wide.min():.2f} to {wide.max():.2f} times as wide as the cover is thick")
 
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(12.6, 4.3), layout="constrained")
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(8.6, 3.4))
     for i, (kelvin, colour) in enumerate(zip(KELVIN, ("#1f3d7a", "#3a7fb5", "#d08a2e", "#a03030"), strict=True)):
         label = f"{kelvin - 273.15:g} °C"
         left.semilogx(VELOCITY, roll.coefficient[i], color=colour, label=label)
@@ -68,16 +69,14 @@ def main(out: Path) -> None:
         middle.plot(VELOCITY, cost.power[1, i], color=colour, label=label)  # W/m is kW/km
         right.plot(BELT + GOODS, cost.power[:, i, AT], "o-", color=colour, label=label)
     left.set(xlabel="Belt speed [m/s]", ylabel="Resistance of the middle roll / its load [-]", ylim=(0, None))
-    left.set_title(f"One roll, {MIDDLE / TROUGH.length:.0f} N/m (dotted: springs)", fontsize=10)
+    left.set_title(f"One roll, {MIDDLE / TROUGH.length:.0f} N/m; dotted: springs")
     middle.set(xlabel="Belt speed [m/s]", ylabel="Power per kilometre [kW]", xlim=(0, None), ylim=(0, None))
-    middle.set_title(f"Carry and return side, {GOODS[1]:g} kg/m of goods", fontsize=10)
+    middle.set_title(f"Both sides, {GOODS[1]:g} kg/m of goods")
     right.set(xlabel="Mass of belt and goods [kg/m]", ylabel="Power per kilometre [kW]", xlim=(0, None), ylim=(0, None))
-    right.set_title(f"Against the load, at {VELOCITY[AT]:.2g} m/s", fontsize=10)
+    right.set_title(f"Against the load, at {VELOCITY[AT]:.2g} m/s")
     for ax in (left, middle, right):
-        ax.grid(color="#dddddd", which="both", linewidth=0.5)
-        ax.set_axisbelow(True)
-        ax.legend(frameon=False, fontsize=9)
-    figure.savefig(out / "23_belt_conveyor.png", dpi=150)
+        ax.legend()
+    figure.savefig(out / "23_belt_conveyor.png")
     plt.close(figure)
 
     check(springs, textbook)

@@ -36,6 +36,7 @@ SHOWN = 2  # of the speeds, in the middle and on the right
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     surroundings = {"ambient": AMBIENT, "conductance": CONDUCTANCE, "capacity": CAPACITY}
     warm = em.warming(TYRE, WHEEL, velocity=SPEEDS, load=LOAD, time=TIME, rtol=1e-4, **surroundings)
@@ -51,29 +52,27 @@ def main(out: Path) -> None:
     ends = np.array([AMBIENT, steady[SHOWN]])
     parts = em.dissipation(TYRE, WHEEL, velocity=SPEEDS[SHOWN], load=LOAD, temperature=ends, rtol=1e-4)
 
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(12.6, 4.2), layout="constrained")
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(8.6, 3.4))
     colours = ("#8bb4d9", "#3a7fb5", "#0b2540")
     for row, end, v, colour in zip(warm.temperature, steady, SPEEDS, colours, strict=True):
         left.plot(TIME / 60, row - 273.15, color=colour, label=f"{v:g} m/s")
         left.axhline(end - 273.15, color=colour, linestyle=":", linewidth=1)
     left.set(xlabel="Time [min]", ylabel="Temperature of the tyre [°C]", xlim=(0, TIME[-1] / 60))
-    left.set_title("From the cold (dotted: steady)", fontsize=10)
+    left.set_title("From the cold; dotted: steady")
     middle.plot(warm.temperature[SHOWN] - 273.15, warm.power[SHOWN], color="#a03030", label="made")
     kelvin = np.array([AMBIENT, steady[SHOWN] + 5])
     middle.plot(kelvin - 273.15, CONDUCTANCE * (kelvin - AMBIENT), color="#1f5a94", label="given off")
     middle.plot(steady[SHOWN] - 273.15, warm.power[SHOWN, -1], "o", color="#222222")
     middle.set(xlabel="Temperature of the tyre [°C]", ylabel="Power [W]", ylim=(0, None))
-    middle.set_title(f"Balance at {SPEEDS[SHOWN]:g} m/s", fontsize=10)
+    middle.set_title(f"Balance at {SPEEDS[SHOWN]:g} m/s")
     for share, kelvin, colour in zip(parts.share, ends, ("#1f5a94", "#a03030"), strict=True):
         label = f"at {kelvin - 273.15:.0f} °C"
         right.semilogx(SPRINGS.times, 100 * share, "o-", color=colour, markersize=4, label=label)
     right.set(xlabel="Relaxation time at 20 °C [s]", ylabel="Share of the dissipation [%]", ylim=(0, None))
-    right.set_title(f"Where the loss happens, {SPEEDS[SHOWN]:g} m/s", fontsize=10)
+    right.set_title(f"Where the loss happens, {SPEEDS[SHOWN]:g} m/s")
     for ax in (left, middle, right):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-        ax.legend(frameon=False, fontsize=9)
-    figure.savefig(out / "24_solid_wheel.png", dpi=150)
+        ax.legend()
+    figure.savefig(out / "24_solid_wheel.png")
     plt.close(figure)
 
     check_warming()

@@ -36,6 +36,7 @@ WIDTHS = {"heights": 0.05, "gain": 0.15}  # decades: what is known of them befor
 
 
 def main(out: Path, data: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     points = em.read_friction(data)
     error = NOISE * points.mu if points.error is None else points.error
@@ -50,8 +51,8 @@ def main(out: Path, data: Path) -> None:
     free = em.fit.calibrate(RUBBER, KNOWN, parameters=start, widths=WIDTHS, **measured)
     print(f"{points}\n\n{master}\n\n{alone}\n\n{free}")
 
-    places = [["shifted", "undecided"], ["drawn", "."]]
-    figure, axes = plt.subplot_mosaic(places, figsize=(11, 8.4), width_ratios=(3, 2), layout="constrained")
+    places = [["shifted", "undecided"], ["drawn", "drawn"]]
+    figure, axes = plt.subplot_mosaic(places, figsize=(8.6, 8.0), width_ratios=(3, 2))
     master.plot(axes["shifted"])
     velocity = np.geomspace(points.velocity.min(), points.velocity.max(), 41)
     kelvin = np.unique(points.temperature)[:, None]
@@ -65,7 +66,7 @@ def main(out: Path, data: Path) -> None:
         xlabel="Uncertainty over that beforehand [-]", title="What the data left undecided", xlim=(0, 1)
     )
     axes["undecided"].invert_yaxis()
-    figure.savefig(out / "25_measured_friction.png", dpi=150)
+    figure.savefig(out / "25_measured_friction.png")
     plt.close(figure)
 
     check(master, alone, free, made_here=data == DATA)

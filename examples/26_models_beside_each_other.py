@@ -43,8 +43,9 @@ MODELS = {
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
-    figure, panels = plt.subplots(1, 2, figsize=(9.6, 4.4), layout="constrained")
+    figure, panels = plt.subplots(1, 2, figsize=(8.6, 4.0))
     for ax, pressure in zip(panels, PRESSURES, strict=True):
         found = {}
         for name, (model, style) in MODELS.items():
@@ -60,16 +61,14 @@ def main(out: Path) -> None:
                 whole = curve.error + np.nan_to_num(curve.model_error)
                 ax.fill_between(velocity, curve.mu - whole, curve.mu + whole, alpha=0.16, linewidth=0, **style)
         area = found["three dimensions"].area_ratio
-        ax.set_title(f"{1e-6 * pressure:g} MPa, real contact {area.min():.0%} to {area.max():.0%}", fontsize=10)
+        ax.set_title(f"{1e-6 * pressure:g} MPa, real contact {area.min():.0%} to {area.max():.0%}")
         ax.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]", xscale="log", ylim=(0, None))
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
         three, fine = found["three dimensions"], found["Multiscale, the default"]
         apart = np.interp(np.log(FEW), np.log(VELOCITY), fine.mu) / three.mu - 1
         print(f"{1e-6 * pressure:g} MPa: Multiscale over three dimensions {apart.min():+.1%} to {apart.max():+.1%}")
         assert np.abs(apart).max() < 0.1, "Multiscale must lie within a tenth of three dimensions"
-    panels[0].legend(frameon=False, fontsize=8.5, loc="upper left")
-    figure.savefig(out / "26_models_beside_each_other.png", dpi=150)
+    panels[0].legend(loc="upper left")
+    figure.savefig(out / "26_models_beside_each_other.png")
     plt.close(figure)
     check()
 

@@ -39,8 +39,9 @@ CASES = [(0, v, STIFFNESS) for v in (1e-4, 3e-4, 1e-3)] + [(1, 3e-4, STIFFNESS),
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.4), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8))
     rubbers, loads, normals, curves = [], [], [], []
     for name, colour in zip(NAMES, ("#1f5a94", "#a03030"), strict=True):
         rubber = em.load_material(name).at(KELVIN)
@@ -80,14 +81,12 @@ def main(out: Path) -> None:
     left.axhline(0, color="#888888", linewidth=1)
     left.axvline(slowest, color="#888888", linestyle="--", linewidth=1)
     left.set(xlabel="Speed of the drive [m/s]", ylabel="Damping ratio of drive and seal [-]", ylim=(-0.5, 0.2))
-    left.set_title("Stick-slip, fast? (dotted, left of the dashed line: decides nothing)", fontsize=10)
+    left.set_title("Stick-slip, fast? Dotted: decides nothing")
     right.set(xlabel="Time [s]", ylabel="Velocity of the rod / of the drive [-]", ylim=(0, 5), xlim=(0, 2.6))
-    right.set_title("Stick-slip, slow? Drive of 5 kN/m", fontsize=10)
+    right.set_title("Stick-slip, slow? Drive of 5 kN/m")
     for ax in (left, right):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-        ax.legend(frameon=False, fontsize=8, ncols=2 if ax is right else 1)
-    figure.savefig(out / "27_seal_drive.png", dpi=150)
+        ax.legend(ncols=2 if ax is right else 1)
+    figure.savefig(out / "27_seal_drive.png")
     plt.close(figure)
     check(moved, swings, curves, np.array(normals))
 

@@ -42,16 +42,17 @@ DRY = em.AdhesiveShear(STRESS, PEAK, WIDTH, shift=em.Arrhenius(ENERGY, 298.15))
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.ExtrapolationWarning)  # the figure says where, by dots
         curve = em.friction(RUBBER, ROAD, velocity=VELOCITY, pressure=PRESSURE, temperature=KELVIN[:, None])
     print(curve.summary())
     places = [["road", "road"], ["dry", "fit"]]
-    figure, axes = plt.subplot_mosaic(places, figsize=(15, 10.5), layout="constrained")
+    figure, axes = plt.subplot_mosaic(places, figsize=(8.6, 8.6))
     curve.plot(axes["road"], title=f"Hysteresis of a measured EPDM on a rough surface, {PRESSURE / 1e6:g} MPa")
     both = dry(axes["dry"], axes["fit"])
-    figure.savefig(out / "28_measured_rubber_on_a_road.png", dpi=110)
+    figure.savefig(out / "28_measured_rubber_on_a_road.png")
     plt.close(figure)
     check(curve)
     check_parts(*both)
@@ -68,7 +69,7 @@ def dry(parts: Axes, fitted: Axes) -> tuple[em.FrictionCurve, em.fit.AdhesionFit
     points = points * (1 + 0.02 * np.random.default_rng(0).normal(size=points.shape))
     fit = em.fit.adhesion(bare, points, error="relative", reference=298.15)
     print(f"\n{curve.summary()}\n\n{fit}")
-    curve.plot(parts, title="Dry: hysteresis and adhesive shear, 25 °C")
+    curve.plot(parts, title="Dry friction, 25 °C")
     fit.plot(fitted)
     return curve, fit
 

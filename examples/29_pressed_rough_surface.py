@@ -28,8 +28,9 @@ TIME, VELOCITY = np.geomspace(1e-4, 1e2, 31), np.geomspace(1e-7, 1.0, 15)  # s, 
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(11.0, 3.9), layout="constrained", sharey=True)
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(8.6, 3.4), sharey=True)
     for (name, time), colour in zip(TIMES.items(), ("#7fb0dd", "#3c7fbf", "#123c66"), strict=True):
         found = em.press(TREAD, SURFACE, pressure=PRESSURE, time=time, conductivity=CONDUCTIVITY)
         left.loglog(PRESSURE / 1e6, found.thermal, color=colour, label=f"{name} under load")
@@ -46,11 +47,8 @@ def main(out: Path) -> None:
     left.set(xlabel="Nominal pressure [MPa]", ylabel="Thermal conductance [W/(m² K)]", title="At rest")
     middle.set(xlabel="Time under 0.1 MPa [s]", title="Creep")
     right.set(xlabel="Velocity under 0.1 MPa [m/s]", title="Sliding")
-    left.legend(frameon=False)
-    for ax in (left, middle, right):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-    figure.savefig(out / "29_pressed_rough_surface.png", dpi=150)
+    left.legend()
+    figure.savefig(out / "29_pressed_rough_surface.png")
     plt.close(figure)
     print(creep.summary())
     check(creep, slide)

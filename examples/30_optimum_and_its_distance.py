@@ -64,6 +64,7 @@ def resistance(change: np.ndarray) -> jax.Array:
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore", em.ExtrapolationWarning)  # said below
     start = np.zeros(4)
@@ -118,7 +119,7 @@ def check_gradients(both: list, slopes: tuple) -> None:
 
 
 def draw(best: em.Prony, omega: np.ndarray, off: list, misfit: list, path: Path) -> None:
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8))
     velocity = np.geomspace(1e-3, 10, 40)
     for material, label in ((RUBBER.draws(60), "as measured, 95 % of its draws"), (best, "optimum")):
         curve = em.friction(material, ROAD, **(WET | {"velocity": velocity}))
@@ -129,19 +130,17 @@ def draw(best: em.Prony, omega: np.ndarray, off: list, misfit: list, path: Path)
         left.semilogx(velocity, curve.mu if material is best else middle, color=colour, label=label)
     left.axvspan(WET["velocity"][0], WET["velocity"][-1], color="#eeeeee", zorder=0, label="optimised")
     left.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]", ylim=(0, None))
-    left.set_title("Hysteresis on the road, 5 °C", fontsize=10)
+    left.set_title("Hysteresis on the road, 5 °C")
     for change, size, colour, name in zip(off, misfit, ("#1f5a94", "#c8702a"), ("storage", "loss"), strict=True):
         right.semilogx(omega, 100 * change, color=colour, label=f"{name}: optimum over measured")
         right.fill_between(
             omega, -100 * size, 100 * size, color=colour, alpha=0.2, linewidth=0, label=f"{name}: misfit"
         )
     right.set(xlabel="Angular frequency at 25 °C [rad/s]", ylabel="Change of the modulus [%]")
-    right.set_title("How far the optimum is from what was measured", fontsize=10)
+    right.set_title("How far the optimum is from what was measured")
     for ax in (left, right):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-        ax.legend(frameon=False, fontsize=8)
-    figure.savefig(path, dpi=150)
+        ax.legend()
+    figure.savefig(path)
     plt.close(figure)
 
 

@@ -126,7 +126,7 @@ BAD_SCENES = {
     ),
     "too short a profile": (
         ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nunit = "mm"\nr = [0, 1]\nz = [0, 1]'),
-        "four points",
+        "4 entries",
     ),
     "a profile's file not there": (
         ('shape = "paraboloid"\nradius = "5 mm"', 'shape = "profile"\nunit = "mm"\nfile = "tip.csv"'),

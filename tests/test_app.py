@@ -7,6 +7,7 @@ import time
 import tomllib
 import zipfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -202,6 +203,7 @@ def test_every_screen(tmp_path):
         assert "0.3 MPa" in form.widgets["[contact] pressure"].error
         assert not session.done
         form.set("[contact] pressure", "0.3 MPa")
+        form.set("temperature", "20 degC")
         form.set("adhesion", True)
         user.find("Compute friction").click()
         await until(lambda: form.widgets["[adhesion] stress"].error)  # is missing
@@ -210,24 +212,37 @@ def test_every_screen(tmp_path):
         user.find("Use sample measurement").click()
         await until(lambda: page.friction._picture.shown)
         result = session.done["friction"].result
-        assert result.mu.shape == (3, 3)
+        assert result.mu.shape == (3,)
         assert (result.adhesion > 0).all()
-        page.friction.form.set("[contact] pressure", "0.2 MPa")
+        page.friction.form.set("[contact] pressure", "0.1 MPa, 0.3 MPa")
         user.find(kind=ui.input, content="pressure").trigger("keydown.enter")  # computes, as the button does
-        await until(lambda: session.done["friction"].content["contact"]["pressure"] == "0.2 MPa")
+        await until(lambda: isinstance(session.done["friction"].content["contact"]["pressure"], list))
 
         user.find("Compare rubbers").click()
         await until(lambda: page.compare._picture.shown)
-        assert session.done["compare"].result.materials == ("dma", "epdm-70", "tread-passenger-synthetic")
+        ranking = session.done["compare"].result
+        assert ranking.curve.materials == ("dma", "epdm-70", "tread-passenger-synthetic")
         with user:
             (table,) = user.find(kind=ui.table).elements
-        assert [row["material"] for row in table.rows] == ["dma", "tread-passenger-synthetic", "epdm-70"]
-        assert all("±" in row["friction"] for row in table.rows)
-        user.find("Compute rolling").click()
-        await until(lambda: page.rolling._picture.shown)
+        assert [row["rubber"] for row in table.rows] == [place.material for place in ranking.places]
+        assert ranking.pressure == pytest.approx(1.732e5, rel=1e-3)
+        assert [row["uncertainty"][0] for row in table.rows] == [
+            "±",
+            "n",
+            "±",
+        ]  # of an illustrative one it is not known
+        page.rolling._other_kind(SimpleNamespace(value="traction"))
+        page.rolling.form.set("[contact] slip", "0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 0.9")
+        page.rolling.form.set("[contact] load", "4 kN")
+        page.rolling.form.set("[contact] velocity", "1 m/s")
+        await page.rolling.compute()
+        assert session.done["rolling"].content["friction"] == "friction-friction.csv"  # of the friction screen
 
         user.find("Export").click()
-        await user.should_see("elastomdr rolling rolling.toml --out out")
+        await user.should_see("elastomdr traction rolling.toml --out out")
+        await user.should_see("elastomdr compare compare.toml --out out")
+        user.find("Tyre (.tir)").click()
+        assert b"PDX1" in (await user.download.next(timeout=60)).content
         user.find("Scene (TOML)").click()
         answer = await user.download.next()
         content = tomllib.loads(answer.content.decode())
@@ -245,7 +260,7 @@ def test_every_screen(tmp_path):
         again = await opened(f"/?session={session.name}")  # loaded again: nothing is lost
         assert again._session is session
         await until(lambda: again.friction._picture.shown and again.rubber._pictures["master"].shown)
-        assert again.friction.form.widgets["[contact] pressure"].value == "0.2 MPa"
+        assert again.friction.form.widgets["[contact] pressure"].value == "0.1 MPa, 0.3 MPa"
 
     simulated(tmp_path, act)
 
@@ -270,6 +285,9 @@ def test_bad_files_and_two_sessions_at_once(tmp_path):
             assert said, name
         assert json.dumps(one._session.scenes) == kept
         assert list(one._session.fits) == ["dma.toml"]
+        export = SAMPLE / "dma-q800.txt"  # does not say whether it was sheared or pulled
+        await one.rubber._dropped([one._session.folder.keep(export.name, export.read_bytes())])
+        assert one.rubber.form.widgets["kind"].error.endswith("give it, as kind='shear' or 'tensile'.")
         for name in ("binary.csv", "words.csv"):
             await one.road._dropped([name])
             await until(lambda: any(getattr(w, "error", None) for w in one.road.form.widgets.values()))
@@ -284,6 +302,17 @@ def test_bad_files_and_two_sessions_at_once(tmp_path):
         assert other._session.scenes["friction"]["material"] == "epdm-70"
 
     simulated(tmp_path, act)
+
+
+def test_comparison_is_that_of_the_command(tmp_path):
+    own = {"material": ["epdm-70", "silicone-like"], "temperature": "20 degC", "compare": {"velocity": "0.1 m/s"}}
+    done = compute("compare", scene(**own), Folder(tmp_path))
+    (tmp_path / "mine.toml").write_text(toml("compare", done.content, "mine"), encoding="utf-8")
+    assert main(["compare", str(tmp_path / "mine.toml"), "--out", str(tmp_path)]) == 0
+    written = (tmp_path / "mine-compare.csv").read_text(encoding="utf-8").splitlines()
+    assert written[1:] == done.csv().decode().splitlines()
+    with pytest.raises(em.InputError, match="two or more"):
+        compute("compare", scene(), Folder(tmp_path))
 
 
 def test_a_done_scene_is_what_was_asked(tmp_path):

@@ -9,14 +9,19 @@ from elastomdr.cli.main import main
 VELOCITY = np.geomspace(1e-4, 1, 9)
 BALL = {"velocity": VELOCITY, "load": 1.0, "temperature": 293.15}
 ROAD = em.SelfAffine(0.8, rms_slope=0.7, q_low=1e3, q_high=3e5)
-TRUE = em.Prony(1e6, 10 ** np.linspace(8.5, 5.2, 24), np.logspace(-9, 2, 24), shift=em.WLF(8.9, 101.6, 293.15))
+LAW = em.WLF(8.9, 101.6, 293.15)
 
 
-def measured():
-    rng, rows = np.random.default_rng(0), []
-    omega = np.geomspace(0.1, 300, 10)
+def true(vertical=None):
+    moduli, times = 10 ** np.linspace(8.5, 5.2, 24), np.logspace(-9, 2, 24)
+    return em.Prony(1e6, moduli, times, shift=LAW, vertical=vertical)
+
+
+def measured(seed=0, material=None):
+    rng, rows = np.random.default_rng(seed), []
+    omega, material = np.geomspace(0.1, 300, 10), material or true()
     for kelvin in 293.15 + np.arange(-40, 51, 15.0):
-        own = TRUE.at(kelvin)
+        own = material.at(kelvin)
         noisy = [x * np.exp(0.03 * rng.standard_normal(omega.size)) for x in (own.storage(omega), own.loss(omega))]
         rows.append((np.full(omega.size, kelvin), omega, *noisy))
     return em.fit.Dma(*map(np.concatenate, zip(*rows, strict=True)), kind="shear")
@@ -45,9 +50,48 @@ def test_draws_scatter_as_the_bands_say(fit):
     assert again[0].name == "draw 1 of tread"
 
 
+def test_tables_scatter_as_the_fit_says():
+    """Shift factors and vertical shifts that are tables: zero at the reference, as uncertain as reported elsewhere."""
+    material = true(em.VerticalTable([240.0, 293.15, 350.0], [0.8, 1.0, 1.15]))
+    fit = em.fit.material(measured(0, material), 293.15, law="table", vertical=True)
+    draws, master = fit.draws(400), fit.master
+    assert isinstance(fit.material.shift, em.ShiftTable)
+    assert isinstance(fit.material.vertical, em.VerticalTable)
+    for values, at, std in (
+        ([each.shift.log10_a_table for each in draws], fit.material.shift.temperature, master.log10_a_std),
+        ([np.log10(each.vertical.factor) for each in draws], fit.material.vertical.temperature, master.log10_b_std),
+    ):
+        scatter = dict(zip(np.asarray(at).round(2), np.std(values, axis=0), strict=True))
+        assert scatter[293.15] < 0.02 * max(scatter.values())
+        found = [scatter[kelvin] for kelvin in master.temperature.round(2)]
+        np.testing.assert_allclose(found, std, rtol=0.2)
+    assert all((np.diff(each.shift.log10_a_table) < 0).all() for each in draws)
+
+
+@pytest.mark.parametrize("kind", ["table of shift factors", "entropy elasticity", "table of vertical shifts"])
+def test_the_truth_lies_among_the_draws(kind):
+    """Friction of the material that was measured, at temperatures beside the reference, over three noises."""
+    vertical = {
+        "entropy elasticity": em.EntropicVertical(293.15),
+        "table of vertical shifts": em.VerticalTable([240.0, 293.15, 350.0], [0.8, 1.0, 1.15]),
+    }.get(kind)
+
+    def friction(material):
+        kelvin = np.array([[273.15], [293.15], [323.15]])
+        return em.friction(material, ROAD, velocity=[1e-4, 1e-3], temperature=kelvin, pressure=2e5)
+
+    truth, off = friction(true(vertical)).mu, []
+    for seed in range(3):
+        table = {"law": "table", "vertical": False} if vertical is None else {"vertical": True}
+        curve = friction(em.fit.material(measured(seed, true(vertical)), 293.15, **table).draws(20))
+        assert not curve.extrapolated.any()
+        off.append((np.log(curve.mu).mean(axis=0) - np.log(truth)) / np.log(curve.mu).std(axis=0))
+    assert 0.3 < np.sqrt(np.mean(np.square(off))) < 2
+    assert np.max(np.abs(off)) < 4.5
+
+
 def test_a_law_that_was_given_is_not_drawn():
-    law = em.WLF(8.9, 101.6, 293.15)
-    draws = em.fit.material(measured(), 293.15, shift=law, vertical=False).draws(2)
+    draws = em.fit.material(measured(), 293.15, shift=LAW, vertical=False).draws(2)
     assert all(float(each.shift.c1) == pytest.approx(8.9) for each in draws)
 
 

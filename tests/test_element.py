@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import eigvals
 
 from elastomdr._arrays import numpy_unless_traced
 from elastomdr.foundation.episode import energies, follow, force, pressed
@@ -14,8 +15,9 @@ from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
 from elastomdr.foundation.moments import panel_sums
 from elastomdr.foundation.step import contact_step, rest
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve.period import Lanes, sweep
+from elastomdr.solve.lump import lanes as every
 from elastomdr.solve.period import coefficients as period_coefficients
+from elastomdr.solve.period import sweep
 
 
 @pytest.fixture(autouse=True)
@@ -143,24 +145,46 @@ def test_random_elements_with_renewed_contact(seed):
 
 @pytest.mark.parametrize("viscosity", [0.0, 40.0])
 def test_one_period_of_a_rough_line_is_made_of_contact_steps(viscosity):
-    """The sweep of rough lines has a step of its own, which one kernel runs; without a dashpot it is the same step."""
-    law, rise = Relaxation(1e6, np.array([2e6, 5e5]), np.array([2e-4, 3e-3]), viscosity), 1e-6 * np.cos(
+    """The sweep of rough lines has a step of its own, which one kernel runs: in contact the same, free its own."""
+    law, rise = Relaxation(1e6, np.array([2e6, 5e5]), np.array([2e-4, 3e-3]), np.asarray(viscosity)), 1e-6 * np.cos(
         2 * np.pi * np.arange(65) / 64
     )  # fmt: skip
     rise, h, depth = np.minimum(rise - rise[0], 0.0), 1e-4, 5e-7
-    lanes = Lanes(np.array(1e6), law.moduli[:, None], law.times[:, None], np.array([viscosity]), np.zeros(1))
-    start = np.array([[0.3], [0.1]])
-    found = sweep(rise, 64, 1, np.array([depth]), start, period_coefficients(lanes, np.array([h])), None, 2, True)
-    state = rest(law, 1)._replace(u=jnp.array([depth]), f=jnp.asarray(start), q=jnp.ones(1))
+    start = np.array([[0.1], [0.3]])  # the slowest first
+    found = sweep(
+        rise, 64, 1, np.array([depth]), start, period_coefficients(every(law, 1), np.array([h])), None, 2, True
+    )
+    state = rest(law, 1)._replace(u=jnp.array([depth]), f=jnp.asarray(start[::-1]), q=jnp.ones(1))
     touching = 0
     for w0, w1 in pairwise(rise + depth):
         state = contact_step(law, state, jnp.array([w0]), jnp.array([w1]), h)
         touching += int(state.q[0] > 0)
-    rtol = 0.2 if viscosity else 1e-12  # with a dashpot Signorini's conditions are put on another mean of the force
-    np.testing.assert_allclose(found.u, state.u, rtol=rtol)
-    np.testing.assert_allclose(found.branches, state.f, rtol=rtol, atol=0.02 if viscosity else 0.0)
-    if not viscosity:
-        assert int(found.touching[0]) == touching
+    np.testing.assert_allclose(found.u, state.u, rtol=1e-12)
+    np.testing.assert_allclose(found.branches[::-1], state.f, rtol=2e-3)
+    assert int(found.touching[0]) == touching
+
+
+@pytest.mark.parametrize("viscosity", [0.0, 3e-3, 40.0])
+@pytest.mark.parametrize("moduli", [[2e6, 5e5, 1e7], [2e6, 0.0, 1e-3], [1e9, 1e9, 1e3]])
+def test_free_steps_have_the_rates_of_free_recovery(viscosity, moduli):
+    """Eigenvalues of a free step are exp(-h/lambda), lambda those of u' and f_k' by scipy; whatever the step."""
+    moduli, times = np.array(moduli), np.array([2e-7, 2e-4, 3e-3])
+    law = Relaxation(np.asarray(1e6), moduli, times, np.asarray(viscosity))
+    if viscosity:
+        move = -np.append(1e6, np.ones(3)) / viscosity  # u' by u and f
+    else:
+        move = np.append(0.0, 1 / times) / (1e6 + moduli.sum())
+    rates = np.vstack([move, moduli[:, None] * move])
+    rates[1:, 1:] -= np.diag(1 / times)
+    live = np.append(True, moduli > 0)
+    rates = -np.sort(-eigvals(rates[live][:, live]).real)
+    for h in (1e-9, 1e-6, 1e-4, 1e-2):
+        by = period_coefficients(every(law, 1), np.array([h]))
+        gain, keep = np.append(1e6, by.gain[:, 0]), np.append(1.0, by.keep[:, 0])
+        step = np.diag(keep) - np.outer(gain, by.give * np.append(1.0, by.seen[:, 0]))
+        found = -np.sort(-eigvals(step[: live.sum(), : live.sum()]).real)
+        exact = np.exp(h * rates) if viscosity else np.append(np.exp(h * rates[1:]), 0.0)
+        np.testing.assert_allclose(found, exact, rtol=1e-7, atol=1e-11)
 
 
 @pytest.mark.parametrize("count", [3, 6, 12, 20])

@@ -18,11 +18,13 @@ LONGEST = 30.0  # s
 
 
 @pytest.fixture(autouse=True)
-def no_window(monkeypatch):
+def no_window():
+    """No window, and what an example sets of matplotlib ends with it."""
     backend = matplotlib.get_backend()
-    matplotlib.use("agg")
-    yield
-    plt.close("all")
+    with matplotlib.rc_context():
+        matplotlib.use("agg")
+        yield
+        plt.close("all")
     matplotlib.use(backend)
 
 

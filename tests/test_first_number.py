@@ -57,6 +57,17 @@ HISTORIES = {
         RUBBER, em.Sphere(0.01), velocity=1.0, creepage=[1e-3, 0.05], friction=0.8, load=5.0, **at
     ),
 }
+TIME = np.array([0.0, 0.01, 0.02])
+MARCHES = {
+    "indent by a falling load": lambda: em.indent(RUBBER, em.Sphere(0.01), time=[0, 1, 2], load=[0, 1, 0.2], rtol=1e-3),
+    "slide": lambda: em.slide(RUBBER, em.Sphere(0.01), time=TIME, position=0.02 * TIME, load=1.0, rtol=0.1),
+    "drive": lambda: em.drive(
+        RUBBER, em.Sphere(0.01), time=TIME, position=0.02 * TIME, load=1.0, tangential=em.Mount(0.1, 1e3, 1.0), rtol=0.1
+    ),
+    "shear": lambda: em.shear(
+        RUBBER, em.Sphere(0.01), time=TIME, displacement=2e-3 * TIME, load=1.0, friction=0.5, elements=50, steps=4
+    ),
+}
 
 
 def test_small_histories_load_nothing_heavy():
@@ -65,7 +76,11 @@ def test_small_histories_load_nothing_heavy():
         f"em.indent({ball}, time=[0, 1, 2], depth=[0, 1e-4, 0])\n"
         f"em.indent({ball}, time=[0, 1, 2], load=[0, 1, 2])\n"
         f"em.impact({ball}, mass=1e-2, velocity=1.0, rtol=1e-3)\n"
-        f"em.traction({ball}, velocity=1.0, creepage=0.01, friction=0.8, load=5.0)"
+        f"em.traction({ball}, velocity=1.0, creepage=0.01, friction=0.8, load=5.0)\n"
+        f"em.indent({ball}, time=[0, 1, 2], load=[0, 1, 0.5], rtol=1e-3)\n"
+        f"em.slide({ball}, time=[0, 1e-2], position=[0, 1e-4], load=1.0, rtol=0.1)\n"
+        f"em.drive({ball}, time=[0, 1e-2], position=[0, 1e-4], load=1.0, tangential=em.Mount(0.1, 1e3), rtol=0.1)\n"
+        f"em.shear({ball}, time=[0, 1], displacement=[0, 1e-6], load=1.0, friction=0.5, elements=50, steps=4)"
     )
     assert loaded(calls) == set()
 
@@ -82,6 +97,17 @@ def test_histories_on_numpy_and_compiled_agree(name, monkeypatch):
             one, other = getattr(first, field), getattr(later, field)
             np.testing.assert_allclose(one, other, atol=rtol * np.abs(one).max())
             assert isinstance(other, np.ndarray)
+
+
+@pytest.mark.parametrize("name", MARCHES)
+def test_marches_on_numpy_and_compiled_agree(name, monkeypatch):
+    first = MARCHES[name]()
+    monkeypatch.setattr(_arrays, "_ENOUGH", -1.0)
+    later = MARCHES[name]()
+    for field in ("force", "normal_force", "friction_force", "depth", "dissipated", "work", "error"):
+        if hasattr(first, field):
+            one, other = getattr(first, field), getattr(later, field)
+            np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-7 * np.abs(one).max())
 
 
 @pytest.mark.parametrize("model", ["em.Multiscale()", "em.Persson()"])

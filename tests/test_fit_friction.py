@@ -44,7 +44,7 @@ def test_grosch_master_curve():
     assert np.isnan(master.curve(1e6)[0])
     np.testing.assert_allclose(master.error, 0.01, rtol=0.3)
     assert master.warnings == ()
-    assert "v a_T" in master.plot().get_xlabel()
+    assert "Reduced velocity" in master.plot().get_xlabel()
     assert "log10 a_T" in repr(master)
 
 

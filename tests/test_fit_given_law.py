@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.cli.fit import _law
+from elastomdr.cli.fit import law_of
 from elastomdr.cli.main import main
 from elastomdr.material.check import check_material
 
@@ -117,5 +117,5 @@ def test_the_command_line(tmp_path, monkeypatch, capsys):
     ):
         assert main([*base, "--shift", wrong]) == 2
         assert said in capsys.readouterr().err
-    assert float(_law("Arrhenius(80 kJ/mol, 20degC)").energy) == 8e4
-    assert float(_law("VFT(1000 K, -100 degC, 20)").t0) == pytest.approx(173.15)
+    assert float(law_of("Arrhenius(80 kJ/mol, 20degC)").energy) == 8e4
+    assert float(law_of("VFT(1000 K, -100 degC, 20)").t0) == pytest.approx(173.15)

@@ -5,12 +5,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 import elastomdr as em
 from elastomdr.foundation.modes import recovery_modes
 from elastomdr.foundation.step import contact_step, rest
 from elastomdr.mapping.disc import Disc
 from elastomdr.mapping.shapes import Paraboloid, PowerLaw, Sphere
+from elastomdr.material.relaxation import to_kelvin
 from elastomdr.solve.control import _marched
 
 from .problems.indentation import BALL, PROBLEMS, PULSES, SOLID, TIMES, TWICE
@@ -33,6 +35,32 @@ def test_exact_answer(problem):
             got = float(getattr(result, field)[i])
             scale = np.nanmax(np.abs(getattr(result, field)))
             np.testing.assert_allclose(got, value, rtol=problem.rtol, atol=1e-9 * scale * (value == 0), err_msg=field)
+
+
+def test_broad_spectrum_after_a_peak_is_tings():
+    """Sixteen times over nine decades, where the error falls by no whole power of the step: the radius on the way back
+    is that of the way there at t1, int_0^t1 E(t - s) J(s) ds = F(t) under a load that rose by 1 N/s (Ting 1966)."""
+    rubber = em.Prony(1e6, np.geomspace(1e8, 1e6, 16), np.logspace(-7, 2, 16), poisson=0.4)
+    result = em.indent(rubber, Paraboloid(5e-3), time=[0, 1, 2], load=[0, 1, 0.2], rtol=1e-5)
+    law = em.half_space(rubber).law()
+    chain = to_kelvin(law)
+    node, weight = np.polynomial.legendre.leggauss(20)
+
+    def up_to(end, function):
+        ends = end * np.append(0.0, np.logspace(-9, 0, 60))
+        half = 0.5 * np.diff(ends)[:, None]
+        return np.sum(half * weight * function(ends[:-1, None] + half * (1 + node)))
+
+    def creep(s):
+        return chain.instantaneous - np.expm1(-s[..., None] / chain.times) @ chain.compliances
+
+    def relaxing(s):
+        return law.equilibrium + np.exp(-s[..., None] / law.times) @ law.moduli
+
+    back = brentq(lambda end: up_to(end, lambda s: relaxing(2 - s) * creep(s)) - 0.2, 1e-6, 1)
+    radius = (0.75 * 5e-3 * up_to(back, creep)) ** (1 / 3)
+    np.testing.assert_allclose(result.contact_radius[-1], radius, rtol=1e-5)
+    assert result.converged.all()
 
 
 def test_error_covers_the_truth():
@@ -104,7 +132,9 @@ def test_load_in_steps_converges_and_meets_the_closed_form(viscosity):
     np.testing.assert_allclose(result.force, PULSES, rtol=1e-14)
     law = foundation.law()
     rows = [a[None] for a in (TIMES, 0 * TIMES, PULSES, np.zeros(TIMES.shape, bool))]
-    marches = [_marched(law, recovery_modes(law), Disc(BALL, "half-space"), *rows, levels=n, kept=1) for n in (8, 16)]
+    marches = [
+        _marched(law, recovery_modes(law), Disc(BALL, "half-space"), *rows, levels=n, kept=1)[0] for n in (8, 16)
+    ]
     errors = [np.abs(m.depth[0] - result.depth).max() for m in marches]
     assert -2.6 < np.log2(errors[1] / errors[0]) < -1.6
     # Where the contact is wider than ever before, its history is forgotten: the closed form holds again (Ting 1966).

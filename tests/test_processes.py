@@ -53,8 +53,7 @@ START = """
 import os, sys, jax
 jax.config.update("jax_compilation_cache_dir", GIVEN) if GIVEN else None
 import elastomdr as em
-time = [0.0, 1e-3]
-em.slide(em.Foundation(4e6, [12e6], [1e-3]), em.Paraboloid(0.01), time=time, position=time, load=1.0, rtol=0.1)
+em.indent(em.Foundation(4e6, [], []), em.Paraboloid(0.01), time=[0.0, 1.0], load=[0.0, 1.0], adhesion=0.1)
 print(jax.config.jax_compilation_cache_dir, jax.config.jax_persistent_cache_min_compile_time_secs)
 """
 

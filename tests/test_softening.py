@@ -64,7 +64,7 @@ def test_factors_differentiate():
     (STRAIN, [1, 0.8, 0.5, np.nan], LOSS, "storage must be positive and finite, got nan"),
     (STRAIN, STORAGE, [1, 1, 1, 11], "loss must be factors.*10 at most, got 11"),
     (STRAIN, STORAGE, LOSS[:3], "lists of the same length"),
-    ([0.1], [1], [1], "two entries at least"),
+    ([0.1], [1], [1], "2 entries at least"),
     ([0.1, 0.1], [1, 1], [1, 1], "strain must be ascending"),
 ])  # fmt: skip
 def test_bad_sweeps_get_one_clear_line(strain, storage, loss, said):

@@ -3,14 +3,17 @@
 import errno
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import textwrap
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
+import tqdm
 from filelock import FileLock
 
 import elastomdr as em
@@ -32,8 +35,9 @@ def scene(**more):
 
 
 def small(monkeypatch, points=7):
-    """Chunks of at most so many points."""
+    """Chunks of at most so many points, in this process."""
     monkeypatch.setattr(grids, "_POINTS", points)
+    monkeypatch.setattr(run, "_cores", lambda: 1)
 
 
 def test_every_point_is_that_of_a_call(tmp_path):
@@ -93,7 +97,6 @@ def test_goes_on_where_it_stopped(tmp_path, monkeypatch):
         return compute(asked, chunk)
 
     compute = run.compute
-    monkeypatch.setattr(run, "_cores", lambda: 1)
     monkeypatch.setattr(run, "compute", interrupted)
     with pytest.raises(KeyboardInterrupt):
         em.sweep(**scene(store=tmp_path / "runs.zarr"))
@@ -188,6 +191,43 @@ def test_what_raises_keeps_its_message_and_stops_nothing(tmp_path, monkeypatch):
     assert "no such rubber" in found.attrs["raised"]["1"]
 
 
+def test_progress_says_how_long_it_will_take(tmp_path, monkeypatch, capsys):
+    small(monkeypatch)
+    bar = tqdm.tqdm
+    monkeypatch.setattr(tqdm, "tqdm", lambda **given: bar(**(given | {"delay": 0, "mininterval": 0})))
+    em.sweep(**scene(store=tmp_path / "runs.zarr", progress=True))
+    assert re.search(r" 7.00/42.0 \[\d\d:\d\d<\d\d:\d\d,", capsys.readouterr().err)
+
+
+def test_points_that_do_not_converge_are_nan_and_flagged(tmp_path):
+    axes = {"material": [em.Maxwell(1e6, 1e-2, name="liquid"), rubber(1)], "velocity": VELOCITY}
+    for _ in range(2):  # the second time from the store
+        with pytest.warns(em.ConvergenceWarning, match="7 of 14 points did not converge; they are NaN"):
+            found = em.sweep(**scene(store=tmp_path / "runs.zarr", axes=axes, load=1.0))
+    assert np.isnan(found.mu[0]).all()
+    assert not found.converged[0].any()
+    assert np.isfinite(found.mu[1]).all()
+    assert found.converged[1].all()
+
+
+def test_chunks_hold_whole_calls_and_are_many():
+    """A call does all of its arrays; enough chunks that no worker waits long; few points where each takes a second."""
+
+    def sizes(materials, **fixed):
+        arrays = {"pressure": [1e5] * 4, "temperature": [300.0] * 5, "velocity": [1.0] * 50}
+        road = em.SelfAffine(0.8, q_low=1e3, q_high=1e5, rms_slope=0.5)
+        axes = {"material": [rubber(1)] * materials, "surface": [road] * 10} | arrays
+        return grids.grid(em.friction, axes, fixed).sizes()
+
+    assert sizes(100) == (1, 5, 4, 5, 50)
+    assert sizes(3) == (1, 2, 4, 5, 50)
+    for model in ("half-space", em.Line(seeds=2)):
+        assert sizes(3, model=model) == (1, 1, 1, 1, 50)
+    assert grids.grid(em.friction, {"velocity": [1.0] * 900}, {"model": "line", "shape": em.Sphere(0.01)}).sizes() == (
+        900,
+    )
+
+
 def test_a_full_disk_leaves_a_store_that_goes_on(tmp_path, monkeypatch):
     small(monkeypatch)
     keep, kept = store.Store.keep, []
@@ -198,7 +238,6 @@ def test_a_full_disk_leaves_a_store_that_goes_on(tmp_path, monkeypatch):
         kept.append(number)
         keep(self, number, *rest)
 
-    monkeypatch.setattr(run, "_cores", lambda: 1)
     with monkeypatch.context() as patch:
         patch.setattr(store.Store, "keep", full)
         with pytest.raises(em.InputError, match=r"cannot be written: No space left"):
@@ -208,14 +247,33 @@ def test_a_full_disk_leaves_a_store_that_goes_on(tmp_path, monkeypatch):
 
 
 def test_a_cluster_of_two(tmp_path, monkeypatch):
-    """Any `dask.distributed.Client`; the same numbers, and a worker that dies costs nothing."""
+    """Any `dask.distributed.Client`: the same numbers, though a worker dies; a worker keeps the memory it works in."""
+    import resource
+
     from distributed import Client
+
+    def dies_once(material, shape, **rest):
+        if not (tmp_path / "died").exists():
+            (tmp_path / "died").touch()
+            os._exit(1)
+        return em.friction(material, shape, **rest)
 
     small(monkeypatch)
     alone = em.sweep(**scene(store=tmp_path / "alone.zarr"))
+    road = em.SelfAffine(0.8, q_low=1e3, q_high=1e6, rms_slope=1.0)
+    axes = {
+        "material": [rubber(1), rubber(2)],
+        "pressure": np.linspace(2e5, 4e5, 20),
+        "velocity": np.logspace(-4, 1, 50),
+    }
     with run._cluster(2) as cluster, Client(cluster) as client:
-        found = em.sweep(**scene(store=tmp_path / "runs.zarr", client=client))
+        found = em.sweep(**scene(call=dies_once, store=tmp_path / "runs.zarr", client=client))
+        monkeypatch.setattr(grids, "_POINTS", 1000)
+        em.sweep(em.friction, axes, surface=road, store=tmp_path / "road.zarr", client=client)
+        faults = client.run(lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt)
     np.testing.assert_array_equal(found.mu, alone.mu)
+    assert (tmp_path / "died").exists()
+    assert sum(faults.values()) < 150_000, "200 per point make the work of a point twice as long"
 
 
 @pytest.mark.parametrize(
@@ -276,14 +334,31 @@ def test_command(tmp_path, capsys):
     assert float(one.mu) == pytest.approx(float(alone.mu), rel=1e-9)
     table = pandas.read_csv(tmp_path / "all.csv", comment="#")
     assert len(table) == 16
-    assert np.isclose(table["mu [-]"], alone.mu, rtol=1e-9).sum() == 1
+    assert np.isclose(table["friction coefficient [-]"], alone.mu, rtol=1e-9).sum() == 1
     assert "velocity [m/s]" in (tmp_path / "all.csv").read_text()
     status, said = command(tmp_path, capsys, SCENE, "--table", str(tmp_path / "all.xlsx"))
     assert status == 0
-    assert (tmp_path / "all.xlsx").stat().st_size > 1000
+    sheet = pandas.read_excel(tmp_path / "all.xlsx", engine="openpyxl")
+    assert sheet.columns.tolist() == table.columns.tolist()
+    np.testing.assert_allclose(sheet["friction coefficient [-]"], table["friction coefficient [-]"], rtol=1e-12)
     status, said = command(tmp_path, capsys, SCENE.replace("10 N", "11 N"))
     assert status == 2
     assert "was made with other inputs" in said.err
+
+
+def test_a_friction_map_in_one_command(tmp_path, capsys):
+    """The table of a sweep over velocity, temperature and pressure is a friction law."""
+    text = (Path(__file__).parents[1] / "examples" / "scenes" / "friction_map.toml").read_text()
+    status, said = command(
+        tmp_path, capsys, text.replace("points = 26", "points = 3"), "--table", str(tmp_path / "m.csv")
+    )
+    assert status in (0, 3), said.err
+    law = em.load_friction(tmp_path / "m.csv")
+    assert law.mu.shape == (4, 3, 3)
+    store = xarray.open_zarr(tmp_path / "s.zarr")
+    one = store.mu.sel(temperature=293.15, pressure=2e5).isel(velocity=1)
+    assert float(law(float(one.velocity), 293.15, 2e5)) == pytest.approx(float(one), rel=1e-12)
+    law.to_abaqus(tmp_path / "m.inp")
 
 
 @pytest.mark.parametrize(

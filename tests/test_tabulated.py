@@ -180,7 +180,7 @@ def test_derivatives_against_finite_differences():
         ({"storage": [1e6, -1e6, 1e6]}, "storage must be positive and finite, got -1e"),
         ({"loss": [1e5, 0.0, 1e5]}, "loss must be positive and finite, got 0"),
         ({"loss": [1e5, 1e5]}, r"omega, storage and loss must be lists of the same length .* got shapes \(3,\)"),
-        ({"omega": [1.0], "storage": [1.0], "loss": [1.0]}, "three entries at least"),
+        ({"omega": [1.0], "storage": [1.0], "loss": [1.0]}, "3 entries at least"),
         ({"kind": "bulk"}, "kind must be 'shear' or 'tensile', got 'bulk'"),
         ({"poisson": 0.6}, "poisson must be above -1 and at most 0.5, got 0.6"),
         ({"shift": 3}, "shift must be a WLF"),

@@ -35,7 +35,7 @@ def test_entropic_and_table():
     ("make", "says"),
     [
         (lambda: em.EntropicVertical(-3.0), "reference must be in kelvin"),
-        (lambda: em.VerticalTable([293.0], [1.0]), "two entries at least"),
+        (lambda: em.VerticalTable([293.0], [1.0]), "2 entries at least"),
         (lambda: em.VerticalTable([293.0, 280.0], [1.0, 1.1]), "temperature must be ascending"),
         (lambda: em.VerticalTable([273.0, 293.0], [1.0, 0.0]), "factor must be positive"),
         (lambda: TABLE.b(340.0), "within the table of vertical shifts, 233 K to 333 K"),

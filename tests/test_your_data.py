@@ -86,3 +86,5 @@ def test_example_data_are_what_their_script_makes(tmp_path):
     for name in ("dma.csv", "road.csv"):
         made, kept = (np.loadtxt(folder / name, delimiter=",", skiprows=2) for folder in (tmp_path, DATA))
         np.testing.assert_allclose(made, kept, rtol=1e-3)
+    for name in ("dma-q800.txt", "profile.csv"):
+        assert (tmp_path / name).read_bytes() == (DATA / name).read_bytes()

@@ -1,4 +1,4 @@
-"""Makes dma.csv, road.csv and friction.csv beside itself: made-up measurements in the form of a laboratory's."""
+"""Makes the files beside itself: made-up measurements in the form of a laboratory's."""
 
 from pathlib import Path
 
@@ -35,3 +35,27 @@ rows = [
     for speed, mu in zip(speeds, values, strict=True)
 ]
 (here / "friction.csv").write_text("\n".join(["# made up", "velocity [mm/s],temperature [degC],mu", *rows]) + "\n")
+
+# The same rubber as an instrument's export (the layout of a TA Q800, latin-1), temperatures that scatter by 0.1 K.
+head = ["Version\t2.0", "Instrument\tDMA Q800 V21.1 Build 51", "Module\tDMA Multi-Frequency - Strain", "Nsig\t6",
+        "Sig1\tTime (min)", "Sig2\tTemperature (°C)", "Sig3\tFrequency (Hz)", "Sig4\tStorage Modulus (MPa)",
+        "Sig5\tLoss Modulus (MPa)", "Sig6\tTan Delta", "Size\t10 x 5 x 2 mm", "StartOfData"]  # fmt: skip
+rows = []
+for celsius in range(-40, 61, 10):
+    shift = 10 ** (-8.86 * (celsius - 20) / (101.6 + celsius - 20))
+    for hertz in np.geomspace(0.1, 50, 9):
+        x = 2j * np.pi * hertz * shift * tau
+        modulus = 1e-6 * (3e6 + np.sum(branches * x / (1 + x)))
+        storage, loss = np.array([modulus.real, modulus.imag]) * (1 + 0.01 * rng.normal(size=2))
+        when, warm = 0.5 * (len(rows) + 1), celsius + 0.1 * rng.normal()
+        rows.append(f"{when:.3f}\t{warm:.2f}\t{hertz:.4g}\t{storage:.5g}\t{loss:.5g}\t{loss / storage:.5f}")
+(here / "dma-q800.txt").write_bytes("\n".join([*head, *rows, ""]).encode("latin-1"))
+
+# Heights along 10 mm of a ground surface, as a stylus exports them: semicolons and decimal commas.
+count, step = 2048, 5e-6  # -, [m]
+q = 2 * np.pi * np.fft.rfftfreq(count, step)
+waves = np.maximum(q, 1.5e3) ** -1.3 * np.exp(2j * np.pi * rng.random(q.size)) * (q > 0)
+height = np.fft.irfft(waves)
+height *= 30e-6 / height.std()
+rows = [f"{1e3 * step * i:.4f};{1e6 * h:.3f}".replace(".", ",") for i, h in enumerate(height)]
+(here / "profile.csv").write_text("\n".join(["x [mm];z [um]", *rows, ""]))

@@ -63,12 +63,14 @@ def numpy_unless_traced(function: Callable[P, R]) -> Callable[P, R]:
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
         if is_traced(args, kwargs):
             return on_jax(function, *args, **kwargs)
-        before, _mode.numpy = _mode.numpy, True
+        if _mode.numpy:  # inside of another such call
+            return function(*args, **kwargs)
+        _mode.numpy = True
         try:
             with np.errstate(all="ignore"):
                 return function(*args, **kwargs)
         finally:
-            _mode.numpy = before
+            _mode.numpy = False
 
     return wrapper
 
@@ -256,6 +258,15 @@ def fori_loop(start: int, stop: int, body: Callable[[Any, Any], Any], state: Any
     for i in range(start, stop):
         state = body(i, state)
     return state
+
+
+def checkpointed(function: Callable[P, R]) -> Callable[P, R]:
+    """`jax.checkpoint`."""
+    if _mode.numpy:
+        return function
+    import jax
+
+    return jax.checkpoint(function)
 
 
 def fixed(tree: R) -> R:

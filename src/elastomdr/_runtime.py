@@ -152,6 +152,8 @@ _LEAST, _MOST = 1e-100, 1e100  # beyond them products of a few numbers leave the
 
 
 def positive(name: str, value: Any) -> None:
+    if isinstance(value, np.ndarray) and value.size and value.min() > _LEAST and value.max() < _MOST:
+        return
     require(name, value, "positive and finite", lambda x: (x > 0) & np.isfinite(x))
     representable(name, value)
 
@@ -198,6 +200,18 @@ def ascending(name: str, values: Any) -> None:
         raise InputError(
             f"{name} must be ascending, without repeats, got {values[i]:g} followed by {values[i + 1]:g} "
             f"(entries {i} and {i + 1})."
+        )
+
+
+def alike(least: int, **lists: Any) -> None:
+    """Raises `InputError` unless these are lists of one length, with `least` entries or more."""
+    first, *others = (np.shape(values) for values in lists.values())
+    if len(first) != 1 or first[0] < least or any(other != first for other in others):
+        *names, last = lists
+        *shapes, end = (str(np.shape(values)) for values in lists.values())
+        raise InputError(
+            f"{', '.join(names)} and {last} must be lists of the same length with {least} entries at least, got shapes "
+            f"{', '.join(shapes)} and {end}."
         )
 
 

@@ -28,12 +28,11 @@ class Scene(NamedTuple):
     kelvin: Any  # as given [K], or None
     reduced: Any  # v a_T [m/s], of the broadcast shape
     vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
-    vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
     traced: bool
 
     def full(self, array: Any) -> Any:
         """`array` in the broadcast shape; None stays None."""
-        return None if array is None else (xp if self.traced else np).broadcast_to(array, self.shape) + 0.0
+        return None if array is None else (xp if is_traced(array) else np).zeros(self.shape) + array
 
     def at_reference(self) -> Any:
         """Load or pressure over b_T, or the depth, at each point, flat."""

@@ -8,7 +8,8 @@ import numpy as np
 from nicegui import ui
 
 from ..cli.kinds import KINDS
-from ..cli.steady import SurfaceFriction
+from ..cli.steady import SurfaceComparison, SurfaceFriction
+from ..cli.wheel import WheelTraction
 from ..errors import InputError
 from .form import Form
 from .sample import SAMPLE
@@ -17,9 +18,13 @@ from .session import COMPUTING, DRAWING, Session
 from .stage import BUTTON, Notes, Picture, Words, drop, material_names, worked
 
 _FRICTION = ("temperature", "[contact] pressure", "[contact] velocity", "measured", "heat", "adhesion")
-_ROLLING = ("temperature", "layer", "[contact] load", "[contact] velocity", "[layer] thickness", "[layer] bonded")
-_ROLLING_KINDS = {kind.mark if kind.mark != "indenter" else "rolling": kind for kind in KINDS["rolling"]}
-_LABELS = {"rolling": "Rolling resistance", "warming": "Temperature of a wheel", "conveyor": "Power of a belt conveyor"}
+_ROLLING = ("temperature", "layer", "[contact] load", "[contact] velocity", "[contact] slip", "[layer] thickness",
+            "[layer] bonded", "[structure] stiffness")  # fmt: skip
+_TABLES = {kind.mark if kind.mark != "indenter" else "rolling": kind for kind in KINDS["rolling"]}
+_TABLES |= {"compare": SurfaceComparison, "traction": WheelTraction}
+_LABELS = {"rolling": "Rolling resistance", "warming": "Temperature of a wheel", "conveyor": "Power of a belt conveyor",
+           "traction": "Slip curve of a tyre (.tir)"}  # fmt: skip
+_LAW = "friction-friction.csv"  # the table of the friction screen, which a slip curve takes
 
 
 class Screen(NamedTuple):
@@ -39,10 +44,11 @@ FRICTION = Screen(
     _FRICTION,
 )  # fmt: skip
 COMPARE = Screen(
-    "compare", "friction", "Several rubbers under the conditions of the friction screen.", "Compare rubbers",
-    ("material", "temperature"), _FRICTION,
+    "compare", "compare", "Several rubbers under the conditions of the friction screen.", "Compare rubbers",
+    ("material", "temperature", "compare"), (*_FRICTION, "[compare] velocity", "[compare] temperature"),
 )  # fmt: skip
-ROLLING = Screen("rolling", "rolling", "A cover under a roll, or a wheel with a tyre.", "Compute rolling", (), _ROLLING)
+ROLLING = Screen("rolling", "rolling", "A cover under a roll, or a wheel with a tyre.", "Compute", (), _ROLLING)
+_SURE = {True: "significant", False: "not significant", None: "not known whether significant"}
 
 
 class ComputedStage:
@@ -89,7 +95,7 @@ class ComputedStage:
         self._draw_form()
 
     def _draw_form(self) -> None:
-        table = _ROLLING_KINDS.get(self._key, SurfaceFriction)
+        table = _TABLES.get(self._key, SurfaceFriction)
         screen, session = self._screen, self._session
         rubbers = lambda: material_names(session)  # noqa: E731
         files = lambda: [name for name in session.folder.names() if not name.endswith(".toml")]  # noqa: E731
@@ -97,7 +103,9 @@ class ComputedStage:
                                       "[indenter] file": files}  # fmt: skip
         self._place.clear()
         with self._place:
-            own = session.scenes.setdefault(self._key, _example(self._key))
+            if self._key not in session.scenes:
+                session.scenes[self._key] = _example(self._key, _LAW if _LAW in session.folder.names() else 1.0)
+            own = session.scenes[self._key]
             only = screen.only or tuple(key for key in table.__struct_fields__ if key != "title")
             self.form = Form(table, own, only=only, first=screen.first, choices=choices, entered=self.compute)
 
@@ -139,9 +147,12 @@ class ComputedStage:
 
         try:
             content = copy.deepcopy(self.content())
-            done = await worked(COMPUTING, compute, self._screen.verb, content, self._session.folder, progress)
+            verb = "traction" if self._key == "traction" else self._screen.verb
+            done = await worked(COMPUTING, compute, verb, content, self._session.folder, progress)
             if run != self._run:
                 return
+            if self._key == "friction":
+                self._session.folder.keep(_LAW, done.csv())
             self._session.done[self._screen.key] = done
             self._changed()
             await self._show(done)
@@ -162,51 +173,37 @@ class ComputedStage:
             self._rank(done.result)
         self._picture.show(figure)
 
-    def _rank(self, result: Any) -> None:
-        """The rubbers at one velocity, the one with most friction first."""
+    def _rank(self, ranking: Any) -> None:
+        """The rubbers, the one with most friction first, with what is significant of the order."""
         self._table.clear()
-        if not result.materials:
-            return
-        velocity = np.unique(np.round(np.ravel(result.velocity), 15))
-        with self._table:
-            middle = velocity[len(velocity) // 2]
-            options = {float(v): f"{v:.3g} m/s" for v in velocity}
-            select = ui.select(options, value=float(middle), label="ranking at").classes("field")
-            place = ui.element("div").classes("scroll")
-
-            def draw() -> None:
-                place.clear()
-                columns, rows = ranking(result, float(select.value))
-                with place:
-                    ui.table(rows=rows, columns=[{"name": c, "label": c, "field": c, "align": "left"} for c in columns])
-
-            select.on_value_change(draw)
-            draw()
+        rows = []
+        for place in ranking.places:
+            spread = "not known" if np.isnan(place.uncertainty) else f"± {place.uncertainty:.2g}"
+            ahead = "" if np.isnan(place.ahead) else f"{place.ahead:.2g}, {_SURE[place.significant]}"
+            rows.append({"rubber": place.material, "friction": f"{place.mu:.3f}", "uncertainty": spread, "lead": ahead})
+        with self._table.classes("scroll"):
+            columns = [{"name": name, "label": name, "field": name, "align": "left"} for name in rows[0]]
+            ui.table(rows=rows, columns=columns)
 
 
-def ranking(result: Any, velocity: float) -> tuple[list[str], list[dict[str, str]]]:
-    """Columns and rows: friction of each material at a velocity, with its whole uncertainty, highest first."""
-    found = []
-    for name in result.materials:
-        one = result.select(name)
-        row, height = {"material": name}, 0.0
-        for curve in one.curves()[1]:
-            v, mu, error, model = (
-                np.atleast_1d(np.broadcast_to(np.nan if field is None else field, one.mu.shape)[curve.at])
-                for field in (one.velocity, one.mu, one.error, one.model_error)
-            )
-            i = int(np.abs(np.log(v / velocity)).argmin())
-            row[curve.label or "friction"] = f"{mu[i]:.3f} ± {np.nansum([error[i], model[i]]):.3f}"
-            height += float(np.nan_to_num(mu[i]))
-        found.append((height, row))
-    rows = [row for _, row in sorted(found, key=lambda each: -each[0])]
-    return list(rows[0]), rows
-
-
-def _example(key: str) -> dict[str, Any]:
+def _example(key: str, friction: Any = 1.0) -> dict[str, Any]:
     """What the forms of the seldom kinds of rolling show at first."""
     material = "tread-passenger-synthetic"
     velocity = {"from": "0.5 m/s", "to": "5 m/s", "points": 10}
+    if key == "traction":
+        return {
+            "material": material,
+            "temperature": "20 degC",
+            "friction": friction,
+            "indenter": {"shape": "cylinder", "radius": "300 mm", "length": "160 mm"},
+            "structure": {"stiffness": "80 MPa/m"},
+            "layer": {"thickness": "8 mm"},
+            "contact": {
+                "load": ["2 kN", "4 kN", "6 kN"],
+                "velocity": "10 m/s",
+                "slip": {"from": 0.001, "to": 0.9, "points": 40},
+            },
+        }
     if key == "warming":
         return {
             "material": material,

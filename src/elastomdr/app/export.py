@@ -42,7 +42,8 @@ class ExportStage:
             with ui.element("div").classes("buttons"):
                 scene = text.encode()
                 ui.button("Scene (TOML)", on_click=lambda: ui.download.content(scene, f"{stem}.toml")).props(BUTTON)
-                for label, ending in _KINDS.items():
+                tyre = {"Tyre (.tir)": "tir"} if done.verb == "traction" else {}
+                for label, ending in (_KINDS | tyre).items():
                     ui.button(label, on_click=partial(self._give, stem, done, ending)).props(f"{BUTTON} outline")
             ui.label(text).classes("words").props("tabindex=0")
 
@@ -64,4 +65,4 @@ class ExportStage:
             return done.figure(ending)
         if ending == "zip":
             return bundle(done, self._session.folder, stem, self._notes(done))
-        return done.csv() if ending == "csv" else done.excel()
+        return {"csv": done.csv, "tir": done.tir, "xlsx": done.excel}[ending]()

@@ -55,8 +55,9 @@ class RoadStage:
 
     def _slider(self, name: str) -> ui.slider:
         label = f"{name.split()[-1]} wavelength kept"
-        ui.label(label).classes("slider-label")
+        above = ui.label(label).classes("slider-label")
         slider = ui.slider(min=-7.0, max=0.0, step=0.01, value=-3.0).props(f'aria-label="{label}"')
+        above.bind_visibility_from(slider)
 
         def moved(event: Any) -> None:
             self.form.set(name, _length(10 ** float(event.args)))

@@ -10,6 +10,7 @@ from nicegui import ui
 
 import elastomdr as em
 
+from ..cli.fit import law_of, size_of
 from ..cli.schema import Several, Table, Text, decode
 from ..cli.units import Temperature
 from ..errors import InputError
@@ -21,6 +22,7 @@ from .session import COMPUTING, DRAWING, Session
 from .stage import BUTTON, Notes, Picture, Words, drop, worked
 
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
+_OPTION = re.compile(r" \((?:[^()]|\([^()]*\))*?--(?:[^()]|\([^()]*\))*\)")  # as the command line takes it
 _FIRST = ("data", "reference", "name", "poisson")
 
 
@@ -40,6 +42,12 @@ class Fit(Table):
     temperature_unit: Annotated[Text | None, "degC or K, where the file does not say"] = None
     time_unit: Annotated[Text | None, "s, ms, min or h, where the file does not say"] = None
     column: Annotated[Several[Text] | None, 'columns by quantity, such as "storage=4, loss=5"'] = None
+    area: Annotated[Text | None, "section of the specimen, such as 100 mm2, where the file has stiffness"] = None
+    length: Annotated[Text | None, "length of the specimen, such as 20 mm, where the file has stiffness"] = None
+    storage_only: Annotated[bool, "whether there is no loss modulus in the file"] = False
+    shift: Annotated[
+        Text | None, 'a known shift law, such as WLF(8.86, 101.6, 20degC), a dropped file of factors, or "universal"'
+    ] = None
     law: Annotated[Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"] | None, "shift law"] = None
     vertical: Annotated[bool | None, "with or without vertical shifts; by default the data decide"] = None
     terms: Annotated[int | None, "number of relaxation times, by default the data decide"] = None
@@ -50,10 +58,10 @@ class Fit(Table):
         words += [f"--reference={self.reference - 273.15:.6g}degC"] if self.reference is not None else []
         if self.temperature is not None:
             words.append("--temperature=" + ",".join(f"{kelvin - 273.15:.6g}degC" for kelvin in self.temperature))
-        for key in ("name", "kind", "poisson", "law", "terms", *_UNITS):
+        for key in ("name", "kind", "area", "length", "shift", "poisson", "law", "terms", *_UNITS):
             if (value := getattr(self, key)) is not None:
                 words.append(f"--{key.replace('_', '-')}={value}")
-        words += [f"--column={text}" for text in self.column or ()]
+        words += [f"--column={text}" for text in self.column or ()] + ["--storage-only"] * self.storage_only
         words += [] if self.vertical is None else ["--vertical" if self.vertical else "--no-vertical"]
         return shlex.join(words)
 
@@ -157,15 +165,21 @@ def calculate(content: dict[str, Any], session: Session) -> Fitted:
     options = {key: value for key in ("kind", *_UNITS) if (value := getattr(asked, key)) is not None}
     if asked.temperature is not None:
         options["temperature"] = list(asked.temperature) if len(asked.temperature) > 1 else asked.temperature[0]
+    options |= {key: size_of(key, getattr(asked, key), key) for key in ("area", "length")}
     more = {key: value for key in ("vertical", "terms", "law", "poisson") if (value := getattr(asked, key)) is not None}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
         paths = [session.folder.path / name for name in asked.data]
         try:
-            dma = em.read_dma(paths if len(paths) > 1 else paths[0], columns=columns or None, **options)
+            dma = em.read_dma(
+                paths if len(paths) > 1 else paths[0],
+                columns=columns or None,
+                storage_only=asked.storage_only,
+                **options,
+            )
         except OSError as error:
             raise InputError(f"data: {error.strerror or error}") from error
-        found = em.fit.material(dma, asked.reference, name=asked.name or "", **more)
+        found = em.fit.material(dma, asked.reference, name=asked.name or "", shift=_law(asked.shift, session), **more)
         name = f"{found.material.name}.toml"
         em.save_material(found.material, session.folder.path / name, info=found.info())
     rows = (f"row left out: {row}" for row in dma.bad_rows)
@@ -180,11 +194,24 @@ def figures(fit: Any) -> dict[str, bytes]:
     return found
 
 
+def _law(text: str | None, session: Session) -> Any:
+    """A shift law as it is typed; a file of factors must be one that was dropped."""
+    if text is None or "(" in text or text.strip() == "universal":
+        return law_of(text)
+    session.folder.check([text.strip()])
+    return law_of(str(session.folder.path / text.strip()))
+
+
 def _for_form(message: str) -> str:
     """A reader names the file first, and options of the command line; here it is the field that is named."""
-    for key in (*_UNITS, "kind", "temperature", "column", "reference", "poisson", "terms", "law", "name"):
+    message = message.removeprefix("--")
+    for key in (*_UNITS, "kind", "temperature", "column", "reference", "poisson", "terms", "law", "shift", "name"):
         if re.match(rf"{key}s?\b", message):
             return f"{key}{message[len(key) :].removeprefix('s')}" if key == "column" else message
+    asked = re.search(r"--([a-z-]+)", message)  # what is missing
+    key = asked[1].replace("-", "_") if asked else ""
+    if key in Fit.__struct_fields__:
+        return f"{key}: {re.sub(_OPTION, '', message)}"
     return message if message.startswith("data") else f"data: {message}"
 
 

@@ -7,6 +7,7 @@ import warnings
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +18,11 @@ import elastomdr as em
 from .. import __version__
 from ..cli.compute import how_drawn
 from ..cli.kinds import decoded
+from ..cli.schema import named
+from ..errors import InputError
 from .security import Folder
 
-_FILES = ("file", "measured")  # keys that name a file beside the scene
+_FILES = ("file", "measured", "friction")  # keys that name a file beside the scene
 
 
 class CancelledError(Exception):
@@ -28,7 +31,7 @@ class CancelledError(Exception):
 
 @dataclass
 class Done:
-    """A computed scene."""
+    """A computed scene; that of a comparison has a ranking as its result."""
 
     verb: str
     content: dict[str, Any]
@@ -40,16 +43,23 @@ class Done:
         """The figure as an SVG or PNG image."""
         return image(self.result.plot(**self.drawn), kind)
 
+    @property
+    def curve(self) -> Any:
+        """The result itself, of a ranking the curves that are ranked."""
+        return self.result.curve if self.verb == "compare" else self.result
+
     def csv(self) -> bytes:
         """The table, as the command line writes it."""
-        return self.result.csv().encode()
+        return _written(self.result.to_csv, "table.csv")
 
     def excel(self) -> bytes:
-        """The table as a workbook. Raises `InputError` without openpyxl."""
-        with tempfile.TemporaryDirectory() as place:
-            path = Path(place) / "table.xlsx"
-            self.result.to_excel(path)
-            return path.read_bytes()
+        """All that was computed as a workbook. Raises `InputError` without openpyxl."""
+        return _written(self.curve.to_excel, "table.xlsx")
+
+    def tir(self) -> bytes:
+        """The Magic Formula of a slip curve as a property file. Raises `InputError` where it has none."""
+        wheel = decoded(self.verb, self.content).indenter  # type: ignore[attr-defined]
+        return _written(partial(self.result.to_tir, radius=wheel.radius, width=wheel.length), "tyre.tir")
 
 
 def toml(verb: str, content: dict[str, Any], stem: str, notes: tuple[str, ...] = ()) -> str:
@@ -86,7 +96,7 @@ def files_of(content: dict[str, Any]) -> list[str]:
     names = [*(rubber if isinstance(rubber, list) else [rubber]), content.get("other")]
     found += [name for name in names if isinstance(name, str) and _is_file(name)]
     for table in (content, *(part for part in content.values() if isinstance(part, dict))):
-        found += [table[key] for key in _FILES if key in table]
+        found += [table[key] for key in _FILES if isinstance(table.get(key), str)]
     return list(dict.fromkeys(found))
 
 
@@ -103,7 +113,17 @@ def compute(
         arguments = scene.arguments(folder.path)
         drawn = how_drawn(scene, arguments, folder.path)
         more = {"progress": progress} if scene.called() == "friction" and scene.mark == "surface" else {}
-        result = getattr(em, scene.called())(**arguments, **more)
+        try:
+            result = getattr(em, scene.called())(**arguments, **more)
+        except InputError as error:
+            if "within the friction law" in str(error):
+                raise InputError(f"friction: {error} Compute friction on its screen for values around this.") from error
+            raise
+        if verb == "compare":
+            if not result.materials:
+                raise InputError("material must be two or more to be compared.")
+            with named("[compare]"):
+                result = result.ranking(**scene.compare.place())  # type: ignore[attr-defined]
     ours = (em.ConvergenceWarning, em.ExtrapolationWarning, em.ModelWarning)
     texts = tuple(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, ours)))
     return Done(verb, content, result, texts, drawn)
@@ -114,6 +134,14 @@ def image(axes: Any, kind: str = "svg") -> bytes:
     buffer = io.BytesIO()
     axes.figure.savefig(buffer, format=kind, dpi=200)
     return buffer.getvalue()
+
+
+def _written(write: Callable[[Path], None], name: str) -> bytes:
+    """What a function writes into a file."""
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place) / name
+        write(path)
+        return path.read_bytes()
 
 
 def _is_file(name: str) -> bool:

@@ -59,7 +59,11 @@ def _start() -> dict[str, dict[str, Any]]:
     roll = {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"}
     return {
         "friction": {**friction, "contact": contact},
-        "compare": {"material": ["epdm-70", "tread-passenger-synthetic"], "temperature": "20 degC"},
+        "compare": {
+            "material": ["epdm-70", "tread-passenger-synthetic"],
+            "temperature": "20 degC",
+            "compare": {"velocity": "1 m/s"},
+        },
         "rolling": {
             "material": "epdm-70",
             "temperature": ["0 degC", "20 degC", "40 degC"],

@@ -86,18 +86,20 @@ def run(options: argparse.Namespace) -> int:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
         read = {key: getattr(options, key) for key in _READ}
-        read |= {key: _size(key, getattr(options, key), unit) for key, unit in _SIZES.items()}
+        read |= {key: size_of(key, getattr(options, key), unit) for key, unit in _SIZES.items()}
         read["storage_only"] = options.storage_only
         dma = em.read_dma(options.data, temperature=temperature, columns=columns, **read)
         if options.strain is not None:
             dma = dma.at_strain(_strain(options.strain))
-        fitted = {key: getattr(options, key) for key in _FITTED} | {"shift": _law(options.shift)}
+        fitted = {key: getattr(options, key) for key in _FITTED} | {"shift": law_of(options.shift)}
         found = em.fit.material(dma, reference, name=options.name or "", **fitted)
         folder.mkdir(parents=True, exist_ok=True)
         paths = found.save(folder)
     print(found.summary())
     print(f"wrote {len(paths)} files: {', '.join(path.name for path in paths)} in {folder}")
-    print(f'in a scene file here: material = "{folder.as_posix()}/{found.material.name}.toml"')
+    path = (folder / f"{found.material.name}.toml").as_posix()
+    print(f'in a scene file here: material = "{path}"')
+    print(f"friction on a measured profile: elastomdr init road.toml --material {path} --profile PROFILE.csv")
     if found.master.converged and found.prony.converged:
         return DONE
     print("elastomdr: warning: the fit did not converge; look at its figures before using it.", file=sys.stderr)
@@ -131,7 +133,7 @@ def _kelvin(name: str, text: str | None) -> Any:
     return found if len(found) > 1 else found[0]
 
 
-def _law(text: str | None) -> Any:
+def law_of(text: str | None) -> Any:
     """A shift law from its name and constants, or from a file; "universal" as it is."""
     import elastomdr as em
 
@@ -158,7 +160,7 @@ def _constant(text: str, unit: str, example: str) -> float:
     return float(match[1]) * (1000 if found == "kj/mol" else 1)
 
 
-def _size(key: str, text: str | None, kind: str) -> float | None:
+def size_of(key: str, text: str | None, kind: str) -> float | None:
     """A number with its unit in SI."""
     from ..io.units import to_si, usual
 

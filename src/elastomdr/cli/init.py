@@ -1,12 +1,27 @@
 """`elastomdr init [NAME.toml]`: a scene with comments to start from."""
 
 import argparse
+import os
+import re
 from pathlib import Path
 
 from ..errors import InputError
 from . import DONE
 
 _TEMPLATES = Path(__file__).parent / "templates"
+_PROFILE = """[surface]
+shape = "file"
+file = {}
+# shortest = "20 um"                    # waves that are kept; friction grows with each that is added
+
+"""
+_SPECTRUM = """[surface]
+shape = "spectrum"
+file = {}
+convention = ""                         # "2d", "1d", ...: how C is normalised, which no file says
+# shortest = "20 um"                    # waves that are kept; friction grows with each that is added
+
+"""
 
 
 def kinds() -> list[str]:
@@ -16,10 +31,24 @@ def kinds() -> list[str]:
 
 def run(options: argparse.Namespace) -> int:
     """Writes the scene, which must not be there before, and says how to compute it; returns the exit status."""
-    path = Path(options.scene or f"{options.kind}.toml")
+    kind, name = options.kind, options.scene
+    if kind is None and name in kinds():  # elastomdr init road
+        kind, name = name, None
+    measured = options.profile or options.spectrum
+    kind = kind or ("road" if measured else "slider")
+    path = Path(name or f"{kind}.toml")
     if path.suffix != ".toml":
-        raise InputError(f"NAME.toml must end in .toml, got {str(path)!r}.")
-    text = (_TEMPLATES / f"{options.kind}.toml").read_text(encoding="utf-8").replace(" FILE\n", f" {path.name}\n", 1)
+        raise InputError(f"NAME.toml must end in .toml, or be one of {', '.join(kinds())}, got {str(path)!r}.")
+    text = (_TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8").replace(" FILE\n", f" {path.name}\n", 1)
+    if options.material or measured:  # the title is that of the example's rubber and road
+        text = re.sub(r"(?m)^title = .*\n", "", text, count=1)
+    if options.material:
+        text = re.sub(r"(?m)^material = .*$", f"material = {_quoted(options.material, path)}", text, count=1)
+    if measured:
+        if kind != "road":
+            raise InputError(f"--profile and --spectrum belong to --kind road, got --kind {kind}.")
+        surface = _SPECTRUM if options.spectrum else _PROFILE
+        text = re.sub(r"(?s)\[surface\].*?\n\n", lambda _: surface.format(_quoted(measured, path)), text, count=1)
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
@@ -30,3 +59,10 @@ def run(options: argparse.Namespace) -> int:
     verb = text.split("elastomdr ", 1)[1].split()[0]
     print(f"wrote {path}\nelastomdr {verb} {path}")
     return DONE
+
+
+def _quoted(file: str, scene: Path) -> str:
+    """A file as a scene names it: relative to the scene's folder. A name of the library stays as it is."""
+    if Path(file).exists():
+        file = Path(os.path.relpath(file, scene.parent)).as_posix()
+    return '"' + file.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -53,6 +53,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output, such as `head`, has what it wanted
         _drop_output()
         return DONE
+    except ConnectionError as error:  # of a cluster
+        return _refused(str(error))
     except OSError as error:  # files are written and read with care; what is left is our own output
         _drop_output()
         return _refused(f"the output cannot be written: {error.strerror or error}.")
@@ -95,7 +97,12 @@ def _parser() -> argparse.ArgumentParser:
     command = _added(commands, "init", "init", words)
     command.add_argument("scene", metavar="NAME.toml", nargs="?", help="file to write (default: KIND.toml)")
     kinds = importlib.import_module(".init", __package__).kinds()
-    command.add_argument("--kind", choices=kinds, default="slider", help="what kind of scene (default: slider)")
+    command.add_argument("--kind", choices=kinds, help="what kind of scene (default: slider; with a surface road)")
+    command.add_argument(
+        "--material", metavar="FILE", help="the rubber: a name of the library, or what fit has written"
+    )
+    command.add_argument("--profile", metavar="FILE", help="a measured profile or map of heights, as the road")
+    command.add_argument("--spectrum", metavar="FILE", help="a power spectrum, as the road")
     words = "what friction or rolling would compute, skip and condense, and why"
     command = _added(commands, "plan", "plan", words)
     command.add_argument("scene", metavar="SCENE.toml", help="the scene to plan")

@@ -140,12 +140,14 @@ def _hashable(value: Any) -> Any:
 def _client(address: str | None) -> Any:
     """A client of the cluster at an address. Raises `InputError` where there is none."""
     import contextlib
+    import logging
 
     if address is None:
         return contextlib.nullcontext()
     try:
         from distributed import Client
 
+        logging.disable()  # Dask logs a lost cluster with pages of tracebacks
         return Client(address, timeout="10s")
     except (OSError, ValueError) as error:
         raise InputError(
@@ -156,15 +158,21 @@ def _client(address: str | None) -> Any:
 
 
 def _table(found: Any, path: Path) -> Path:
-    """All points as rows, with units in the titles and what went in above. Raises `InputError` for a sheet too long."""
+    """All points as rows, titled as in the tables of curves, so that `em.load_friction` reads a map of friction.
+
+    What went in stands above. Raises `InputError` for a sheet too long.
+    """
     from ..files import csv_text, write_files
 
     points = found.drop_dims("chunk")
     if path.suffix == ".xlsx" and points.converged.size > _TABLE_ROWS:
         raise InputError(f"--table: a sheet of Excel has {_TABLE_ROWS} rows, got {points.converged.size}: use .csv.")
     frame = points.to_dataframe().reset_index()
-    units = {str(name): values.attrs.get("units", "") for name, values in points.variables.items()}
-    titles = [f"{name} [{units[name]}]" if units.get(name) else name for name in frame.columns]
+    about = {name: points[name].attrs for name in frame.columns}
+    titles = [
+        f"{a.get('long_name', name)} [{a['units']}]" if a.get("units") else a.get("long_name", name)
+        for name, a in about.items()
+    ]
     header = list(_header(found))
     if path.suffix == ".csv":
         write_files(

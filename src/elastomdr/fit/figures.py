@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..results.plotting import FAINT, INK, PALETTE, Ask, begin, frame, saved, write_title
+from ..results.plotting import FAINT, INK, PALETTE, Ask, begin, below, crowded, frame, saved, write_title
 
 if TYPE_CHECKING:
     from .grosch import FrictionMaster
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 _BLUE, _RED, _BAND = PALETTE[0], PALETTE[4], "#e08214"
 _NO_VERTICAL = 1e-4  # standard deviation of log10 b_T below which a fit had no vertical shifts to find
-_SHOWN = 10  # temperatures that a legend names
+_SHOWN = 12  # temperatures that a legend names
+_SAME = 0.5  # distance from the reference up to which an isotherm is called that [K]
 
 
 def figures(fit: "MaterialFit") -> dict[str, bytes]:
@@ -85,11 +86,12 @@ def draw_spectrum(fit: "PronyFit", ax: Any = None, style: str | None = None) -> 
     """Moduli of the series over their relaxation times with 95 % intervals, and below them the relative residuals."""
     alone = ax is None
     ax = _axes(ax, style, {"nrows": 2, "height_ratios": (3, 2)} if alone else None)
+    words = ax._elastomdr.style.words
     ax.set(xscale="log", yscale="log")
     times, moduli, spread = (np.asarray(x) for x in (fit.material.times, fit.material.moduli, 1.96 * fit.moduli_std))
     ax.errorbar(times, moduli, np.vstack([np.minimum(spread, 0.99 * moduli), spread]), fmt="o", color=_BLUE,
                 ecolor=FAINT, capsize=0.7 * _dot(ax), markersize=_dot(ax))  # fmt: skip
-    ax.set(xlabel="Relaxation time [s]", ylabel="Modulus of the term [Pa]")
+    ax.set(xlabel="Relaxation time [s]", ylabel="Modulus [Pa]")
     frame(ax)
     if alone:
         lower = ax._elastomdr.panels[1]
@@ -99,10 +101,17 @@ def draw_spectrum(fit: "PronyFit", ax: Any = None, style: str | None = None) -> 
                 x = fit.time if name == "relaxation" else fit.omega
                 lower.semilogx(x, 100 * np.asarray(values), "o", color=colour, markersize=0.7 * _dot(ax), label=name)
         lower.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
-        lower.set(xlabel="Reduced angular frequency [rad/s]" if dynamic else "Reduced time [s]", ylabel="Residual [%]")
-        lower.legend(frameon=False, fontsize=_size(ax), loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        lower.set(
+            xlabel=r"Reduced angular frequency $\omega\,a_T$ [rad/s]" if dynamic else r"Reduced time $t/a_T$ [s]",
+            ylabel="Residual [%]",
+        )
         frame(lower)
-        ax.figure.subplots_adjust(hspace=0.42)
+        if words:
+            lower.legend(frameon=False, fontsize=_size(ax), loc="upper left", bbox_to_anchor=(1.0, 1.0))
+            ax.figure.subplots_adjust(hspace=0.42)
+        else:
+            lower.legend(frameon=False, fontsize=_size(ax), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2,
+                         borderaxespad=0.1)  # fmt: skip
     _title(ax, f"Relaxation spectrum of {fit.material.name or 'the series'}", f"{fit.terms} terms, 95 % intervals")
     return ax
 
@@ -135,13 +144,13 @@ def draw_shifts(master: "MasterCurve", ax: Any = None, style: str | None = None)
             label = f"{name}, rms {fit.rms:.2g} decades"
             ax.plot(fine, np.asarray(fit.law._log10_a(fine + 273.15)), style, color=_RED, label=label, zorder=1)
     ax.axvline(master.reference - 273.15, color="#cccccc", linewidth=0.8, zorder=0)
-    ax.set_ylabel("log10 a_T [-]")
+    ax.set_ylabel(r"Shift factor $\log_{10}\,a_T$ [-]")
     ax.legend(frameon=False, fontsize=_size(ax))
     if lower is not None:
         lower.errorbar(celsius, master.log10_b, 1.96 * master.log10_b_std, fmt="o", color=_BLUE, ecolor=FAINT,
                        capsize=0.7 * _dot(ax), markersize=_dot(ax))  # fmt: skip
         lower.axhline(0.0, color="#cccccc", linewidth=0.8, zorder=0)
-        lower.set_ylabel("log10 b_T [-]")
+        lower.set_ylabel(r"$\log_{10}\,b_T$ [-]")
     (ax if lower is None else lower).set_xlabel("Temperature [°C]")
     for each in (ax, lower) if lower is not None else (ax,):
         frame(each)
@@ -204,7 +213,7 @@ def draw_friction_master(master: "FrictionMaster", ax: Any = None, style: str | 
     value, low, high = master.curve(v)
     (line,) = ax.semilogx(v, value, color=INK, linewidth=1.2)
     ax.fill_between(v, low, high, color=FAINT, alpha=0.25, linewidth=0)
-    ax.set(xlabel="Reduced velocity v a_T [m/s]", ylabel="Friction coefficient [-]")
+    ax.set(xlabel=r"Reduced velocity $v\,a_T$ [m/s]", ylabel="Friction coefficient [-]")
     frame(ax)
     outside = _legend_outside(ax, *ax.get_legend_handles_labels())
     ax.legend([line], ["smooth curve, 95 % band"], frameon=False, fontsize=_size(ax), loc="best")
@@ -296,9 +305,9 @@ def _relaxation_band(ax: Any, band: Any, label: str) -> None:
 def _label_moduli(ax: Any, kind: str, dynamic: bool) -> None:
     letter = "G" if kind == "shear" else "E"
     if dynamic:
-        ax.set(xlabel="Reduced angular frequency ω a_T [rad/s]", ylabel=f"Moduli {letter}', {letter}'' [Pa]")
+        ax.set(xlabel=r"Reduced angular frequency $\omega\,a_T$ [rad/s]", ylabel=f"Moduli {letter}', {letter}'' [Pa]")
     else:
-        ax.set(xlabel="Reduced time t/a_T [s]", ylabel=f"Relaxation modulus {letter} [Pa]")
+        ax.set(xlabel=r"Reduced time $t/a_T$ [s]", ylabel=f"Relaxation modulus {letter} [Pa]")
     frame(ax)
     handles, labels = ax.get_legend_handles_labels()
     if labels:
@@ -310,23 +319,34 @@ def _label_moduli(ax: Any, kind: str, dynamic: bool) -> None:
 
 
 def _legend(ax: Any, master: "MasterCurve | None") -> None:
-    """Temperatures outside the axes, at most ten of them."""
+    """Temperatures outside the axes, some twelve of them, and the isotherm of the reference among these."""
     if master is None:
         return
     count = master.temperature.size
-    shown = np.unique(np.linspace(0, count - 1, min(count, _SHOWN)).round().astype(int))
+    shown = np.linspace(0, count - 1, min(count, _SHOWN)).round().astype(int)
+    reference = int(np.abs(master.temperature - master.reference).argmin())
+    if reference not in shown:
+        shown[np.abs(shown[1:-1] - reference).argmin() + 1] = reference  # in the place of its neighbour
     colours = _scale(count)
     handles = [ax.plot([], [], "o", color=colours[i], markersize=_dot(ax))[0] for i in shown]
     labels = [_celsius(float(master.temperature[i])) for i in shown]
+    if abs(master.temperature[reference] - master.reference) < _SAME:
+        labels[list(shown).index(reference)] += ", ref."
     _legend_outside(ax, handles, labels)
 
 
 def _legend_outside(ax: Any, handles: list[Any], labels: list[str]) -> Any:
-    """Beside the axes; in a paper, above them."""
-    if ax._elastomdr.style.words:
-        place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+    """Beside the axes; below them where they are some of several; in a paper, above them."""
+    canvas = ax._elastomdr
+    rows = {"ncols": 4, "columnspacing": 0.8, "handlelength": 1, "handletextpad": 0.4, "borderaxespad": 0.1}
+    if not canvas.style.words:
+        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), **rows}
+        if canvas.own:
+            ax.figure.set_size_inches(canvas.style.wide, canvas.style.size[1] + 0.14 * -(-len(labels) // 4))
+    elif crowded(ax, canvas):
+        place = below(ax, canvas.style) | rows
     else:
-        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 5, "columnspacing": 0.8, "handlelength": 1}
+        place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
     return ax.legend(handles, labels, frameon=False, fontsize=_size(ax), **place)
 
 
@@ -351,7 +371,7 @@ def _axes(ax: Any, style: str | None, panels: Any = None) -> Any:
         figure = ax.figure
         figure.set_size_inches(7.4, 4.6)
         figure.set_layout_engine(None)  # with fixed margins: looking for the best ones takes longer than the fit
-        figure.subplots_adjust(left=0.13, right=0.84, bottom=0.12, top=0.86)
+        figure.subplots_adjust(left=0.155, right=0.84, bottom=0.12, top=0.86)
     return ax
 
 
@@ -368,8 +388,6 @@ def _size(ax: Any) -> float:
 def _logarithmic(ax: Any) -> None:
     """Makes both axes logarithmic before anything is drawn: changed later, limits are those of the data so far."""
     ax.set(xscale="log", yscale="log")
-    if not ax._elastomdr.style.words:
-        ax.tick_params(which="minor", labelsize=5)  # between powers of ten, where they are few
 
 
 def _widen(ax: Any, *coordinates: np.ndarray) -> None:

@@ -102,7 +102,7 @@ class MaterialFit(AbstractFindings):
 
     def info(self) -> dict[str, Any]:  # texts, numbers and tables
         """What a material file holds beside the numbers: description, range, sources with the quality of the fit."""
-        master, fit = self.master, self.prony
+        master, fit, law = self.master, self.prony, self.material.shift
         fitted = {"citation": f"{self.citation}, fitted by elastomdr {__version__} (em.fit)", "grade": "fitted here"}
         moduli: dict[str, Any] = fitted | {"note": self._note()}
         own = {"storage": fit.storage_residual, "loss": fit.loss_residual, "relaxation": fit.relaxation_residual}
@@ -121,7 +121,9 @@ class MaterialFit(AbstractFindings):
             sources["vertical"] = fitted | {"note": f"{_lifted(self.material.vertical).capitalize()}."}
         return {
             "description": self.description,
-            "reference_temperature": float(master.reference),
+            "reference_temperature": float(
+                law.reference if law is not None and np.isfinite(law.reference) else master.reference
+            ),  # which is rounded
             "range": (self.material.range or Range(None, None)).table(),
             "source": sources,
         }

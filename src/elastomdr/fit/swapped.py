@@ -5,6 +5,8 @@ closest such material (`fit.passive`) comes to an isotherm as named, and how clo
 tells a power law omega^(1/2) in both from itself exchanged.
 """
 
+import re
+
 import numpy as np
 
 from ..errors import InputError
@@ -33,11 +35,13 @@ def refuse_swapped(dma: Dma, law: AbstractShift | None = None) -> None:
         swapped = look_swapped(np.zeros(reduced.size), reduced, dma.storage, dma.loss)
     if swapped:
         said = f" (read were {'; '.join(text.split(';')[0] for text in dma.columns)})" if dma.columns else ""
+        places = [re.search(rf"\b{name} from (\d+)", said) for name in ("loss", "storage")]
+        new, old = (place[1] for place in places if place) if all(places) else ("N", "M")
+        what = "" if all(places) else ", N the column read as loss, M the one read as storage"
         raise InputError(
             f"storage and loss modulus of {dma.source!r} look exchanged: no passive material has them as they are "
             f"named, and one has them the other way round{said}. Exchange them: "
-            "columns={'storage': N, 'loss': M} (--column storage=N --column loss=M), N the column read as "
-            "loss, M the one read as storage."
+            f"columns={{'storage': {new}, 'loss': {old}}} (--column storage={new} --column loss={old}){what}."
         )
 
 

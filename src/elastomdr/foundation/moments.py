@@ -122,7 +122,7 @@ def _ranges(count: int) -> tuple[float, int]:
 def _sum(coefficients: Array, z: Array) -> Array:
     """`contract` itself, without its derivative."""
     rows, count = coefficients, coefficients.shape[0]
-    switch, top = _ranges(count)
+    switch, top = _ranges(max(count, _UNROLLED))  # the same for all that are short: XLA then computes ratios once
     half = z / 2
     small, large = xp.minimum(half, switch), xp.maximum(half, switch)
     # A long chain of steps in one expression is slow to compile and, past a dozen, slow to run: then it is a loop.

@@ -11,15 +11,18 @@ that needs no force, and int q dt, int q du are closed forms. Kelvin elements (`
 dashpot) and Maxwell elements (`Foundation.maxwell`: one branch, E_inf = 0) are the smallest cases.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax.numpy as jnp
-from jaxtyping import Float
-
+from .._arrays import on_numpy, xp
 from .._runtime import Array
 from ..material.relaxation import AbstractRelaxation
 from .decay import phi1, phi2
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _WRITTEN_OUT = 32  # branches up to which sums over them are
 _SETTLED = 80.0  # z = h K/eta from which exp(-z/2) is below rounding: the dashpot has settled within the step
@@ -76,8 +79,8 @@ class Pressed(NamedTuple):
 
 def rest(law: AbstractRelaxation, n: int) -> Elements:
     """n elements that have never been touched."""
-    zero = jnp.zeros(n)
-    return Elements(zero, jnp.zeros((law.moduli.shape[0], n)), *[zero] * 7)
+    zero = xp.zeros(n)
+    return Elements(zero, xp.zeros((law.moduli.shape[0], n)), *[zero] * 7)
 
 
 def contact_step(law: AbstractRelaxation, state: Elements, w_start: Array, w_end: Array, h: Any) -> Elements:
@@ -100,13 +103,13 @@ def coefficients(law: AbstractRelaxation, h: Any, *, viscous: bool = True) -> Co
 
     `viscous=False` is for a law whose viscosity is known to be zero: equal sums over branches are then computed once.
     """
-    h = jnp.atleast_1d(jnp.asarray(h))
+    h = xp.atleast_1d(xp.asarray(h))
     moduli, times = _by_element(law.moduli), _by_element(law.times)
-    equilibrium, viscosity = jnp.atleast_1d(jnp.asarray(law.equilibrium)), jnp.atleast_1d(jnp.asarray(law.viscosity))
+    equilibrium, viscosity = xp.atleast_1d(xp.asarray(law.equilibrium)), xp.atleast_1d(xp.asarray(law.viscosity))
     y = h[None] / times
-    rate, decay, mean, half = viscosity / h, jnp.exp(-y), phi1(y), phi2(y)
+    rate, decay, mean, half = viscosity / h, xp.exp(-y), phi1(y), phi2(y)
     gain = moduli * mean
-    static = equilibrium + jnp.sum(gain, axis=0)
+    static = equilibrium + xp.sum(gain, axis=0)
     seen, stiffness = _signorini(static, viscosity, y, decay, h) if viscous else (decay, static)
     return Coefficients(
         h=h,
@@ -115,12 +118,12 @@ def coefficients(law: AbstractRelaxation, h: Any, *, viscous: bool = True) -> Co
         decay=decay,
         mean=mean,
         gain=gain,
-        energy=jnp.where(moduli > 0, 0.5 / jnp.where(moduli > 0, moduli, 1.0), 0.0),
+        energy=xp.where(moduli > 0, 0.5 / xp.where(moduli > 0, moduli, 1.0), 0.0),
         seen=seen,
         stiffness=stiffness,
         end=static + rate,
-        drag=jnp.sum(moduli * half, axis=0) + rate,
-        blow=jnp.sum(moduli * (half - 0.5 * mean**2), axis=0) + rate,
+        drag=xp.sum(moduli * half, axis=0) + rate,
+        blow=xp.sum(moduli * (half - 0.5 * mean**2), axis=0) + rate,
     )
 
 
@@ -143,15 +146,15 @@ def advance(
     fading = fade(c, f) if fading is None else fading
     pushed, recovery, contact, change, q = pressed(c, u, fading.seen, w_end - u, keep)
     free = ~contact & (state.q <= 0)
-    end = jnp.where(contact, w_end, jnp.maximum(u + recovery, w_end))
+    end = xp.where(contact, w_end, xp.maximum(u + recovery, w_end))
     f_end = c.decay * f + c.gain * change
     stored = keep(lambda f: over_branches(c.energy * f**2), f_end)
     work, impulse, kept = _integrals(c, state, fading, change, pushed, free)
     # A surface that comes from a distance strikes within the step. To a dashpot that is a shorter, faster motion: with
     # contact from theta h on, the mean of u'^2 grows by theta (1 - theta) (jump of u')^2.
-    struck = jnp.where(contact & (u > w_start), (u - w_start) * (pushed - recovery), 0.0)
+    struck = xp.where(contact & (u > w_start), (u - w_start) * (pushed - recovery), 0.0)
     # Where the work is an estimate (contact lost within the step, free recovery), it must not gain energy.
-    inelastic = state.inelastic + jnp.maximum(work, stored - state.stored) + c.blow * struck
+    inelastic = state.inelastic + xp.maximum(work, stored - state.stored) + c.blow * struck
     return Elements(
         u=end,
         f=f_end,
@@ -161,7 +164,7 @@ def advance(
         work=inelastic + 0.5 * c.equilibrium * end**2,
         inelastic=inelastic,
         stored=stored,
-        away=jnp.where(contact, 0.0, state.away) + c.h * (1 - kept),
+        away=xp.where(contact, 0.0, state.away) + c.h * (1 - kept),
     )
 
 
@@ -181,8 +184,8 @@ def pressed(
     held = c.equilibrium * u + seen  # force if u stays where it is
     recovery = -held / c.stiffness
     contact = pushed > recovery
-    change = keep(jnp.where, contact, pushed, recovery)
-    q = jnp.where(contact, jnp.maximum(held + c.stiffness * pushed, 0.0), 0.0)
+    change = keep(xp.where, contact, pushed, recovery)
+    q = xp.where(contact, xp.maximum(held + c.stiffness * pushed, 0.0), 0.0)
     return Pressed(pushed, recovery, contact, change, q)
 
 
@@ -193,13 +196,11 @@ def lag(c: Coefficients) -> Array:
     is 1/z - 1/(exp(z) - 1) before the end, z = h K/eta.
     """
     rate, static = c.rate[0], (c.end - c.rate)[0]
-    z = static / jnp.where(rate > 0, rate, 1.0)
-    small, large = jnp.minimum(z, 0.1), jnp.clip(z, 0.1, _SETTLED)
+    z = static / xp.where(rate > 0, rate, 1.0)
+    small, large = xp.minimum(z, 0.1), xp.clip(z, 0.1, _SETTLED)
     series = 0.5 - small / 12 + small**3 / 720 - small**5 / 30240
-    centre = jnp.where(
-        z < 0.1, series, jnp.where(z < _SETTLED, 1 / large - 1 / jnp.expm1(large), 1 / jnp.maximum(z, 1.0))
-    )
-    return jnp.where(rate > 0, centre, 0.0)
+    centre = xp.where(z < 0.1, series, xp.where(z < _SETTLED, 1 / large - 1 / xp.expm1(large), 1 / xp.maximum(z, 1.0)))
+    return xp.where(rate > 0, centre, 0.0)
 
 
 def _integrals(
@@ -213,19 +214,19 @@ def _integrals(
     # surface to the end would take tension, contact has ended when the force, linear in time, passed zero. A dashpot
     # feels the surface bend, not only its mean slope; twice the slope or its reverse is taken for a kink.
     bend = pushed - state.velocity * c.h
-    bend = jnp.where(jnp.abs(bend) < jnp.abs(pushed), bend, 0.0)
+    bend = xp.where(xp.abs(bend) < xp.abs(pushed), bend, 0.0)
     mean = c.equilibrium * (u + 0.5 * pushed) + faded + c.drag * pushed
     end = fading.seen if fading.end is None else fading.end
     last = c.equilibrium * u + end + c.end * pushed + 0.5 * c.rate * bend
-    first = jnp.maximum(2 * mean - last, 0.0)
+    first = xp.maximum(2 * mean - last, 0.0)
     lost = ~free & (last < 0)
-    kept = jnp.where(lost, first / jnp.where(lost, first - last, 1.0), jnp.where(free, 0.0, 1.0))
+    kept = xp.where(lost, first / xp.where(lost, first - last, 1.0), xp.where(free, 0.0, 1.0))
     area = 0.5 * first * kept
 
-    work = jnp.where(lost, area * pushed, (drag + spring) * change)
-    impulse = jnp.where(lost, area, drag + spring) * c.h
+    work = xp.where(lost, area * pushed, (drag + spring) * change)
+    impulse = xp.where(lost, area, drag + spring) * c.h
     # An element that recovers freely feels no force, though on the straight path between two instants it would.
-    return jnp.where(free, 0.0, work) - spring * change, jnp.where(free, 0.0, impulse), kept
+    return xp.where(free, 0.0, work) - spring * change, xp.where(free, 0.0, impulse), kept
 
 
 def _signorini(static: Array, viscosity: Array, y: Array, decay: Array, h: Array) -> tuple[Array, Array]:
@@ -236,21 +237,21 @@ def _signorini(static: Array, viscosity: Array, y: Array, decay: Array, h: Array
     infinite and both are values at the end of the step; without stiffness z is zero and they are plain means.
     """
     present = viscosity > 0
-    z = h * static / jnp.where(present, viscosity, 1.0)
+    z = h * static / xp.where(present, viscosity, 1.0)
     settled = ~present | (z > _SETTLED)
-    lag = jnp.where(settled, viscosity / jnp.where(settled, h * static, 1.0), 0.0)  # 1/z
-    z = jnp.where(settled, _SETTLED, z)
-    stiffness = jnp.where(settled, static, viscosity / h / phi1(z))
+    lag = xp.where(settled, viscosity / xp.where(settled, h * static, 1.0), 0.0)  # 1/z
+    z = xp.where(settled, _SETTLED, z)
+    stiffness = xp.where(settled, static, viscosity / h / phi1(z))
     z, lag, settled = z[None], lag[None], settled[None]
-    early = jnp.exp(-jnp.minimum(y, z)) * phi1(jnp.abs(z - y)) / phi1(z)
-    late = decay / (1 - jnp.minimum(y * lag, 0.5))  # beyond 0.5 nothing is left of the branch
-    return jnp.where(settled, late, early), stiffness
+    early = xp.exp(-xp.minimum(y, z)) * phi1(xp.abs(z - y)) / phi1(z)
+    late = decay / (1 - xp.minimum(y * lag, 0.5))  # beyond 0.5 nothing is left of the branch
+    return xp.where(settled, late, early), stiffness
 
 
 def over_branches(parts: Float[Array, "k n"]) -> Float[Array, " n"]:
     """Sum over the branches; written out, since compiled reductions over the slow axis take several times as long."""
-    if not 0 < parts.shape[0] <= _WRITTEN_OUT:
-        return jnp.sum(parts, axis=0)
+    if on_numpy() or not 0 < parts.shape[0] <= _WRITTEN_OUT:
+        return xp.sum(parts, axis=0)
     total = parts[0]
     for part in parts[1:]:
         total = total + part
@@ -259,5 +260,5 @@ def over_branches(parts: Float[Array, "k n"]) -> Float[Array, " n"]:
 
 def _by_element(branches: Array) -> Array:
     """(k,) as (k, 1), (k, n) as it is."""
-    branches = jnp.asarray(branches)
+    branches = xp.asarray(branches)
     return branches[:, None] if branches.ndim == 1 else branches

@@ -25,7 +25,17 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 STENCIL = 14  # points of local Lagrange interpolation in log v
-_STEEPEST = 4.05  # power of a profile up to which the validity map says how far the average is off
+_POWERS = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 6.0])  # of a profile, and for each, of the excess of the average:
+_EXCESS = np.array(
+    [
+        [0.151, 0.159, 0.214, 0.63, 1.07, 2.75],  # c
+        [1.25, 1.125, 1.0, 2.0, 2.0, 2.0],  # p
+        [0.0, 0.5, 1.0, 0.5, 0.5, 0.5],  # q
+        [-0.09, -0.045, 0.0, 0.48, 0.70, 1.32],  # d
+        [0.09, 0.07, 0.04, 0.08, 0.13, 0.20],  # of the asymmetry, in the bound
+    ]
+)
+_STEEPEST = 6.05  # power of a profile up to which the validity maps say how far the average is off
 BARE_LINE = 0.52  # of mu: how far below the line of the textbook the half-space lay at most on the validity map
 
 
@@ -133,25 +143,30 @@ class Asymmetry(NamedTuple):
 
 
 @numpy_unless_traced
-def asymmetry(average: Array, line: Array, leading: Array, trailing: Array, exponent: Array) -> Asymmetry:
+def asymmetry(
+    average: Array, line: Array, leading: Array, trailing: Array, exponent: Array, mean: Array | None = None
+) -> Asymmetry:
     """Excess of the direction average over the half-space, from the asymmetry of the line's contact.
 
-        ln(mu_average/mu_3D) = c_n s^(1+|n-2|/4) (2 mu_average/mu_line - 1)^min(n-1, 1),    s = (a - b)/(a + b)
-        c_n = 0.28 - 0.225 n + 0.096 n^2
+        ln(mu_average/mu_3D) = c_n s^p_n (2 mu_average/mu_line - 1)^q_n + d_n (m - s),    s = (a - b)/(a + b)
 
-    with the edges a and b of the line in the direction of motion and the power n = a g'(a)/g(a) of its profile there. s
-    is of first order in the loss, so that the average stays exact to first order; both factors tend to limits, and s to
-    0, at low and at high velocity. An empirical rule, fitted to three-dimensional solutions with n = 1, 2 and 4 and
-    contrasts up to 1000 (docs/accuracy.md), as are the two bounds, which are NaN for steeper profiles.
+    with the edges a and b of the line in the direction of motion, the power n = a g'(a)/g(a) of its profile there (the
+    mean of both edges, or of all directions where that is larger), and the `mean` m of s over all directions, weighted
+    by their share of the average (without it the last term is left out). s and m are of first order in the loss, so
+    that the average stays exact to first order; both terms tend to 0 at low and at high velocity. An empirical rule,
+    fitted to three-dimensional solutions with n from 1 to 6 and contrasts up to 1000 (docs/accuracy.md), as are the two
+    bounds, which are NaN for steeper profiles.
     """
     s = xp.maximum((leading - trailing) / (leading + trailing), 1e-12)
+    apart = 0.0 if mean is None else mean - s
     ratio = average / xp.where(line > 0, line, 1.0)
-    n = xp.clip(exponent, 1.0, 4.0)
-    share = xp.maximum(2 * ratio - 1, 1e-9) ** xp.minimum(n - 1, 1.0)
-    factor = (0.28 - 0.225 * n + 0.096 * n**2) * s ** (1 + xp.abs(n - 2) / 4)
-    excess = xp.where(line > 0, factor * share, 0.0)
+    c, p, q, d, per_s = (xp.interp(exponent, _POWERS, row) for row in _EXCESS)
+    factor = c * s**p
+    excess = factor * xp.maximum(2 * ratio - 1, 1e-9) ** q + d * apart
+    excess = xp.where(line > 0, excess, 0.0)
     known = xp.where(exponent <= _STEEPEST, 1.0, xp.nan)
-    return Asymmetry(excess, known * (1.5 * excess + 0.1 * s), known * (0.5 * excess + 0.1 * s), 4 * factor)
+    left = known * (0.25 * xp.abs(excess) + per_s * (s + xp.maximum(apart, 0.0)))
+    return Asymmetry(excess, left + xp.abs(excess), left, 4 * factor + 2 * xp.abs(d) * (s + apart))
 
 
 @numpy_unless_traced

@@ -21,6 +21,9 @@ from .shapes import AbstractShape, Cylinder
 if TYPE_CHECKING:
     from jaxtyping import Float
 
+_APEX = 1e-9  # of the leading edge: what counts as the apex
+_FLAT = 60.0  # power that stands for a flat
+
 
 class AbstractLines(Tree):
     """Lines j = 0 ... count-1, with their weights in the total force."""
@@ -64,6 +67,13 @@ class AbstractLines(Tree):
         """a g'(a)/g(a) on the central line: 1 for a cone, 2 for a paraboloid."""
         entry, central = self.entry(size)[:1], xp.zeros((1, 1), int)
         return (entry * self.slope(entry, size, central) / self.profile(entry, size, central))[0]
+
+    def rise(self, leading: Float[Array, " points"], trailing: Float[Array, " points"]) -> Float[Array, " points"]:
+        """a g'(a)/g(a) on the central line, the mean of both edges; large where an edge lies on a flat."""
+        edges, central = xp.stack([leading, xp.maximum(trailing, _APEX * leading)]), xp.zeros((1, 1), int)
+        height, slope = self.profile(edges, leading, central), self.slope(edges, leading, central)
+        power = xp.where(height > 0, edges * slope / xp.where(height > 0, height, 1.0), _FLAT)
+        return 0.5 * xp.sum(xp.minimum(power, _FLAT), axis=0)
 
 
 class SingleLine(AbstractLines):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from .._arrays import compiled, each, fori_loop, on_numpy, xp
-from .._runtime import Array, as_float64, ascending, is_traced, not_negative, numpy_unless_traced, require
+from .._runtime import Array, alike, as_float64, ascending, is_traced, not_negative, numpy_unless_traced, require
 from .._trees import fill, static
 from ..errors import InputError
 from .shapes import AbstractShape
@@ -56,11 +56,7 @@ class Profile(AbstractShape):
         curve: Literal["auto", "spline", "monotone"] = "auto",
     ):
         r, z = as_float64("r", r), as_float64("z", z)
-        if r.ndim != 1 or r.shape != z.shape or r.shape[0] < 4:
-            raise InputError(
-                "r and z must be lists of the same length with four points at least, "
-                f"got shapes {r.shape} and {z.shape}."
-            )
+        alike(4, r=r, z=z)
         if is_traced(r):
             raise InputError("r must be plain numbers: a Profile is differentiable in its heights z, not in its radii.")
         not_negative("r", r)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from .._arrays import compiled, fixed, xp
-from .._runtime import Array, argmax, as_float64, ascending, finite, in_float64, is_traced, numpy_unless_traced
+from .._runtime import Array, alike, argmax, as_float64, ascending, finite, in_float64, is_traced, numpy_unless_traced
 from .._trees import Tree, fill, replaced
 from ..errors import InputError
 
@@ -38,11 +38,7 @@ class RoughLine(Tree):
     @numpy_unless_traced
     def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
         x, height = as_float64("x", x), as_float64("height", height)
-        if x.ndim != 1 or x.shape != height.shape or x.shape[0] < 4:
-            raise InputError(
-                "x and height must be lists of the same length with four points at least, "
-                f"got shapes {x.shape} and {height.shape}."
-            )
+        alike(4, x=x, height=height)
         if is_traced(x):
             raise InputError("x must be plain numbers: a RoughLine is differentiable in its heights.")
         finite("x", x)

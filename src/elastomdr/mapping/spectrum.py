@@ -19,6 +19,7 @@ import numpy as np
 
 from .._arrays import xp
 from .._runtime import (
+    alike,
     as_float64,
     ascending,
     is_traced,
@@ -258,8 +259,7 @@ class Spectrum(AbstractSpectrum):
                 f"c must be the spectrum of an isotropic surface, a list as long as q, got a map of shape {c.shape}: "
                 "average it over directions, or give the heights to em.read_surface."
             )
-        if q.ndim != 1 or q.shape != c.shape or q.size < 2:
-            raise InputError(f"q and c must be lists of the same length, two or more, got shapes {q.shape}, {c.shape}.")
+        alike(2, q=q, c=c)
         positive("q", q)
         ascending("q", q)
         positive("c", c)

@@ -70,10 +70,10 @@ def load_material(name_or_path: str | os.PathLike[str]) -> "Prony | TabulatedMod
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     reference = document.get("reference_temperature")
-    if shift is not None and reference is not None and not abs(float(shift.reference) - reference) < 1e-6:
+    if shift is not None and reference is not None and not abs(float(shift.reference) - reference) < 1e-4:
         raise InputError(
             f"{path}: reference_temperature must be that of the shift law, where its factor is 1: "
-            f"got {reference:g} K and {float(shift.reference):g} K."
+            f"got {reference:.9g} K and {float(shift.reference):.9g} K."
         )
     return material
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._arrays import on_numpy, xp
-from .._runtime import Array, as_float64, is_traced, not_negative, numpy_unless_traced, positive
+from .._runtime import Array, alike, as_float64, is_traced, not_negative, numpy_unless_traced, positive
 from .._trees import Tree
 from ..errors import InputError
 from .secular import secular_roots
@@ -117,11 +117,7 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
         if value.shape != ():
             raise InputError(f"{name} must be a single number, got an array of shape {value.shape}.")
         not_negative(name, value)
-    if moduli.ndim != 1 or times.ndim != 1 or moduli.shape != times.shape:
-        raise InputError(
-            "moduli and times must be lists of the same length, one entry per branch, "
-            f"got shapes {moduli.shape} and {times.shape}."
-        )
+    alike(0, moduli=moduli, times=times)
     not_negative("moduli", moduli)
     positive("times", times)
     moduli, times = in_order(moduli, times)

@@ -10,6 +10,7 @@ import numpy as np
 from .._arrays import xp
 from .._runtime import (
     Array,
+    alike,
     as_float64,
     ascending,
     in_float64,
@@ -166,11 +167,7 @@ class ShiftTable(AbstractShift):
 
     def __init__(self, temperature: ArrayLike, log10_a: ArrayLike):
         temperature, log10_a = as_float64("temperature", temperature), as_float64("log10_a", log10_a)
-        if temperature.ndim != 1 or temperature.shape != log10_a.shape or temperature.shape[0] < 2:
-            raise InputError(
-                "temperature and log10_a must be lists of the same length with two entries at least, "
-                f"got shapes {temperature.shape} and {log10_a.shape}."
-            )
+        alike(2, temperature=temperature, log10_a=log10_a)
         in_kelvin("temperature", temperature)
         require("log10_a", log10_a, "finite", np.isfinite)
         ascending("temperature", temperature)

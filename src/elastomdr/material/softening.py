@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import Array, as_float64, ascending, is_traced, not_negative, numpy_unless_traced, positive, written
+from .._runtime import (
+    Array,
+    alike,
+    as_float64,
+    ascending,
+    is_traced,
+    not_negative,
+    numpy_unless_traced,
+    positive,
+    written,
+)
 from .._trees import Tree, fill, same
 from ..errors import InputError
 
@@ -51,11 +61,7 @@ class Softening(Tree):
     def __init__(self, strain: ArrayLike, storage: ArrayLike, loss: ArrayLike):
         lists = {"strain": strain, "storage": storage, "loss": loss}
         strain, storage, loss = arrays = [as_float64(f"softening: {key}", value) for key, value in lists.items()]
-        if strain.ndim != 1 or strain.shape[0] < 2 or not strain.shape == storage.shape == loss.shape:
-            raise InputError(
-                "softening: strain, storage and loss must be lists of the same length with two entries at least, got "
-                f"shapes {strain.shape}, {storage.shape} and {loss.shape}."
-            )
+        alike(2, **{"softening: strain": strain, "storage": storage, "loss": loss})
         for key, values in zip(lists, arrays, strict=True):
             positive(f"softening: {key}", values)
         ascending("softening: strain", strain)

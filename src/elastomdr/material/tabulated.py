@@ -22,6 +22,7 @@ import numpy as np
 from .._arrays import xp
 from .._runtime import (
     Array,
+    alike,
     as_float64,
     ascending,
     is_traced,
@@ -204,11 +205,7 @@ class TabulatedModulus(AbstractTable):
         omega, storage, loss = (
             as_float64(key, value) for key, value in (("omega", omega), ("storage", storage), ("loss", loss))
         )
-        if omega.ndim != 1 or omega.shape[0] < 3 or storage.shape != omega.shape or loss.shape != omega.shape:
-            raise InputError(
-                "omega, storage and loss must be lists of the same length with three entries at least, "
-                f"got shapes {omega.shape}, {storage.shape} and {loss.shape}."
-            )
+        alike(3, omega=omega, storage=storage, loss=loss)
         for key, value in (("omega", omega), ("storage", storage), ("loss", loss)):
             positive(key, value)
         ascending("omega", omega)

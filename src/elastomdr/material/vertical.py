@@ -10,6 +10,7 @@ import numpy as np
 from .._arrays import xp
 from .._runtime import (
     Array,
+    alike,
     as_float64,
     ascending,
     in_kelvin,
@@ -85,11 +86,7 @@ class VerticalTable(AbstractVertical):
 
     def __init__(self, temperature: ArrayLike, factor: ArrayLike):
         temperature, factor = as_float64("temperature", temperature), as_float64("factor", factor)
-        if temperature.ndim != 1 or temperature.shape != factor.shape or temperature.shape[0] < 2:
-            raise InputError(
-                "temperature and factor must be lists of the same length with two entries at least, "
-                f"got shapes {temperature.shape} and {factor.shape}."
-            )
+        alike(2, temperature=temperature, factor=factor)
         if is_traced(temperature):
             raise InputError("temperature must be plain numbers: a table is differentiated in its factors only.")
         in_kelvin("temperature", temperature)

@@ -24,6 +24,7 @@ _LIGHT = 0.16  # opacity of a band
 _LEGEND = 12  # curves of one result that a legend names; of more, it names as many, evenly spread
 _LOG = 20.0  # ratio of the largest to the smallest value from which on an axis may be logarithmic
 _SAME = 2.0  # temperature from a curve up to which a measured point takes its colour [K]
+_FEW = 12.0  # ratio of the ends of a logarithmic axis up to which its ticks are those of a linear one
 _DECADES = 30.0  # largest over middle interval from which instants are taken as spread over decades
 DOTTED = "dotted: beyond the range of the material's data"
 
@@ -225,6 +226,10 @@ def begin(ask: Ask, panels: dict[str, Any] | None = None) -> tuple[Any, Canvas]:
         ax._elastomdr = Canvas(style, own=True, foreign=False, panels=grid if panels else [])
     canvas: Canvas | None = getattr(ax, "_elastomdr", None)
     if canvas is None:
+        import matplotlib
+
+        if style.words:  # as large as the letters that are there
+            style = style._replace(text=float(matplotlib.rcParams["font.size"]))
         canvas = ax._elastomdr = Canvas(style, own=False, foreign=ax.has_data())
     on = {id(panel) for panel in (ax, *canvas.panels)}
     canvas.entries = [e for e in canvas.entries if all(id(h.axes) in on for h, *_ in (*e.lines, *e.extras))]  # cleared
@@ -411,6 +416,7 @@ def draw_rough_contact(result: Any, ask: Ask, x: str = "", y: str = "") -> Any:
     values = values[np.isfinite(values) & (values > 0)]
     if values.size and values.max() > _LOG / 4 * values.min():
         ax.set_yscale("log")
+        frame(ax)
     return ax
 
 
@@ -419,6 +425,7 @@ def draw_force_spectrum(result: Any, ask: Ask) -> Any:
     if result.shows_density:
         ax = draw(result, ask, "frequency", "density")
         ax.set_yscale("log")
+        frame(ax)
         return ax
     sketch = Sketch(result, ask)
     for line in sketch.lines():
@@ -599,10 +606,30 @@ def within(ax: Any, x: Any, y: Any, beyond: Any = None, **style: Any) -> Any:
 
 
 def frame(ax: Any) -> None:
-    """Grid behind the curves, two spines."""
+    """Grid behind the curves, two spines, ticks whose labels do not overlap."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+
+    for axis in (ax.xaxis, ax.yaxis):
+        if axis.get_scale() == "log":
+            low, high = sorted(axis.get_view_interval())
+            axis.set_minor_formatter(NullFormatter())
+            axis.set_major_formatter(FuncFormatter(_power))
+            few = high < _FEW * low
+            axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]) if few else LogLocator(numticks=8))
     ax.grid(True, which="major", color=GRID, linewidth=0.6)
     ax.set_axisbelow(True)
     ax.spines[["top", "right"]].set_visible(False)
+
+
+def _power(value: float, _: Any = None) -> str:
+    """A tick of a logarithmic axis: powers of ten as such, all others as plain numbers where these are short."""
+    if value <= 0:
+        return ""
+    power = int(np.floor(np.log10(value) + 1e-9))
+    factor = float(f"{value / 10.0**power:.4g}")
+    if factor == 1:
+        return f"$\\mathdefault{{10^{{{power}}}}}$"
+    return f"{value:.4g}" if -3 <= power < 4 else f"$\\mathdefault{{{factor:g}\\times10^{{{power}}}}}$"
 
 
 def as_measured(measured: Any) -> dict[str, np.ndarray]:
@@ -693,30 +720,47 @@ def _names(entries: list[Entry]) -> list[str]:
 
 def _write_legend(ax: Any, canvas: Canvas, shown: dict[str, Any]) -> None:
     """Beside the axes; in a paper above them, in as many columns as fit, where it covers nothing."""
-    texts, style = list(shown), canvas.style
-    common = {"frameon": False, "borderaxespad": 0.2}
-    if style.words:
+    style = canvas.style
+    texts = [textwrap.fill(text, 48) for text in shown]
+    common = {"frameon": False, "borderaxespad": 0.2, "fontsize": 0.85 * style.text}
+    if style.words and not crowded(ax, canvas):
         if canvas.own:
-            canvas_size = style.panels[0] + 2.2 if canvas.panels else style.wide
-            ax.figure.set_size_inches(canvas_size, ax.figure.get_size_inches()[1])
-        texts = [textwrap.fill(text, 48) for text in texts]
-        ax.legend(shown.values(), texts, loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5, **common)
+            width = style.panels[0] + 2.2 if canvas.panels else style.wide
+            ax.figure.set_size_inches(width, ax.figure.get_size_inches()[1])
+        ax.legend(shown.values(), texts, loc="upper left", bbox_to_anchor=(1.01, 1.0), **common)
         return
-    texts = [textwrap.fill(text, 48) for text in texts]
-    columns = max(1, min(len(texts), 52 // (max(map(len, texts)) + 7)))
+    common |= {"handlelength": 1.5, "columnspacing": 1.2}
+    if style.words:
+        common |= below(ax, style)
+    else:
+        common |= {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "fontsize": style.text - 0.5}
+    inches = ax.figure.get_size_inches()[0] * ax.get_position(original=True).width if style.words else 3.346
+    room = int(inches * 120 / style.text)  # letters
+    columns = max(1, min(len(texts), room // (max(map(len, texts)) + 7)))
     if canvas.own:
         rows = -(-len(texts) // columns) + sum(text.count("\n") for text in texts)
         height = style.panels[1] if canvas.panels else style.size[1]
         ax.figure.set_size_inches(style.wide, height + 0.14 * rows)
     if canvas.panels:
-        old = ax.figure.legends[:]
-        for legend in old:
+        for legend in ax.figure.legends[:]:
             legend.remove()
-        ax.figure.legend(shown.values(), texts, loc="outside upper left", ncols=columns, fontsize=style.text - 0.5,
-                         handlelength=1.5, columnspacing=1.2, **common)  # fmt: skip
+        del common["bbox_to_anchor"]
+        ax.figure.legend(shown.values(), texts, ncols=columns, **{**common, "loc": "outside upper left"})
         return
-    ax.legend(shown.values(), texts, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns,
-              fontsize=style.text - 0.5, handlelength=1.5, columnspacing=1.2, **common)  # fmt: skip
+    ax.legend(shown.values(), texts, ncols=columns, **common)
+
+
+def crowded(ax: Any, canvas: Canvas) -> bool:
+    """Whether the axes are some of several that matplotlib lays out: a legend beside them takes their width."""
+    return not canvas.own and len(ax.figure.axes) > 1 and ax.get_figure(root=True).get_layout_engine() is not None
+
+
+def below(ax: Any, style: Style) -> dict[str, Any]:
+    """The place of a legend below the axes and their label."""
+    from matplotlib.transforms import ScaledTranslation
+
+    down = ScaledTranslation(0.0, -3.6 * style.text / 72, ax.get_figure(root=True).dpi_scale_trans)
+    return {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": ax.transAxes + down}
 
 
 def write_title(ax: Any, canvas: Canvas, title: str, asked: bool, small: tuple[str, str, str]) -> list[Any]:
@@ -728,20 +772,27 @@ def write_title(ax: Any, canvas: Canvas, title: str, asked: bool, small: tuple[s
         if asked:
             ax.set_title(title, loc="left", fontsize=canvas.style.text + 1)
         return []
-    figure = ax.figure.get_figure(root=True)
+    figure, text = ax.figure.get_figure(root=True), canvas.style.text
     if canvas.panels:
-        figure.suptitle(title, x=0.01, ha="left", fontsize=12, fontweight="bold", color=INK)
+        left = 0.01 if figure.get_layout_engine() else ax.get_position().x0
+        figure.suptitle(title, x=left, ha="left", fontsize=1.2 * text, fontweight="bold", color=INK)
     inches = figure.get_size_inches()[0] * ax.get_position(original=True).width
-    above = {"xy": (0, 1), "xycoords": "axes fraction", "textcoords": "offset points", "va": "bottom", "fontsize": 8}
-    made, height = [], 6
-    for text, colour in zip(reversed(small), (RED, FAINT, FAINT), strict=True):
-        lines = textwrap.wrap(text, max(30, int(17 * inches)))
+    above = {
+        "xy": (0, 1),
+        "xycoords": "axes fraction",
+        "textcoords": "offset points",
+        "va": "bottom",
+        "fontsize": 0.8 * text,
+    }
+    made, height = [], 0.6 * text
+    for words, colour in zip(reversed(small), (RED, FAINT, FAINT), strict=True):
+        lines = textwrap.wrap(words, max(30, int(170 * inches / text)))
         place = {"xytext": (0, height), "color": colour, "linespacing": 1.2, **above}
         made += [ax.annotate("\n".join(lines), **place)] if lines else []
-        height += 12 * len(lines)
+        height += 1.2 * text * len(lines)
     if not canvas.panels:
-        heading = "\n".join(textwrap.wrap(title, max(24, int(9.5 * inches))))
-        ax.set_title(heading, loc="left", fontsize=12, fontweight="bold", color=INK, pad=height + 4)
+        heading = "\n".join(textwrap.wrap(title, max(24, int(95 * inches / text))))
+        ax.set_title(heading, loc="left", fontsize=1.2 * text, fontweight="bold", color=INK, pad=height + 0.4 * text)
     return made
 
 
@@ -871,35 +922,39 @@ def _together(labels: list[str]) -> str:
 
 def draw_ranking(ranking: Any, style: str | None, title: str | None) -> Any:
     """Friction of each material against velocity, at the temperature of a ranking, and the ranking as bars."""
-    import matplotlib.pyplot as plt
-
-    if style not in STYLES:
-        raise InputError(f"style must be None or 'paper', got {style!r}.")
-    look = STYLES[style]
-    figure, (left, right) = plt.subplots(
-        1, 2, figsize=(look.size[0] * 1.75, look.size[1]), width_ratios=(1.4, 1.0), layout="constrained"
-    )
+    heading = title or f"Ranking at {ranking.where()}".replace("degC", "°C")
+    panels: dict[str, Any] = {"nrows": 1, "ncols": 2, "width_ratios": (1.4, 1.0)}
+    if style is not None:
+        panels = {"nrows": 2, "ncols": 1, "height_ratios": (1.4, 1.0)}
+    left, canvas = begin(Ask(None, style), panels)
+    right, look = canvas.panels[1], canvas.style
+    if look.words:
+        left.figure.set_size_inches(look.wide, look.size[1])
     at = {"temperature": ranking.temperature, "pressure": ranking.pressure}
     at = {name: value for name, value in at.items() if value is not None}
+    highest = max((place.mu for place in ranking.places if np.isfinite(place.mu)), default=1.0)
     for i, place in enumerate(ranking.places):
-        colour = PALETTE[i % len(PALETTE)]
+        colour = PALETTE[ranking.curve.materials.index(place.material) % len(PALETTE)]  # as in the figure of the curve
         law = ranking.curve.select(place.material).law()
         left.semilogx(law.velocity, law(law.velocity, **at), color=colour, linewidth=look.line)
         known = np.isfinite(place.uncertainty)
-        right.barh(i, place.mu, color=colour, alpha=0.85, xerr=place.uncertainty if known else None, capsize=3)
-        sure = {True: "", False: "not significant", None: "" if np.isnan(place.ahead) else "significance not known"}
-        right.text(0.02 * ranking.places[0].mu, i + 0.5, sure[place.significant], va="center", fontsize=look.text - 3,
-                   color=RED if place.significant is False else FAINT)  # fmt: skip
+        right.barh(i, place.mu, 0.5, color=colour, xerr=place.uncertainty if known else None, capsize=3)
+        sure = {
+            True: "",
+            False: "lead not significant",
+            None: "" if np.isnan(place.ahead) else "significance not known",
+        }
+        words = " ".join(
+            filter(None, (place.material, f"({sure[place.significant]})" if sure[place.significant] else ""))
+        )
+        right.text(0.01 * highest, i - 0.3, words, va="bottom", fontsize=0.8 * look.text,
+                   color=RED if place.significant is False else INK)  # fmt: skip
     left.axvline(ranking.velocity, color=FAINT, linestyle=":")
     left.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]", ylim=(0, None))
-    right.set(yticks=range(len(ranking.places)), yticklabels=[place.material for place in ranking.places])
-    right.set(xlabel="Friction coefficient [-]", xlim=(0, None))
-    right.invert_yaxis()
-    right.set_title(ranking.where(), fontsize=look.text - 1, loc="left", color=INK)
+    right.set(yticks=[], xlabel="Friction coefficient [-]", xlim=(0, None), ylim=(len(ranking.places) - 0.5, -0.75))
+    right.locator_params(axis="x", nbins=5)
     for ax in (left, right):
-        ax.grid(color=GRID)
-        ax.set_axisbelow(True)
-        ax.tick_params(labelsize=look.text - 1)
-    if title:
-        figure.suptitle(title, fontsize=look.text + 1, x=0.01, ha="left")
+        frame(ax)
+    if look.words or title:
+        left.figure.suptitle(heading, x=0.01, ha="left", fontsize=1.2 * look.text, fontweight="bold", color=INK)
     return left

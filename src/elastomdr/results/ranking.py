@@ -62,7 +62,9 @@ class Ranking:
         yield f"ranking by friction at {self.where()}"
         width = max(len(place.material) for place in self.places)
         for i, place in enumerate(self.places, 1):
-            spread = "not known" if np.isnan(place.uncertainty) else f"+- {significant(place.uncertainty, 2)}"
+            spread = (
+                "(uncertainty not known)" if np.isnan(place.uncertainty) else f"+- {significant(place.uncertainty, 2)}"
+            )
             text = f"{i:>3}  {place.material:<{width}}  mu {significant(place.mu)} {spread}"
             if np.isfinite(place.ahead):
                 sure = {True: "significant", False: "not significant", None: "not known whether significant"}

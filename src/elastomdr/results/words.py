@@ -20,6 +20,17 @@ def describe(shape: Any) -> str:
     return ", ".join([shape.label, *numbers])
 
 
+def covers_in_words(body: Any) -> tuple[str, ...]:
+    """Each layer of an `em.layer` by its thickness and base; nothing of another body."""
+    if is_traced(body):
+        return ()
+    return tuple(
+        f"{1e3 * float(each.thickness):.4g} mm of {each.material.name or 'rubber'}, "
+        f"{'bonded to' if each.bonded else 'slipping on'} a rigid base"
+        for each in getattr(body, "covers", ())
+    )
+
+
 def brief(array: Any, unit: str) -> str:
     """A number with its unit, or the range of an array and how many values it has."""
     if is_traced(array):

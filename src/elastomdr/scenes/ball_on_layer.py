@@ -22,7 +22,7 @@ from ..material.table_chain import to_chain
 from ..material.tabulated import TabulatedModulus
 from ..models import Averaged
 from ..results.curve import Contact
-from ..results.words import describe
+from ..results.words import covers_in_words, describe
 from ..solve.layer_line import Slid, Sliding, elastic_curve, slide_on_layer
 from .beyond import steady_beyond
 from .choice import of_smooth
@@ -116,7 +116,7 @@ def ball_on_layer(
     reduced = xp.asarray(points.reduced).reshape(-1)
     words = f"{describe(shape)} on {material.name or 'a layer'}"
     count = _count(reduced, value, averaged, rtol, points.traced)
-    plan = LayerPlan(quantity, words, label, control, reduced.size, float(rtol), _in_words(material), count)
+    plan = LayerPlan(quantity, words, label, control, reduced.size, float(rtol), covers_in_words(material), count)
     kelvin = points.full(points.kelvin)
     if not solved:
         return OnLayer(None, kelvin, label, plan)
@@ -376,17 +376,6 @@ def _count(velocity: Array, load: Array, averaged: bool, rtol: float, traced: bo
     if traced or np.unique(load).size > 1:
         return velocity.size * each
     return min(velocity.size * each, velocity.size + shared_grid(np.asarray(velocity), rtol).velocity.size)
-
-
-def _in_words(body: Layer) -> tuple[str, ...]:
-    """Each layer: thickness and base."""
-    if is_traced(body):
-        return ()
-    return tuple(
-        f"{1e3 * float(each.thickness):.4g} mm of {each.material.name or 'rubber'}, "
-        f"{'bonded to' if each.bonded else 'slipping on'} a rigid base"
-        for each in body.covers
-    )
 
 
 def _say(good: Any, sunk: Any, thick: Any, rtol: float) -> None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _DIRECTIONS = 1e-2  # relative error of the direction average: bands are for figures
 _MARGIN = 10.0  # by which the bands go beyond the cutoffs; what lies further out is in those at the ends
-_CLOSED = 1e-3  # relative distance of the sum of the bands from the work of the contact step
+_CLOSED = 1e-2  # relative distance of the sum of the bands from friction, to which they are then scaled
 
 
 @over_materials
@@ -64,8 +64,8 @@ def friction_bands(
         per_decade: bands in each decade of frequency.
 
     Returns:
-        An `em.FrictionBands` with one more axis, the bands. They sum to the friction of the line within 1e-3, or the
-        point is NaN; one `ConvergenceWarning` counts such points.
+        An `em.FrictionBands` with one more axis, the bands. They sum to the friction of the line, to which they are
+        scaled: from within 1e-2, which `error` holds, or the point is NaN; one `ConvergenceWarning` counts such points.
 
     Raises:
         InputError: as `em.friction` with `model=em.Line(...)`.
@@ -101,6 +101,7 @@ def friction_bands(
         )  # fmt: skip
         bands, total, missed, fine = (field.reshape(v.size, cosines.size, -1) for field in found)
         gap = np.abs(bands.sum(axis=-1) - total[..., 0])
+        bands = bands * (total / bands.sum(axis=-1, keepdims=True))
         mu += np.einsum("vdb,d->vb", bands, weights) / len(lines)
         error += (missed[..., 0] + gap) @ weights / len(lines)
         good &= fine.all(axis=(1, 2)) & (gap @ weights <= _CLOSED * (total[..., 0] @ weights))

@@ -24,7 +24,7 @@ from ..material.table_chain import to_chain
 from ..material.tabulated import TabulatedModulus
 from ..models import HalfSpace
 from ..results.curve import Contact
-from ..results.words import describe, significant
+from ..results.words import covers_in_words, describe, significant
 from ..solve.cylinder import Cover, Cylinders, depth, half_of, layer_waves, least_gap, least_pressure, losses, solve_at
 from .beyond import steady_beyond
 from .choice import of_smooth
@@ -110,7 +110,7 @@ def cylinder_on_layer(
     label = ON_LAYER if layers else ON_HALF_SPACE
     label += "" if getattr(body, "softening", None) is None else LINEAR
     plan = CylinderPlan(
-        quantity, words, label, control, int(np.prod(points.shape)), float(rtol), _in_words(body),
+        quantity, words, label, control, int(np.prod(points.shape)), float(rtol), covers_in_words(body),
         sum(int(np.shape(cover.chain.times)[0]) for cover, _ in bodies),
     )  # fmt: skip
     if not solved:
@@ -281,17 +281,6 @@ def _not_too_deep(layer: Layer, control: str, points: Scene) -> None:
     if control == "depth" and not is_traced(layer, points.value):
         thick = float(sum(cover.thickness for cover in layer.covers))
         require("depth", points.value, f"below {thick:.4g} m, the thickness of the layer", lambda d: d < thick)
-
-
-def _in_words(body: Any) -> tuple[str, ...]:
-    """Each layer: thickness and base."""
-    if not isinstance(body, Layer) or is_traced(body):
-        return ()
-    return tuple(
-        f"{1e3 * float(each.thickness):.4g} mm of {each.material.name or 'rubber'}, "
-        f"{'bonded to' if each.bonded else 'slipping on'} a rigid base"
-        for each in body.covers
-    )
 
 
 def _say(points: Scene, found: _Found, sunk: Any, body: Any, shape: Cylinder, rtol: float) -> None:

@@ -6,11 +6,10 @@ import math
 import warnings
 from typing import TYPE_CHECKING, Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import in_float64, is_traced, nan_unless, not_negative, positive, scalar
+from .._arrays import arrays, mapped, on_jax, on_numpy, xp
+from .._runtime import is_traced, nan_unless, not_negative, numpy_unless_traced, positive, scalar
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import AbstractLines, SingleLine
@@ -21,7 +20,7 @@ from ..results.words import brief, describe
 from ..solve.dynamics import History, Scene, run
 from ..solve.mount import Mount
 from ..solve.over_line import AbstractOverLine, Indenter, rough
-from ..solve.refine import Levels, finest, refine
+from ..solve.refine import Levels, at_level, finest, refine
 from ..solve.sizes import check_path, contact_sizes, shared_level
 from .ages import sliding_beyond
 from .history import LINE, GivenHistory, SlidePlan, describe_line, given_history
@@ -41,7 +40,7 @@ _PERIOD = 12  # steps per period of a mass on its spring and the contact, on the
 
 
 @over_materials
-@in_float64
+@numpy_unless_traced
 def drive(
     material: Materials,
     shape: AbstractShape | RoughLine,
@@ -105,7 +104,7 @@ def drive(
         raise InputError("time must ascend without repeats: bodies with a mass have no jumps.")
     mounts = [_mount(name, mount) for name, mount in (("tangential", tangential), ("normal", normal))]
     body: Any = shape if lines is None else lines
-    found, size = _solve(body, history, mounts, track)
+    found, size = on_jax(_solve, body, history, mounts, None) if per_length else _solve(body, history, mounts, track)
     model = LINE if per_length else LAYER if isinstance(shape, Cylinder) else BARE
     what = describe_line(shape) if per_length else describe(shape)
     inputs = [("material", foundation.name or "given directly"), ("shape", what)]
@@ -116,7 +115,6 @@ def drive(
     left_out = "elements that cannot be touched are left out"
     plan = SlidePlan(size[0], size[1], int(history.law.times.size), found.levels, left_out)
     deep = found.forces.depth
-    body: Any = shape if lines is None else lines
     beyond = sliding_beyond(history, body, deep, deep, stacklevel=4)
     inputs = (*inputs, *history.inputs, *beyond.said)
     return _pack(history, found, mounts, plan, model, inputs, per_length, beyond.points)
@@ -144,8 +142,8 @@ def _solve(
     body: RoughLine | AbstractLines, history: GivenHistory, mounts: list[Any], track: RoughLine | None
 ) -> tuple[Levels, list[int]]:
     """Marches at finer and finer levels; more elements where the body turns out to reach further."""
-    law = jax.tree.map(jnp.asarray, history.law)
-    load = jnp.asarray(history.value)
+    law = arrays(history.law)
+    load = xp.asarray(history.value)
     traced = history.traced or is_traced(body, mounts, track)
     gone = float(np.ptp(history.time))
     reach, spacing, widest = 0.0, None, 1.0
@@ -153,11 +151,11 @@ def _solve(
     if isinstance(body, AbstractLines):
         glassy, widest = contact_sizes(law, body, "load", load, gone)
         if not traced and not np.any(history.value > 0):  # no contact, of which to choose elements
-            glassy = widest = jnp.asarray(max(float(np.ptp(history.position)), 1e-6))
-        reach, spacing = 2 * widest, (track.spacing if track is not None else 2 * jnp.sqrt(glassy * widest) / _ACROSS)
+            glassy = widest = xp.asarray(max(float(np.ptp(history.position)), 1e-6))
+        reach, spacing = 2 * widest, (track.spacing if track is not None else 2 * xp.sqrt(glassy * widest) / _ACROSS)
         slope = body.depth(widest) / widest
         if track is not None and not traced:
-            spacing = spacing / math.ceil(float(spacing) * _ACROSS / float(2 * jnp.sqrt(glassy * widest)))
+            spacing = spacing / math.ceil(float(spacing) * _ACROSS / float(2 * xp.sqrt(glassy * widest)))
     while True:
         found, size, outside = _within(body, history, law, mounts, track, spacing, reach, slope)
         if not outside or float(reach) > 30 * float(widest):
@@ -176,9 +174,9 @@ def _within(
     slope: Any,
 ) -> tuple[Levels, list[int], bool]:
     """Marches elements up to `reach` [m] from where the drive comes; whether the outermost of them were touched."""
-    time, place, load = (jnp.asarray(x) for x in (history.time, history.position, history.value))
+    time, place, load = (xp.asarray(x) for x in (history.time, history.position, history.value))
     traced = history.traced or is_traced(body, mounts, track)
-    low, high = jnp.min(place) - reach, jnp.max(place) + reach
+    low, high = xp.min(place) - reach, xp.max(place) + reach
     if isinstance(body, RoughLine):
         count, spacing = body.count, body.spacing
     elif traced:
@@ -197,21 +195,24 @@ def _within(
 
     def solve(level: int) -> tuple[History, Any]:
         finer = 2**level
-        room = max(finer, 2**shared)
-        surface = _surface(body, track, low, jnp.asarray(spacing / finer), count * room, finer, room // finer)
+        room = finer if on_numpy() else max(finer, 2**shared)
+        surface = _surface(body, track, low, xp.asarray(spacing / finer), count * room, finer, room // finer)
         scene = Scene(law, surface, *mounts)
-        used = jnp.asarray(samples * finer)
+        used = xp.asarray(samples * finer)
         seen, line = run(scene, time, place, load, shortest, samples * room, used, early)
         size[:] = count * finer, samples * finer * (history.time.size - 1 + early)
-        inside = jnp.bool_(True) if isinstance(body, RoughLine) else (line.u[0] == 0) & (line.u[count * finer - 1] == 0)
+        inside = xp.bool_(True) if isinstance(body, RoughLine) else (line.u[0] == 0) & (line.u[count * finer - 1] == 0)
         if is_traced(seen):
             return seen, inside
         outside[0] = not inside
         if not np.any(history.value > 0):  # what is left is rounding
             seen = seen._replace(normal=0 * seen.normal, drag=0 * seen.drag)
-        return jax.tree.map(np.asarray, (seen, inside))
+        return mapped(np.asarray, (seen, inside))
 
-    return refine(solve, history.rtol, most, slope, _missing), size, outside[0]
+    def solved(level: int) -> tuple[History, Any]:
+        return at_level(solve, level, work * 4.0**level)
+
+    return refine(solved, history.rtol, most, slope, _missing), size, outside[0]
 
 
 def _samples(history: GivenHistory, spacing: Any, mounts: list[Any], law: Any) -> int:
@@ -231,8 +232,8 @@ def _early(history: GivenHistory) -> tuple[Any, int]:
         ratio = float(history.time[1] - history.time[0]) / history.shortest
         return history.shortest, min(_MOST_EARLY, max(0, math.ceil(math.log(ratio) / math.log(_EARLY))))
     law = history.law
-    times = jnp.where(jnp.asarray(law.moduli) > 0, jnp.asarray(law.times), jnp.inf)
-    return jnp.minimum(jnp.min(times, initial=jnp.inf), history.shortest), _TRACED_EARLY
+    times = xp.where(xp.asarray(law.moduli) > 0, xp.asarray(law.times), xp.inf)
+    return xp.minimum(xp.min(times, initial=xp.inf), history.shortest), _TRACED_EARLY
 
 
 def _surface(
@@ -246,29 +247,29 @@ def _surface(
 ) -> AbstractOverLine:
     """The body over `count` elements; over so many periods of a rough line, with `finer` elements for each point."""
     if isinstance(body, RoughLine):
-        return rough(jnp.tile(body._finer(finer), periods), spacing, jnp.asarray(body.highest))
-    x = low + spacing * (jnp.arange(count) + 0.5)
-    height: Any = jnp.zeros(())
+        return rough(xp.tile(body._finer(finer), periods), spacing, xp.asarray(body.highest))
+    x = low + spacing * (xp.arange(count) + 0.5)
+    height: Any = xp.zeros(())
     if track is not None:
         height = _heights(track, x)
-    weight = spacing * body.weight(jnp.ones(1))[0, 0]
-    return Indenter(shape=body.shape, x=x, y=None, spacing=jnp.asarray(spacing), weight=weight, track=height)
+    weight = spacing * body.weight(xp.ones(1))[0, 0]
+    return Indenter(shape=body.shape, x=x, y=None, spacing=xp.asarray(spacing), weight=weight, track=height)
 
 
 def _heights(track: RoughLine, x: Any) -> Any:
     """Heights of the track at the places x, counted from its highest point."""
-    coefficients = spline_coefficients(jnp.asarray(track.height))
-    whole = jnp.floor(x / track.spacing)
+    coefficients = spline_coefficients(xp.asarray(track.height))
+    whole = xp.floor(x / track.spacing)
     t = x / track.spacing - whole
-    i = whole.astype(jnp.int64)
+    i = whole.astype(xp.int64)
     weights = ((1 - t) ** 3 / 6, (4 - 6 * t**2 + 3 * t**3) / 6, (4 - 6 * (1 - t) ** 2 + 3 * (1 - t) ** 3) / 6, t**3 / 6)
-    total = sum(w * coefficients[jnp.mod(i + m - 1, track.count)] for m, w in enumerate(weights))
+    total = sum(w * coefficients[xp.mod(i + m - 1, track.count)] for m, w in enumerate(weights))
     return total - track.highest
 
 
 def _missing(seen: Any) -> tuple[Any, Any]:
     """What the energy balance does not find at each instant, and the largest work that was done [J]."""
-    numpy = jnp if is_traced(seen) else np
+    numpy = xp if is_traced(seen) else np
     given = seen.driven + seen.pressed
     found = seen.kinetic + seen.spring + seen.work + seen.damped
     return given - found, numpy.max(numpy.maximum(numpy.abs(given), numpy.abs(found)))

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import as_float64, finite, in_kelvin, is_traced, not_negative, only_one
+from .._runtime import alike, as_float64, finite, in_kelvin, is_traced, not_negative, only_one
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.rough_line import RoughLine
@@ -84,11 +84,7 @@ def given_history(
     if is_traced(time):
         raise InputError("time must be plain numbers under jax.jit, grad and vmap: differentiate in position instead.")
     time, position = as_float64("time", time), as_float64("position", position)
-    if time.ndim != 1 or time.shape[0] < 2 or position.shape != time.shape:
-        raise InputError(
-            "time and position must be lists of the same length, two instants at least, "
-            f"got shapes {time.shape} and {position.shape}."
-        )
+    alike(2, time=time, position=position)
     finite("time", time)
     finite("position", position)
     if (np.diff(time) < 0).any():

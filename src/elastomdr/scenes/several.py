@@ -19,7 +19,7 @@ from ..results.base import Result, distinct
 P = ParamSpec("P")
 R = TypeVar("R")
 _RTOL = 1e-4  # of draws
-_TEXTS = 12  # that a warning repeats
+_TEXTS = 12  # that a warning repeats; one of draws, which differ in numbers only
 _SHAPES = ("shape", "surface")
 
 
@@ -75,7 +75,7 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
                         raise  # of the other arguments
                     raise InputError(f"material[{i}]{_called(each)}: {error}") from error
                 said += [drawn[0] if drawn else name] * (len(caught) - len(said))
-        _once(list(zip(said, caught, strict=True)))
+        _once(list(zip(said, caught, strict=True)), _TEXTS if drawn is None else 1)
         first: Any = results[0]
         together: Any = Plans(results, distinct(names)) if drawn is None else Plans(results[:1], [f"one of {drawn[0]}"])
         return first.stack(results, names, drawn) if isinstance(results[0], Result) else together
@@ -101,13 +101,13 @@ def _called(material: Any) -> str:
     return f" ({name})" if name else ""
 
 
-def _once(caught: list[tuple[str, warnings.WarningMessage]]) -> None:
+def _once(caught: list[tuple[str, warnings.WarningMessage]], most: int) -> None:
     """One warning of each category for all materials; what is said of all of them alike is said once."""
     of_category: dict[type[Warning], dict[str, list[str]]] = {}
     for name, one in caught:
         of_category.setdefault(one.category, {}).setdefault(str(one.message), []).append(name)
     for category, texts in of_category.items():
-        few = list(texts.items())[:_TEXTS]
+        few = list(texts.items())[:most]
         said = "; ".join(f"{', '.join(dict.fromkeys(names))}: {text}" for text, names in few)
-        said += f"; and {len(texts) - _TEXTS} more" if len(texts) > _TEXTS else ""
+        said += f"; and {len(texts) - most} more" if len(texts) > most else ""
         warnings.warn(said, category, stacklevel=3)

@@ -5,18 +5,18 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING, Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
+from .._arrays import arrays, fixed, fori_loop, numpy_at_first, on_jax, on_numpy, xp
 from .._runtime import (
+    Array,
     as_float64,
     finite,
-    in_float64,
     is_traced,
     known,
     nan_unless,
     not_negative,
+    numpy_unless_traced,
     only_one,
     require,
     scalar,
@@ -45,11 +45,12 @@ _EARLY = 18  # instants put between the first two: down to 1e-12 of the time bet
 _EDGES = 1e-11  # of the largest force: the edges between which elements are summed are not known to rounding
 _ROUNDING = 1e-14
 _BETWEEN, _INSTANTS = 64, 512  # parts between two instants under a load that changes, at most, and instants with them
+_MUCH = 3e7  # elements times steps times branches that NumPy takes seconds for, as JAX does to compile them
 _ELASTIC, _VISCOELASTIC = (200_000, 1), (2_000, 16)  # elements, and contact steps between two instants
 
 
 @over_materials
-@in_float64
+@numpy_unless_traced
 def shear(
     material: Materials,
     shape: Indenter,
@@ -114,9 +115,10 @@ def shear(
     if not is_traced(time) and not (np.diff(time) > 0).all():
         raise InputError("time must be ascending, without repeats.")
     traced = is_traced(normal, tangential, shape, time, displacement, value, mu)
-    xp = jnp if traced else np
+    numpy: Any = xp if traced else np
     try:
-        value, displacement = (xp.broadcast_to(x, time.shape) for x in (value, displacement))
+        full: list[Array] = [numpy.broadcast_to(x, time.shape) for x in (value, displacement)]
+        value, displacement = full
     except ValueError as error:
         raise InputError(
             f"displacement and {name} must be single numbers or as long as time ({time.shape[0]}), got shapes "
@@ -136,31 +138,30 @@ def shear(
     elements, steps = _count("elements", elements, usual[0]), _count("steps", steps, usual[1])
     reach = _reach(shape, laws[0], per_area, name, value, time, elements)
     scene = Scene(shape, laws[0], laws[1], mu, reach)
-    scene, history = _as_jax(scene), History(time, value, displacement)
+    scene, history = _with_arrays(scene), History(time, value, displacement)
     between = 1
     if not elastic:
         history = _with_early_instants(history)
     elif load is not None and not is_traced(history) and (np.diff(value) * np.diff(displacement) != 0).any():
         between = max(1, min(_BETWEEN, _INSTANTS // time.shape[0]))
         history = _divided(history, between)
-    history = History(*map(jnp.asarray, history))
     options = {"by_load": load is not None}
-    found = known(shear_history(scene, history, line(scene, elements, per_area), steps=steps, used=steps, **options))
-    xp = jnp if is_traced(found) else np
+    found = _marched(scene, history, elements, per_area, steps=steps, used=steps, **options)
+    numpy = xp if is_traced(found) else np
     if exact:
         found, error = _summed(scene, history, found, per_area, **options)
     else:
         fewer, half = (elements // 2, steps) if elastic or steps == 1 else (elements, steps // 2)
-        coarse = known(shear_history(scene, history, line(scene, fewer, per_area), steps=steps, used=half, **options))
+        coarse = _marched(scene, history, fewer, per_area, steps=steps, used=half, **options)
         # What is left of a force that has faded is the difference of what was carried before.
-        force = abs(jax.lax.stop_gradient(found.force)) if xp is jnp else abs(found.force)
-        largest = jax.lax.cummax(force) if xp is jnp else np.maximum.accumulate(force)
+        force = fixed(abs(found.force)) if is_traced(found) else abs(found.force)
+        largest = _so_far(force)
         error = (1 if elastic else 2) * abs(found.force - coarse.force) + found.missed + _ROUNDING * largest
     instants = found.force.shape[0]
     chosen = np.append(0, np.arange(between, instants, between)[1 - time.shape[0] :])
     found, error = type(found)(*(x[chosen] for x in found)), error[chosen]
     inside = found.contact_radius <= reach * (1 - 0.25 / elements) if not isinstance(shape, FlatPunch) else True
-    good = xp.isfinite(found.force) & xp.isfinite(found.normal_force) & inside
+    good = numpy.isfinite(found.force) & numpy.isfinite(found.normal_force) & inside
     if not is_traced(good) and not np.all(good):
         text = "the contact is wider than the body or the grid, and they are NaN"
         warnings.warn(f"{int((~good).sum())} of {good.size} instants: {text}.", ConvergenceWarning, stacklevel=3)
@@ -188,38 +189,62 @@ def shear(
     )
 
 
+def _marched(scene: Scene, history: History, elements: int, per_area: bool, *, steps: int, **options: Any) -> Sheared:
+    """The history of `elements` equal elements."""
+    branches = max(law.moduli.shape[0] for law in (scene.normal, scene.tangential))
+    work = elements * steps * history.time.shape[0] * (1 + branches)
+    if on_numpy() and work > _MUCH:
+        return on_jax(_by_elements, scene, history, elements, per_area, steps=steps, **options)
+    return _by_elements(scene, history, elements, per_area, steps=steps, **options)
+
+
+@numpy_at_first
+def _by_elements(scene: Scene, history: History, elements: int, per_area: bool, **options: Any) -> Sheared:
+    scene, history = arrays((scene, history))
+    return known(shear_history(scene, history, line(scene, elements, per_area), **options))
+
+
+def _so_far(x: Any) -> Any:
+    """The largest entry up to each."""
+    if not is_traced(x):
+        return np.maximum.accumulate(x)
+    import jax
+
+    return jax.lax.cummax(x)
+
+
 def _summed(scene: Scene, history: History, found: Sheared, per_area: bool, *, by_load: bool) -> tuple[Sheared, Any]:
     """An elastic contact summed by Gauss' rule between the edges of stick and contact in `found`, and the error of F_x.
 
     The error is the difference of two rules. Where that is not less than their distance from `found`, something other
     than those edges is not smooth (the points of a profile, say); `found` stays, with that distance as its error.
     """
-    xp = jnp if is_traced(found) else np
-    radii = xp.concatenate([found.contact_radius, found.stick_radius])
+    numpy = xp if is_traced(found) else np
+    radii = numpy.concatenate([found.contact_radius, found.stick_radius])
     rules = [panels(scene, radii, parts, nodes, per_area) for parts, nodes in ((4, 6), (6, 4))]
     best, other = (known(shear_history(scene, history, rule, steps=1, by_load=by_load)) for rule in rules)
     best = best._replace(contact_radius=found.contact_radius, stick_radius=found.stick_radius)
     error, distance = abs(best.force - other.force), abs(found.force - best.force)
-    better = xp.max(error) <= xp.max(distance)
-    error = error + _EDGES * xp.max(abs(best.force))
+    better = numpy.max(error) <= numpy.max(distance)
+    error = error + _EDGES * numpy.max(abs(best.force))
     both = zip(best, found, strict=True)
-    return Sheared(*(xp.where(better, a, b) for a, b in both)), xp.where(better, error, distance + found.missed)
+    return Sheared(*(numpy.where(better, a, b) for a, b in both)), numpy.where(better, error, distance + found.missed)
 
 
 def _with_early_instants(history: History) -> History:
     """More instants after the first, ever closer to it: what is put on at once relaxes on all time scales."""
     (t0, t1), (v0, v1), (s0, s1) = (x[:2] for x in history)
-    xp, part = jnp if is_traced(history) else np, 0.2 ** np.arange(_EARLY, 0, -1)
+    numpy, part = xp if is_traced(history) else np, 0.2 ** np.arange(_EARLY, 0, -1)
     more = t0 + part * (t1 - t0), v0 + part * (v1 - v0), s0 + part * (s1 - s0)
-    return History(*(xp.concatenate([x[:1], m, x[1:]]) for x, m in zip(history, more, strict=True)))
+    return History(*(numpy.concatenate([x[:1], m, x[1:]]) for x, m in zip(history, more, strict=True)))
 
 
 def _divided(history: History, parts: int) -> History:
     """More instants, evenly between those given."""
-    xp, part = jnp if is_traced(history) else np, np.arange(1, parts + 1) / parts
+    numpy, part = xp if is_traced(history) else np, np.arange(1, parts + 1) / parts
 
     def fill(x: Any) -> Any:
-        return xp.concatenate([x[:1], (x[:-1, None] + xp.diff(x)[:, None] * part).reshape(-1)])
+        return numpy.concatenate([x[:1], (x[:-1, None] + numpy.diff(x)[:, None] * part).reshape(-1)])
 
     return History(*map(fill, history))
 
@@ -232,32 +257,30 @@ def _count(name: str, given: Any, usual: int) -> int:
     return int(given)
 
 
-def _as_jax(scene: Scene) -> Scene:
-    law, other = ([jnp.asarray(x) for x in (a.equilibrium, a.moduli, a.times, a.viscosity)] for a in scene[1:3])
-    return Scene(
-        scene.shape, Relaxation(*law), Relaxation(*other), jnp.asarray(scene.friction), jnp.asarray(scene.reach)
-    )
+def _with_arrays(scene: Scene) -> Scene:
+    law, other = ([xp.asarray(x) for x in (a.equilibrium, a.moduli, a.times, a.viscosity)] for a in scene[1:3])
+    return Scene(scene.shape, Relaxation(*law), Relaxation(*other), xp.asarray(scene.friction), xp.asarray(scene.reach))
 
 
 def _reach(
     shape: AbstractShape, law: Relaxation, per_area: bool, name: str, value: Any, time: Any, elements: int
 ) -> Any:
     """A radius [m] that the contact does not exceed: at the greatest depth, or under the load after the whole time."""
-    largest = jnp.max(jnp.asarray(value))
+    largest = xp.max(xp.asarray(value))
     by_height = per_area and not isinstance(shape, Cylinder)
     if isinstance(shape, FlatPunch):
-        return jnp.asarray(shape.radius)
+        return xp.asarray(shape.radius)
     if name == "load":
         largest = _elastic_depth(shape, per_area, largest * _creep(law, time[-1] - time[0]))
-    reach = contact_size(shape, jnp.where(largest > 0, largest, 1e-9), by_height)
-    limit = jnp.asarray(shape.largest_contact)
-    return jnp.minimum(jnp.where(jnp.isnan(reach), limit, reach * elements / max(elements - 2, 1)), limit * (1 - 1e-12))
+    reach = contact_size(shape, xp.where(largest > 0, largest, 1e-9), by_height)
+    limit = xp.asarray(shape.largest_contact)
+    return xp.minimum(xp.where(xp.isnan(reach), limit, reach * elements / max(elements - 2, 1)), limit * (1 - 1e-12))
 
 
 def _creep(law: Relaxation, span: Any) -> Any:
     chain = to_kelvin(law)
-    xp = jnp if is_traced(chain, span) else np
-    retarded = xp.sum(chain.compliances * -xp.expm1(-span / chain.times))
+    numpy = xp if is_traced(chain, span) else np
+    retarded = numpy.sum(chain.compliances * -numpy.expm1(-span / chain.times))
     return chain.instantaneous + retarded + span * chain.fluidity
 
 
@@ -266,13 +289,13 @@ def _elastic_depth(shape: AbstractShape, per_area: bool, measure: Any) -> Any:
     c, w, _ = gauss(24)
 
     def displaced(depth: Any) -> Any:
-        return depth * jnp.sum(2 * c * w * contact_measure(shape, depth * c**2, per_area))
+        return depth * xp.sum(2 * c * w * contact_measure(shape, depth * c**2, per_area))
 
     def halve(_: int, bounds: tuple) -> tuple:
         low, high = bounds
         middle = 0.5 * (low + high)
-        below = displaced(jnp.exp(middle)) < measure
-        return jnp.where(below, middle, low), jnp.where(below, high, middle)
+        below = displaced(xp.exp(middle)) < measure
+        return xp.where(below, middle, low), xp.where(below, high, middle)
 
-    ends = (jnp.asarray(-60.0), jnp.asarray(10.0))
-    return jnp.exp(jax.lax.stop_gradient(jax.lax.fori_loop(0, 40, halve, ends)[1]))
+    ends = (xp.asarray(-60.0), xp.asarray(10.0))
+    return xp.exp(fixed(fori_loop(0, 40, halve, ends)[1]))

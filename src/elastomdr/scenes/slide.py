@@ -6,11 +6,10 @@ import math
 import warnings
 from typing import TYPE_CHECKING, Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import in_float64, is_traced, known, nan_unless
+from .._arrays import arrays, on_jax, on_numpy, xp
+from .._runtime import is_traced, known, nan_unless, numpy_unless_traced
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import as_foundation
 from ..mapping.lines import AbstractLines, SingleLine
@@ -20,7 +19,7 @@ from ..material.relaxation import Relaxation
 from ..results.history import Slide
 from ..results.words import describe
 from ..solve.over_line import indenter, rough
-from ..solve.refine import Levels, finest, refine
+from ..solve.refine import Levels, at_level, finest, refine
 from ..solve.sizes import check_path, contact_sizes, shared_level
 from ..solve.slide import Forces, march, padded
 from ..solve.timeline import cut, timeline
@@ -37,7 +36,7 @@ _ROOM = 5e6  # elements times steps times branches marched sooner than another p
 
 
 @over_materials
-@in_float64
+@numpy_unless_traced
 def slide(
     material: Materials,
     shape: Indenter | RoughLine,
@@ -88,7 +87,7 @@ def slide(
     lines = None if per_length else contact(foundation, shape)[0]
     body: Any = shape if lines is None else lines
     history = given_history(foundation, time, position, load, depth, temperature, rtol, elements, per_length)
-    found, plan = _rough(body, history) if lines is None else _indenter(lines, history)
+    found, plan = on_jax(_rough, body, history) if lines is None else _indenter(lines, history)
     model = LINE if per_length else LAYER if foundation.per_area or isinstance(shape, Cylinder) else BARE
     what = describe_line(shape) if per_length else describe(shape)
     inputs = [("material", foundation.name or "given directly"), ("shape", what), *history.inputs]
@@ -98,7 +97,7 @@ def slide(
 
 def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
     """Marches one period under a rough line."""
-    law = jax.tree.map(jnp.asarray, history.law)
+    law = arrays(history.law)
     traced = history.traced or is_traced(shape)
     even = max(4, -(-history.elements // max(history.time.size - 1, 1)))
     spacing = None if is_traced(history.position, history.value) else float(shape.spacing)
@@ -112,7 +111,7 @@ def _rough(shape: RoughLine, history: GivenHistory) -> tuple[Levels, SlidePlan]:
         finer = 2**level
         room = max(finer, 2**shared)
         steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
-        surface = rough(jnp.tile(shape._finer(finer), room // finer), shape.spacing / finer, jnp.asarray(shape.highest))
+        surface = rough(xp.tile(shape._finer(finer), room // finer), shape.spacing / finer, xp.asarray(shape.highest))
         steps_padded = padded(steps, line.part.size * room)
         forces, _ = march(law, surface, steps_padded, control=history.control, viscous=history.viscous)
         size[:] = shape.count * finer, steps.h.shape[0]
@@ -127,7 +126,7 @@ def _indenter(lines: AbstractLines, history: GivenHistory) -> tuple[Levels, Slid
     """Marches the elements that an indenter can touch; more of them where it turns out to reach further."""
     if not history.traced and not is_traced(lines) and not (np.asarray(history.value) > 0).any():
         return _apart(history)
-    law = jax.tree.map(jnp.asarray, history.law)
+    law = arrays(history.law)
     sizes = known(contact_sizes(law, lines, history.control, history.value, float(np.ptp(history.time))))
     reach = 1.6 * sizes[1]
     while True:
@@ -151,7 +150,7 @@ def _within(
     """Marches the elements up to `reach` [m] from the body's path; whether the outermost of them were touched."""
     glassy, widest = sizes
     traced = history.traced or is_traced(lines)
-    numpy = jnp if is_traced(history.position) else np
+    numpy = xp if is_traced(history.position) else np
     first, length = numpy.min(history.position) - reach, numpy.ptp(history.position) + 2 * reach
     if traced:
         spacing, count = length / history.elements, history.elements
@@ -166,7 +165,7 @@ def _within(
     largest: Any = lines.shape.largest_contact
     deepest = np.inf
     if is_traced(largest) or not np.isinf(largest):
-        deepest = jnp.where(jnp.isinf(largest), jnp.inf, lines.depth(largest * (1 - 1e-12)))
+        deepest = xp.where(xp.isinf(largest), xp.inf, lines.depth(largest * (1 - 1e-12)))
 
     single = isinstance(lines, SingleLine)
     work = count * line.part.size * max(law.times.size, 1) * (1 if single else count // 2)
@@ -175,11 +174,11 @@ def _within(
 
     def solve(level: int) -> tuple[Forces, Any]:
         finer = 2**level
-        room = max(finer, 2**shared)
+        room = finer if on_numpy() else max(finer, 2**shared)
         steps, last = cut(line, history.time, history.position, history.value, history.shortest, finer)
         surface = indenter(lines, first + 0.5 * spacing / finer, spacing / finer, count * room, reach * (room // finer))
-        steps_padded = padded(steps, line.part.size * room)
-        forces, end = march(law, surface, steps_padded, control=history.control, viscous=history.viscous)
+        given = steps if on_numpy() else padded(steps, line.part.size * room)
+        forces, end = march(law, surface, given, control=history.control, viscous=history.viscous)
         forces, u = known((forces, end.u))
         size[:] = count * finer * (1 if single else -(-count * finer // 2)), steps.h.shape[0]
         # The outermost elements must never have been touched, else the body reaches further than was thought.
@@ -190,7 +189,10 @@ def _within(
             outside[0] = not inside
         return forces, inside & (forces.depth < deepest)
 
-    found = refine(solve, history.rtol, most, lines.depth(widest) / widest)
+    def solved(level: int) -> tuple[Forces, Any]:
+        return at_level(solve, level, work * (4.0 if single else 8.0) ** level)
+
+    found = refine(solved, history.rtol, most, lines.depth(widest) / widest)
     text = "elements that the body cannot touch are left out"
     return found, SlidePlan(size[0], size[1], int(law.times.size), found.levels, text), outside[0]
 
@@ -199,7 +201,7 @@ def _pack(
     history: GivenHistory, found: Levels, plan: Any, model: str, inputs: tuple[tuple[str, str], ...], per_length: bool,
     extrapolated: Any,
 ) -> Slide:  # fmt: skip
-    numpy = jnp if is_traced(found) else np
+    numpy = xp if is_traced(found) else np
     if not is_traced(found) and not found.good.all():
         text = f"{int((~found.good).sum())} of {found.good.size} points did not converge to rtol={history.rtol:g}; "
         warnings.warn(f"{text}they are NaN.", ConvergenceWarning, stacklevel=4)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .._arrays import compiled
 from .._runtime import Array, is_traced, nan_unless, require
 from .._trees import replaced
 from ..arguments import check_rtol, steady_scene
@@ -22,7 +22,7 @@ from ..results.curve import Contact
 from ..results.words import describe
 from ..solve.passage import Control
 from ..solve.plan import Plan, make_plan
-from ..solve.sweep import run
+from ..solve.sweep import Sweep, run
 from .beyond import steady_beyond
 from .choice import of_smooth
 from .metres import hint_at_metres
@@ -107,16 +107,16 @@ def set_up(
     averaged = isinstance(chosen, Averaged) and not layer
     corrected = averaged and isinstance(chosen, Averaged) and chosen.corrected
     words = LAYER if layer else (CORRECTED if corrected else AVERAGED) if averaged else BARE
-    name = f"{describe(shape)} on {foundation.name or ('a layer' if layer else 'a half-space')}"
+    body = describe(shape)
+    name = f"{body} on {foundation.name or ('a layer' if layer else 'a half-space')}"
     check_softening(foundation, lines)
     spread = None if points.traced else _softened_too(foundation, control, value)
     passing = None if spread is None else np.tile(reduced, spread.size // reduced.size)
     plan = make_plan(
         quantity, name, words, law, lines, control, spread, passing, int(np.prod(points.shape)),
-        1 if kelvin is None else int(np.size(kelvin)), averaged, float(rtol), skip,
+        1 if kelvin is None else int(np.size(kelvin)), averaged, corrected, float(rtol), skip, foundation.range,
     )  # fmt: skip
-    plan = dataclasses.replace(plan, range=foundation.range, corrected=corrected)
-    inputs = [*points.inputs(("shape", describe(shape))), ("relative tolerance", f"{rtol:g}")]
+    inputs = [*points.inputs(("shape", body)), ("relative tolerance", f"{rtol:g}")]
     inputs += [("softening", "left out: moduli of small strain")] if small else []
     return SmoothScene(
         foundation,
@@ -161,10 +161,6 @@ def solve(scene: SmoothScene) -> Steady:
         )  # fmt: skip
     traced = is_traced(result.mu)
     good = result.line.converged
-
-    def shaped(field: Any) -> Any:
-        return nan_unless(good, field).reshape(scene.shape)
-
     if not traced and not good.all():
         text = f"{int((~good).sum())} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."
         if result.sunk:
@@ -176,11 +172,11 @@ def solve(scene: SmoothScene) -> Steady:
                     f" Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol would accept them."
                 )
         warnings.warn(text, ConvergenceWarning, stacklevel=4)
-    force = result.line.normal_force * scene.vertical
     # A Foundation given directly is a line by definition; a half-space under the bare line is not.
     bare = BARE_LINE if scene.plan.model == BARE and scene.foundation.per_area is False else 0.0
-    contact = Contact(shaped(result.line.leading), shaped(result.line.trailing))
-    size = 0.5 * (contact.leading + contact.trailing)
+    extra = () if soft is None else (soft.strain, soft.linear)
+    fields, strain, linear = _fields(result._replace(sunk=False), scene.vertical, extra, bare=bare, shape=scene.shape)
+    size = 0.5 * (fields["contact"].leading + fields["contact"].trailing)
     beyond = steady_beyond(
         scene.foundation.range, scene.reduced.reshape(scene.shape), size, scene.temperature, stacklevel=4
     )
@@ -190,19 +186,43 @@ def solve(scene: SmoothScene) -> Steady:
         inputs += softened_words(soft, np.asarray(good), beyond_sweep)
     return Steady(
         velocity=scene.velocity.reshape(scene.shape),
-        mu=shaped(result.mu),
-        error=shaped(result.error),
-        model_error=shaped(result.model_error + bare * result.mu),
-        normal_force=shaped(force),
-        friction_force=shaped(result.mu * force),
-        depth=shaped(result.line.depth),
-        contact=contact,
+        **fields,
         converged=good.reshape(scene.shape),
         extrapolated=beyond.points if beyond.points is None or beyond_sweep is None else beyond.points | beyond_sweep,
         inputs=inputs + beyond.said,
-        strain=None if soft is None else shaped(soft.strain),
-        linear=None if soft is None or soft.linear is None else shaped(soft.linear),
+        strain=strain,
+        linear=linear,
     )
+
+
+@compiled("bare", "shape")
+def _fields(
+    found: Sweep, vertical: Any, extra: tuple[Any, ...], *, bare: float, shape: tuple[int, ...]
+) -> tuple[dict[str, Any], Any, Any]:
+    """The fields of a result in their shape, NaN where a point failed; strain and linear friction, if there are any.
+
+    One program where JAX traces.
+    """
+
+    good = found.line.converged
+    if not is_traced(found) and np.all(good):
+        good = None
+
+    def shaped(field: Any) -> Any:
+        return None if field is None else (field if good is None else nan_unless(good, field)).reshape(shape)
+
+    force = found.line.normal_force * vertical
+    fields = {
+        "mu": shaped(found.mu),
+        "error": shaped(found.error),
+        "model_error": shaped(found.model_error + bare * found.mu),
+        "normal_force": shaped(force),
+        "friction_force": shaped(found.mu * force),
+        "depth": shaped(found.line.depth),
+        "contact": Contact(shaped(found.line.leading), shaped(found.line.trailing)),
+    }
+    strain, linear = (shaped(x) for x in extra) if extra else (None, None)
+    return fields, strain, linear
 
 
 def _sunk(scene: SmoothScene) -> str:

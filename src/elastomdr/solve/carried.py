@@ -8,24 +8,29 @@ before the depth is (`foundation.step`), and with g the distance of the body fro
 convex, piecewise linear and rising: Newton's method from above ends after a few steps, exactly.
 """
 
+from __future__ import annotations
+
 import functools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jax
-import jax.numpy as jnp
-from jaxtyping import Float
-
+from .._arrays import fixed, on_numpy, while_loop, xp
 from .._runtime import Array
 
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(5,))
+
 def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array, between: bool = False) -> Array:
     """The depth d at which spring d + sum slope max(0, d - level) = force, exactly, by Newton's method from above.
 
     `slope` is W S, scalar or (n,). With `between` the sum is that of `carried`. Without a spring the force must not be
     negative; for no force d is where the first element is touched.
     """
-    lowest = jnp.min(level)
+    return (_settle if on_numpy() else _traced_settle())(level, slope, spring, force, guess, between)
+
+
+def _settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array, between: bool) -> Array:
+    lowest = xp.min(level)
 
     def again(state):
         depth, stiffness, before, last, tries = state
@@ -42,20 +47,28 @@ def settle(level: Array, slope: Array, spring: Any, force: Array, guess: Array, 
         )
         return found, stiffness, before, depth, tries + 1
 
-    return jax.lax.while_loop(again, improve, (guess, -1.0, -2.0, jnp.inf, 0))[0]
+    return while_loop(again, improve, (guess, -1.0, -2.0, xp.inf, 0))[0]
 
 
-@settle.defjvp
-def _(between: bool, given: tuple, tangents: tuple) -> tuple[Array, Array]:
-    """The elements in contact stay the same ones."""
-    depth = settle(*given, between)
+@functools.cache
+def _traced_settle() -> Any:
+    """`_settle` with its derivative, for which the elements in contact stay the same ones."""
+    import jax
 
-    def moved(level: Array, slope: Array, spring: Any, force: Array) -> Array:
-        if between:
-            return _corrected(level, jnp.min(level), slope, spring, force, depth)[0]
-        return _newton(level, jnp.min(level), slope, spring, force, given[0] < depth)[0]
+    settle = functools.partial(jax.custom_jvp, nondiff_argnums=(5,))(_settle)
 
-    return depth, jax.jvp(moved, given[:4], tangents[:4])[1]
+    @settle.defjvp
+    def derivative(between: bool, given: tuple, tangents: tuple) -> tuple[Array, Array]:
+        depth = settle(*given, between)
+
+        def moved(level: Array, slope: Array, spring: Any, force: Array) -> Array:
+            if between:
+                return _corrected(level, xp.min(level), slope, spring, force, depth)[0]
+            return _newton(level, xp.min(level), slope, spring, force, given[0] < depth)[0]
+
+        return depth, jax.jvp(moved, given[:4], tangents[:4])[1]
+
+    return settle
 
 
 def _corrected(
@@ -63,20 +76,20 @@ def _corrected(
 ) -> tuple[Array, Array]:
     """The depth after one step of Newton's from `depth`, and the stiffness there."""
     now, stiffness = carried(slope, depth - level)
-    stiffness = jax.lax.stop_gradient(spring + stiffness)
+    stiffness = fixed(spring + stiffness)
     empty = stiffness <= 0
-    step = (force - spring * depth - now) / jnp.where(empty, 1.0, stiffness)
-    return jnp.where(empty, lowest + force / slope, depth + step), stiffness
+    step = (force - spring * depth - now) / xp.where(empty, 1.0, stiffness)
+    return xp.where(empty, lowest + force / slope, depth + step), stiffness
 
 
 def _newton(level: Array, lowest: Array, slope: Array, spring: Any, force: Array, active: Array) -> tuple[Array, Array]:
     """The depth at which those that are `active` carry the force, and their stiffness."""
-    stiffness = spring + total(slope, jnp.where(active, 1.0, 0.0))
+    stiffness = spring + total(slope, xp.where(active, 1.0, 0.0))
     # Without a spring one element at least carries the load. (The place of the least level takes long to find.)
-    alone = slope if slope.ndim == 0 else jnp.max(jnp.where(level == lowest, slope, 0.0))
+    alone = slope if slope.ndim == 0 else xp.max(xp.where(level == lowest, slope, 0.0))
     empty = stiffness <= 0
-    load = force + jnp.where(empty, alone * lowest, total(slope, jnp.where(active, level, 0.0)))
-    return load / jnp.where(empty, alone, stiffness), stiffness
+    load = force + xp.where(empty, alone * lowest, total(slope, xp.where(active, level, 0.0)))
+    return load / xp.where(empty, alone, stiffness), stiffness
 
 
 def carried(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
@@ -88,18 +101,18 @@ def carried(slope: Array, excess: Float[Array, " n"]) -> tuple[Array, Array]:
     """
     edge, rate = edges(excess)
     inside = excess > 0
-    force = jnp.sum(jnp.where(inside, excess, 0.0)) + jnp.sum(edge)
-    return slope * force, slope * (jnp.sum(inside) + jnp.sum(rate))
+    force = xp.sum(xp.where(inside, excess, 0.0)) + xp.sum(edge)
+    return slope * force, slope * (xp.sum(inside) + xp.sum(rate))
 
 
 def edges(excess: Float[Array, " n"]) -> tuple[Float[Array, " n-1"], Float[Array, " n-1"]]:
     """What the positive part of a line from a to b, a b < 0, has less than the mean of max(0, a) and max(0, b)."""
     a, b = excess[:-1], excess[1:]
     between = a * b < 0
-    span = jnp.where(between, 2 * jnp.abs(a - b), 1.0)
-    return jnp.where(between, a * b / span, 0.0), jnp.where(between, (a + b) / span, 0.0)
+    span = xp.where(between, 2 * xp.abs(a - b), 1.0)
+    return xp.where(between, a * b / span, 0.0), xp.where(between, (a + b) / span, 0.0)
 
 
 def total(weight: Array, part: Float[Array, " n"]) -> Array:
     """The sum over all elements."""
-    return weight * jnp.sum(part) if weight.ndim == 0 else jnp.sum(weight * part)
+    return weight * xp.sum(part) if weight.ndim == 0 else xp.sum(weight * part)

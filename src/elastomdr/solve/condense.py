@@ -45,25 +45,30 @@ def choose(law: Relaxation, shortest: float, longest: float, rtol: float, kinked
         return Condensation(moduli.size)
     passages = np.exp(np.linspace(np.log(shortest), np.log(longest), 65 if longest > shortest else 1))
     z = passages[:, None] / times
-    loss = np.sum(moduli * z / (1 + z**2), axis=1) + float(law.viscosity) / passages
-    modulus = float(law.equilibrium) + np.sum(moduli / (1 + z), axis=1) + float(law.viscosity) / passages
     with np.errstate(over="ignore"):
-        as_spring = np.max(moduli * z**2 * (1 / loss + 1 / modulus)[:, None], axis=0)
-        as_dashpot = np.max(moduli / z ** (2 if kinked else 3) * (1 / loss + 1 / modulus)[:, None], axis=0)
+        square, drag = z * z, float(law.viscosity) / passages
+        loss = (z / (1 + square)) @ moduli + drag
+        modulus = float(law.equilibrium) + (1 / (1 + z)) @ moduli + drag
+        share = (1 / loss + 1 / modulus)[:, None]
+        as_spring = moduli * (square * share).max(axis=0)
+        as_dashpot = moduli * (share / (square if kinked else square * z)).max(axis=0)
     cost = _SAFETY * np.minimum(as_spring, as_dashpot)
     budget, spent = _SHARE * rtol, 0.0
     springs, dashpots = [], []
-    for k in np.argsort(cost):
-        if spent + cost[k] > budget:
+    order = np.argsort(cost)
+    for k, one, spring in zip(order.tolist(), cost[order].tolist(), (as_spring < as_dashpot)[order], strict=True):
+        if spent + one > budget:
             break
-        spent += float(cost[k])
-        (springs if as_spring[k] < as_dashpot[k] else dashpots).append(int(k))
+        spent += one
+        (springs if spring else dashpots).append(k)
     return Condensation(moduli.size, tuple(sorted(springs)), tuple(sorted(dashpots)), spent)
 
 
 def condensed(law: Relaxation, how: Condensation) -> Relaxation:
     """The relaxation function with its slow and its fast branches lumped."""
     moduli, times = np.asarray(law.moduli), np.asarray(law.times)
+    if not how.springs and not how.dashpots and moduli.all():
+        return law
     springs, dashpots, kept = ([k for k in x if moduli[k] > 0] for x in (how.springs, how.dashpots, how.kept))
     fewer = [(moduli[kept], times[kept])]
     if springs:

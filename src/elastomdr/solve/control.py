@@ -18,7 +18,7 @@ from .many import batch, indent_all, over_histories
 from .panels import LAYERS, cuts
 
 if TYPE_CHECKING:
-    from .steps import Marched
+    from .steps import Edges, Marched
 
 _LEVELS = (1, 3, 6, LAYERS)  # of the panels, coarse to fine
 _TRACED_LEVELS = 12  # of the panels in time, where the times cannot be looked at
@@ -27,6 +27,8 @@ _BLIND_STEPS = 8  # per interval, in the first of three marches whose values can
 _BLIND_EARLY = 4  # and within the first of them
 _MOST_STEPS = 8192  # of a history: a minute and a half
 _MARCHED_AT_ONCE = 8
+_OF_A_STEP = 14_000  # elements and branches that take NumPy as long as what it does besides in a step
+_MUCH = 6e7  # of them and steps that are marched on NumPy, as long as JAX takes to compile
 _FEW = 64  # instants of all histories together that NumPy follows sooner than JAX compiles
 _KNOTS = 400  # instants to which a solved history is refined before pressures are computed from it
 STEPS = "exact contact steps at the load, extrapolated from halved steps"
@@ -170,7 +172,7 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
         plan = STEPS if course.by_depth is not None else f"{GROWING}; otherwise {STEPS}"
         which = np.flatnonzero(rest)
         rows = (time[which], depth[which], load[which], by_depth[which])
-        stepped = on_jax(_stepped, law, modes, disc, rows, rtol)
+        stepped = _stepped(law, modes, disc, rows, rtol)
         back = np.zeros(len(time), int)
         back[which] = np.arange(len(which))
         fields = tuple(numpy.where(known, a, b[back]) for a, b in zip(fields, stepped, strict=True))
@@ -206,29 +208,38 @@ def _stepped(
     steps.
 
     Two limits that agree, and an energy balance that closes, end the series, which is extrapolated once more; what was
-    left of their difference in the finer one is about a sixteenth, a third of it counts as the error. It ends also
-    where nothing will come of it, since every march takes four times as long as the one before. Under jit or vmap,
-    where nothing can be looked at, three marches are made.
+    left of their difference in the finer one is about a sixteenth, a third of it counts as the error; of limits that go
+    on by a steady ratio (`steady_ratio`) the whole difference. It ends also where nothing will come of it, since every
+    march takes four times as long as the one before. Under jit or vmap, where nothing can be looked at, three marches
+    are made.
     """
-    from .steps import early_steps, extrapolated, limit, unaccounted
+    from .steps import early_steps, extrapolated, limit, steady_ratio, unaccounted
 
     given = (law, modes, disc, *histories)
     frozen = fixed(given) if is_traced(given) else given  # values, unless under jit or vmap
     instants = histories[0].shape[-1]
     blind = is_traced(frozen)
     error: Any = None
+    edges: Any = None  # of the march before
+    ratio: Any = None
     levels, marches, limits, misses = max(kept, _BLIND_STEPS if blind else 4), [], [], []
     early = _BLIND_EARLY if blind else early_steps(frozen[0], *frozen[3:], levels)
-    sizes = {"kept": kept, "early": early, "coarsest": levels}
+    sizes: Any = {"kept": kept, "early": early, "coarsest": levels}
     while True:
-        marches.append(_marched(*(given if blind else frozen), levels=levels, **sizes))
+        found, edges = _marched(*(given if blind else frozen), before=edges, levels=levels, **sizes)
+        marches.append(found)
         if len(marches) > 1:
             limits.append(limit(marches[-2:], (2,)))
         if len(limits) > 1:
             error = _change(limits[1].depth, limits[0].depth) + _change(limits[1].force, limits[0].force)
             if blind:
                 break
-            missed = np.fmax(error / 3, unaccounted(extrapolated(marches))) / rtol
+            last, ratio = ratio, steady_ratio(marches)
+            if last is not None:
+                new, old = extrapolated(marches, ratio), extrapolated(marches[:-1], last)
+                agree = _change(new.depth, old.depth) + _change(new.force, old.force)
+                error = np.where(np.isnan(ratio + last), error, np.fmin(error, 3 * agree))
+            missed = np.fmax(error / 3, unaccounted(extrapolated(marches, ratio))) / rtol
             misses.append(float(np.fmax.reduce(missed, axis=None, initial=0.0)))
             steps = levels * (instants - 1) + levels // sizes["coarsest"] * early
             if misses[-1] <= 1 or _hopeless(misses, int(np.log2(_MOST_STEPS / steps))):
@@ -236,8 +247,8 @@ def _stepped(
             limits.pop(0)
         levels *= 2
     if is_traced(given) and not blind:  # once more, with derivatives
-        marches = [_marched(*given, levels=n, **sizes) for n in (levels // 4, levels // 2, levels)]
-    last = extrapolated(marches)
+        marches = [_marched(*given, levels=n, **sizes)[0] for n in (levels // 4, levels // 2, levels)]
+    last = extrapolated(marches, ratio)
     fits = xp.where(last.fits, 1.0, xp.nan)
     heat = nan_unless(unaccounted(last) <= rtol, last.heat)
     parts = (last.depth, last.force, xp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, heat)
@@ -259,19 +270,28 @@ def _change(new: Array, old: Array) -> Array:
     return abs(new - old) / (largest + (largest == 0))
 
 
-def _marched(law: Any, modes: Modes, disc: Disc, *histories: Array, **sizes: int) -> Marched:
+@numpy_at_first
+def _marched(
+    law: Any, modes: Modes, disc: Disc, *histories: Array, before: Edges | None = None, **sizes: int
+) -> tuple[Marched, Edges]:
     """`march` for every history; a few at once, since each takes memory for all of its elements."""
-    from .steps import march
+    from .steps import Edges, march
 
+    count, instants = histories[0].shape
+    steps = sizes["levels"] * (instants - 1)
+    parts = _OF_A_STEP + 3 * steps * (law.moduli.shape[0] + 3)
+    if on_numpy() and count * steps * parts > _MUCH:
+        return on_jax(_marched, law, modes, disc, *histories, before=before, **sizes)
     law, modes, disc = arrays((law, modes, disc))
-    count = histories[0].shape[0]
     numpy = xp if is_traced(law, disc, *histories) else np
-    size = min(_MARCHED_AT_ONCE, 1 << (count - 1).bit_length())
-    out, room = [], count <= 2 and numpy is np  # longer to run, but what takes long for a few is to compile
+    size = count if on_numpy() else min(_MARCHED_AT_ONCE, 1 << (count - 1).bit_length())
+    # Longer to run, but what takes long for a few is to compile.
+    out, room = [], count <= 2 and numpy is np and not on_numpy()
     for i in range(0, count, size):
         which = np.minimum(np.arange(i, i + size), count - 1)
         rows = [numpy.asarray(a)[which] for a in histories]
-        out.append(march(law, modes, disc, *rows, room=room, **sizes))
+        known = None if before is None or numpy is not np else Edges(*(a[which] for a in before))
+        out.append(march(law, modes, disc, *rows, room=room, before=known, **sizes))
     return mapped(lambda *parts: numpy.concatenate([numpy.asarray(p) for p in parts])[:count], *out)
 
 

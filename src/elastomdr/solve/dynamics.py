@@ -16,12 +16,13 @@ piecewise linear, solved exactly (`solve.carried`); the tangential one takes a f
 work of the mean forces is that of the elements but for those whose contact begins or ends within the step.
 """
 
+from __future__ import annotations
+
 import functools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
-
+from .._arrays import checkpointed, compiled, cond, fixed, in_steps, mapped, on_numpy, xp
 from .._runtime import Array
 from ..foundation.step import coefficients, fade, lag, released
 from ..material.relaxation import Relaxation
@@ -30,7 +31,8 @@ from .mount import Mount
 from .over_line import AbstractOverLine
 from .slide import Line, energy, felt_by, press, untouched
 
-_NEWTON = 4  # steps for the place of a body that is pulled through a spring
+_NEWTON = 4  # steps for the place of a body that is pulled through a spring, under JAX
+_SECANTS, _CLOSE = 40, 1e-12  # steps at most on NumPy, to a balance of forces relative to the largest of them
 _INSTANT = 1e-12  # duration of the first touch, over the shortest time
 
 
@@ -67,10 +69,10 @@ def put_down(scene: Scene, position: Array, load: Array, shortest: Any) -> Motio
     fading = fade(c, line.f)
     spring = 0.0 if scene.normal is None else scene.normal.stiffness
     between, level = scene.surface.between, released(c, line.u, fading.seen) - rise
-    depth = settle(level, weight * c.stiffness[0], spring, load, jnp.zeros(()), between)
+    depth = settle(level, weight * c.stiffness[0], spring, load, xp.zeros(()), between)
     line, work = press(c, line, fading, rise, depth)
-    work = jnp.sum(weight * work)
-    zero = jnp.zeros(())
+    work = xp.sum(weight * work)
+    zero = xp.zeros(())
     normal, drag = felt_by(weight, line.q, slope, depth - level if between else None)
     held = spring * depth**2 / 2
     return Motion(line, position + zero, zero, depth, zero, drag, normal, work, zero, work + held, zero)
@@ -101,7 +103,7 @@ def _advance(
         _, slope = scene.surface.rise_and_slope(y.position + moved / 2)
         depth = depth_at(rise, guess)
         excess = depth + rise - idle
-        normal, drag = felt_by(weight, mean * jnp.maximum(excess, 0.0), slope, excess if between else None)
+        normal, drag = felt_by(weight, mean * xp.maximum(excess, 0.0), slope, excess if between else None)
         return drag, (normal, depth)
 
     guess = y.depth + h * y.sinking
@@ -112,17 +114,8 @@ def _advance(
         pull = along.stiffness * ((drive + drive_end) / 2 - y.position) + along.damping * (drive_end - drive) / h
         known = 2 * along.mass * y.velocity / h + pull
 
-        def improve(state: tuple[Array, Array], _: None) -> tuple[tuple[Array, Array], None]:
-            moved, guess = state
-            drag, steepness, (_, guess) = jax.jvp(
-                functools.partial(forces, guess=guess), (moved,), (jnp.ones_like(moved),), has_aux=True
-            )
-            # Where the contact pulls ahead the more the body moves, the tangent is not taken below half the inertia.
-            tangent = inertia + jnp.maximum(steepness, -0.5 * inertia)
-            return (moved - (inertia * moved + drag - known) / tangent, guess), None
-
-        # A loop, not four copies: compiling takes far longer than most motions.
-        (moved, guess), _ = jax.lax.scan(improve, (h * y.velocity, guess), None, length=_NEWTON)
+        search = _by_secants if on_numpy() else _by_newton
+        moved, guess = search(forces, inertia, known, h * y.velocity, guess)
 
     drag_mean, (_, depth) = forces(moved, guess)
     position = y.position + moved
@@ -130,7 +123,7 @@ def _advance(
     _, slope = scene.surface.rise_and_slope(position - lag(c) * moved)
     line, work = press(c, y.line, fading, rise, depth)
     normal, drag = felt_by(weight, line.q, slope, depth + rise - u_free if between else None)
-    sunk, driven, damped = depth - y.depth, drag_mean * moved, jnp.zeros(())
+    sunk, driven, damped = depth - y.depth, drag_mean * moved, xp.zeros(())
     if along is not None:
         stretch = along.stiffness * ((drive + drive_end) / 2 - y.position - moved / 2)
         slip = drive_end - drive - moved
@@ -146,16 +139,57 @@ def _advance(
         sinking=sunk / h if up is None else 2 * sunk / h - y.sinking,
         drag=drag,
         normal=normal,
-        work=y.work + jnp.sum(weight * work),
+        work=y.work + xp.sum(weight * work),
         driven=y.driven + driven,
         pressed=y.pressed + (load + load_end) / 2 * sunk,
         damped=y.damped + damped,
     )
 
 
+def _by_newton(
+    forces: Callable[..., Any], inertia: Array, known: Array, moved: Array, guess: Array
+) -> tuple[Array, Array]:
+    """Where inertia moved + F_x(moved) = known, and a guess for the depth there."""
+    import jax
+
+    def improve(state: tuple[Array, Array], _: None) -> tuple[tuple[Array, Array], None]:
+        moved, guess = state
+        drag, steepness, (_, guess) = jax.jvp(
+            functools.partial(forces, guess=guess), (moved,), (xp.ones_like(moved),), has_aux=True
+        )
+        return (moved - (inertia * moved + drag - known) / _tangent(inertia, steepness), guess), None
+
+    # A loop, not four copies: compiling takes far longer than most motions.
+    return jax.lax.scan(improve, (moved, guess), None, length=_NEWTON)[0]
+
+
+def _by_secants(
+    forces: Callable[..., Any], inertia: Array, known: Array, moved: Array, guess: Array
+) -> tuple[Array, Array]:
+    """The same without derivatives."""
+    steepness, before = 0.0, None
+    for _ in range(_SECANTS):
+        drag, (_, guess) = forces(moved, guess)
+        miss = inertia * moved + drag - known
+        if not abs(miss) > _CLOSE * (abs(inertia * moved) + abs(drag) + abs(known)):
+            break
+        if before is not None:
+            steepness = (drag - before[1]) / (moved - before[0])
+        before = moved, drag
+        moved = moved - miss / _tangent(inertia, steepness)
+        if moved == before[0]:
+            break
+    return moved, guess
+
+
+def _tangent(inertia: Array, steepness: Array | float) -> Array:
+    """Where the contact pulls ahead the more the body moves, the tangent is not taken below half the inertia."""
+    return inertia + xp.maximum(steepness, -0.5 * inertia)
+
+
 def energies(scene: Scene, y: Motion, drive: Array) -> tuple[Array, Array]:
     """Of the masses and of the springs they hang on [J]."""
-    kinetic, spring = jnp.zeros(()), jnp.zeros(())
+    kinetic, spring = xp.zeros(()), xp.zeros(())
     if scene.tangential is not None:
         kinetic = scene.tangential.mass * y.velocity**2 / 2
         spring = scene.tangential.stiffness * (drive - y.position) ** 2 / 2
@@ -183,7 +217,7 @@ class History(NamedTuple):
     spring: Array  # in the springs of the mounts [J]
 
 
-@functools.partial(jax.jit, static_argnames=("samples", "early"))
+@compiled("samples", "early")
 def run(
     scene: Scene, time: Array, drive: Array, load: Array, shortest: Any, samples: int, used: Any, early: int = 0
 ) -> tuple[History, Line]:
@@ -193,24 +227,24 @@ def run(
     A load that is put on at once is answered on all time scales of the rubber: the first interval is divided by `early`
     further instants in geometric series, from the `shortest` time on.
     """
-    number = jnp.arange(samples + 1)
+    number = xp.arange(samples + 1)
 
     def given(t: Any) -> tuple[Array, Array]:
-        return jnp.interp(t, time, drive), jnp.interp(t, time, load)
+        return xp.interp(t, time, drive), xp.interp(t, time, load)
 
-    @jax.checkpoint
+    @checkpointed
     def interval(scene: Scene, start: Motion, begin: Array, end: Array) -> Motion:
         h = (end - begin) / used
         c = coefficients(scene.law, h)
-        now = given(begin + (end - begin) * jnp.minimum(number / used, 1.0))
+        now = given(begin + (end - begin) * xp.minimum(number / used, 1.0))
 
         def one(state: Motion, now: Any) -> tuple[Motion, None]:
             going, before, after = now
             step = functools.partial(_advance, scene, c, before=before, after=after, h=h)
-            return jax.lax.cond(going, step, lambda y: y, state), None
+            return cond(going, step, lambda y: y, state), None
 
         ends = [tuple(part[at] for part in now) for at in (slice(None, -1), slice(1, None))]
-        return jax.lax.scan(one, start, (number[:-1] < used, *ends))[0]
+        return in_steps(one, start, (number[:-1] < used, *ends))[0]
 
     def seen(t: Any, y: Motion) -> History:
         kinetic, spring = energies(scene, y, given(t)[0])
@@ -226,10 +260,8 @@ def run(
 
     start = put_down(scene, drive[0], load[0], shortest)
     first = time[1] - time[0]
-    ratio = jax.lax.stop_gradient(jnp.minimum(shortest / first, 0.5)) ** (1 / max(early, 1))
-    instants = jnp.concatenate([time[:1], time[0] + first * ratio ** jnp.arange(early, 0, -1), time[1:]])
-    last, history = jax.lax.scan(step, start, (instants[:-1], instants[1:]))
-    history = jax.tree.map(
-        lambda begin, kept: jnp.concatenate([begin[None], kept[early:]]), seen(instants[0], start), history
-    )
+    ratio = fixed(xp.minimum(shortest / first, 0.5)) ** (1 / max(early, 1))
+    instants = xp.concatenate([time[:1], time[0] + first * ratio ** xp.arange(early, 0, -1), time[1:]])
+    last, history = in_steps(step, start, (instants[:-1], instants[1:]))
+    history = mapped(lambda begin, kept: xp.concatenate([begin[None], kept[early:]]), seen(instants[0], start), history)
     return history, last.line

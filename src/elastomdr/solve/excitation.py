@@ -8,7 +8,8 @@ each of their waves, q_k = E*(k v) u_k, in contact or not. So the friction force
 each of which is what rubber that is strained at the frequency k v dissipates per distance. The contact step takes u to
 be straight between samples, h apart, and is exact for that motion, whose waves are those of the samples times
 sinc^2(k h/2), beyond the Nyquist frequency too. The sum over all of them is the work of the step, but for what the
-waves that are left out hold (|u_k|^2 falls as k^-4). Derived here.
+waves that are left out hold (|u_k|^2 falls as k^-4), and for the bends where contact begins within a step. Derived
+here.
 """
 
 from typing import NamedTuple

@@ -178,9 +178,9 @@ class _Contact(abc.ABC):
         """Which branches are slower than the passage."""
         return self.p.decay > (self.entry + self.exit)[:, None]
 
-    @abc.abstractmethod
     def gone(self) -> Float[Array, "lines branches points"]:
         """1 - e^{-(a + b)/s}."""
+        return -xp.expm1(-(self.entry + self.exit)[:, None] / self.p.decay)
 
     @abc.abstractmethod
     def kept(self) -> Float[Array, "variants lines branches points"]:
@@ -248,9 +248,6 @@ class _OnePanel(_Contact):
         super().__init__(p, size, ratio)
         self.whole = one_panel(p, size, self.exit, full)
 
-    def gone(self):
-        return self.whole.fade[0]
-
     def kept(self):
         return self.whole.ahead
 
@@ -276,9 +273,6 @@ class _TwoSides(_Contact):
         self.ahead, self.behind = (both.each(lambda x, i=i: x[i]) for i in (0, 1))
         self.fading = -self.exit[:, None] / p.decay
         self.force_of_branch = xp.exp(self.fading) * self.ahead.near - self.behind.far
-
-    def gone(self):
-        return -xp.expm1(-(self.entry + self.exit)[:, None] / self.p.decay)
 
     def kept(self):
         return self.force_of_branch

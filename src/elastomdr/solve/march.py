@@ -102,7 +102,7 @@ def march_passages(
         depth=lines.depth(limit.size),
         leading=lines.entry(limit.size)[0],
         trailing=limit.trailing,
-        exponent=lines.exponent(limit.size),
+        exponent=lines.rise(lines.entry(limit.size)[0], limit.trailing),
         error=error,
         converged=limit.good,
     )

@@ -232,7 +232,6 @@ def _table(p: Passage, ends: Array, size: Array, full: bool) -> Memory:
 class Within(NamedTuple):
     """What one panel adds up to by itself."""
 
-    fade: Array  # 1 - e^{-z}
     mean: Array  # l c_0
     ahead: Array  # l m_f
     ahead_lost: Array
@@ -250,7 +249,7 @@ class _Local(NamedTuple):
     keep: Array  # e^{-z}
     near: Array
     near_lost: Array
-    fade: Array
+    fade: Array  # 1 - e^{-z}
     mean: Array
     ahead: Array
     ahead_lost: Array
@@ -298,9 +297,9 @@ def one_panel(p: Passage, size: Array, trailing: Float[Array, "lines points"], f
 
 
 def _local(panel: _Panel, decay: Array) -> _Local:
-    own, before = _within(panel, decay), xp.exp(-panel.start / decay)
+    own, before, z = _within(panel, decay), xp.exp(-panel.start / decay), panel.width / decay
     near_lost = -xp.expm1(-panel.start / decay) * own.mean + before * own.ahead_lost
-    return _Local(xp.exp(-panel.width / decay), before * own.ahead, near_lost, *own)
+    return _Local(xp.exp(-z), before * own.ahead, near_lost, -xp.expm1(-z), *own)
 
 
 def _within(panel: _Panel, decay: Array) -> Within:
@@ -310,9 +309,9 @@ def _within(panel: _Panel, decay: Array) -> Within:
     kappa = _autocorrelation(c) if panel.full else None
     # 1 - mu_0 = (z/2)(mu_0 + mu_1), and the polynomials but the first by themselves: nothing cancels for small z.
     zeroth, both, forth, back, rest = panel_sums(c, kappa, z)
-    fade, lost = -xp.expm1(-z), 0.5 * z * both
+    lost = 0.5 * z * both
     own = Within(
-        fade=fade, mean=width * mean,
+        mean=width * mean,
         ahead=width * (mean * zeroth + forth), ahead_lost=width * (mean * lost - forth),
         far=width * (mean * zeroth + back), far_lost=width * (mean * lost - back),
         moment=width * (start * mean + width * (mean / 2 - c[1] / 6)),

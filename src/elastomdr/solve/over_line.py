@@ -11,12 +11,9 @@ do work on d and on X, W the weight of an element. F_x is positive where it resi
 from __future__ import annotations
 
 import abc
-import functools
 from typing import TYPE_CHECKING, Any
 
-import jax
-import jax.numpy as jnp
-
+from .._arrays import compiled, xp
 from .._runtime import Array
 from .._trees import Tree
 from ..mapping.lines import AbstractLines, SingleLine
@@ -83,16 +80,16 @@ class Indenter(AbstractOverLine):
         inside = self._distance(x) < self.shape.largest_contact
         slope = (self._height(x + half) - self._height(x - half)) / self.spacing
         # Beyond the end of the body there is nothing to touch.
-        return jnp.where(inside, self.track - self._height(x), _NOTHING), jnp.where(inside, slope, 0.0)
+        return xp.where(inside, self.track - self._height(x), _NOTHING), xp.where(inside, slope, 0.0)
 
     def _distance(self, x: Array) -> Array:
-        return jnp.abs(x) if self.y is None else jnp.hypot(x, self.y)
+        return xp.abs(x) if self.y is None else xp.hypot(x, self.y)
 
     def _height(self, x: Array) -> Array:
         """g over the line, or the height of the body over a strip, at x from the middle; level beyond its end."""
         end = self.shape.largest_contact
         r = self._distance(x)
-        r = jnp.where(r < end, r, jnp.where(jnp.isinf(end), 0.0, end * (1 - 1e-12)))
+        r = xp.where(r < end, r, xp.where(xp.isinf(end), 0.0, end * (1 - 1e-12)))
         return self.shape._profile(r) if self.y is None else self.shape._height(r)
 
 
@@ -121,19 +118,19 @@ class Rough(AbstractOverLine):
 
 def rough(height: Float[Array, " n"], spacing: Any, highest: Any) -> Rough:
     """One element under each point of a rough line; `highest` is what the depth counts from."""
-    return Rough(jnp.asarray(1 / height.shape[0]), spline_coefficients(height), jnp.asarray(spacing), highest)
+    return Rough(xp.asarray(1 / height.shape[0]), spline_coefficients(height), xp.asarray(spacing), highest)
 
 
-@functools.partial(jax.jit, static_argnames="count")
+@compiled("count")
 def indenter(lines: AbstractLines, first: Any, spacing: Any, count: int, width: Any) -> Indenter:
     """Elements at `first` + i `spacing`, i < `count`, under an indenter; on a layer also across, up to `width`."""
-    x, zero = first + spacing * jnp.arange(count), jnp.zeros(())
+    x, zero = first + spacing * xp.arange(count), xp.zeros(())
     if isinstance(lines, SingleLine):
-        weight = spacing * lines.weight(jnp.ones(1))[0, 0]
-        return Indenter(shape=lines.shape, x=x, y=None, spacing=jnp.asarray(spacing), weight=weight, track=zero)
+        weight = spacing * lines.weight(xp.ones(1))[0, 0]
+        return Indenter(shape=lines.shape, x=x, y=None, spacing=xp.asarray(spacing), weight=weight, track=zero)
     strips = -(-count // 2)
     across = width / strips
-    y = (jnp.arange(strips) + 0.5) * across
-    x, y = (part.reshape(-1) for part in jnp.broadcast_arrays(x[None], y[:, None]))
+    y = (xp.arange(strips) + 0.5) * across
+    x, y = (part.reshape(-1) for part in xp.broadcast_arrays(x[None], y[:, None]))
     weight = 2 * spacing * across
-    return Indenter(shape=lines.shape, x=x, y=y, spacing=jnp.asarray(spacing), weight=weight, track=zero)
+    return Indenter(shape=lines.shape, x=x, y=y, spacing=xp.asarray(spacing), weight=weight, track=zero)

@@ -37,7 +37,9 @@ _NEAR = 1e-3  # b/a below which the search halves its logarithm
 _USUAL = math.log(1e-3)  # log of a contact size [m] to begin with
 _GUESSES, _GUESSED = 8, 0.1  # how often a guess at log A is improved, and by how much at the last
 _GUESSED_WELL = 1e-4  # and that at log(a + b) under a parabola, whose error is the square of it
-_NEARLY_SPRING = 1e-3  # passage time over relaxation time from which closed forms keep their digits
+_TO_ROUNDING = 2e-13  # the same after the last step where the body is a parabola
+_NEARLY_SPRING = 0.05  # passage time over relaxation time from which closed forms keep their digits,
+_SERIES = [1 / (math.factorial(k) * (k + 3)) for k in range(8)]  # and of what is done below it
 _STEPS = 15  # of Newton's method on load and edge together, before a point is left to the search by brackets
 _TABLES = 3  # how often panels are laid out anew,
 _MOVED = 0.05  # where the contact has grown or shrunk by as much
@@ -54,7 +56,7 @@ class Passages(NamedTuple):
     depth: Float[Array, " points"]  # [m]
     leading: Float[Array, " points"]  # leading edge of the central line [m]
     trailing: Float[Array, " points"]  # its trailing edge, counted backwards from the apex [m]
-    exponent: Float[Array, " points"]  # a g'(a)/g(a), the power with which the profile rises at the leading edge
+    exponent: Float[Array, " points"]  # a g'(a)/g(a), the power with which the profile rises, the mean of both edges
     error: Float[Array, " points"]  # estimated error of mu from sampling
     converged: Bool[Array, " points"]
 
@@ -149,12 +151,16 @@ def _edges_of_numbers(
     if start is not None and isinstance(p.lines, SingleLine) and start.converged.all():
         log_size, ratio = np.log(start.leading), (start.trailing / start.leading)[None]
     else:
+        single = isinstance(p.lines, SingleLine)
+        log_size = value
         if by_depth:
             log_size = np.log(_size_of_depth(p.lines, value, top))
-        elif isinstance(p.lines, SingleLine):
-            log_size, ratio = _of_parabola(p, value, top)
-        else:
+        elif not single:
             log_size = _first_guess(p, value, top)
+        if single and (p.rule.parabola or not by_depth):
+            log_size, ratio, found = _of_parabola(p, log_size if by_depth else value, top, by_depth)
+            if p.rule.parabola and found.all():
+                return p, np.exp(log_size), ratio, found
         if not p.rule.exact:
             coarse = tabulated(p._replace(rule=p.rule.coarser()), np.exp(log_size))
             log_size, ratio, found = _sought(coarse, value, log_size, ratio, top, by_depth)
@@ -249,7 +255,14 @@ def _settled(p: Passage, size: Array, ratio: Array) -> Array:
 
 
 def _size_of_depth(lines: AbstractLines, depth: Array, top: Array) -> Array:
-    """Contact size by bisection of its logarithm; `_polish` adds the last digits."""
+    """Contact size by Newton's method of numbers, or by bisection of its logarithm; `_polish` adds the last digits."""
+    if on_numpy():
+        log_size = np.minimum(_USUAL, top - 0.5) + np.zeros_like(depth)
+        for _ in range(_GUESSES):
+            step = np.log(lines.depth(np.exp(log_size)) / depth) / lines.exponent(np.exp(log_size))
+            log_size = np.minimum(log_size - step, top)
+            if (np.abs(step) < _CLOSE).all():
+                return np.exp(log_size)
 
     def halve(_, bounds):
         low, high = bounds
@@ -293,46 +306,76 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
     return 0.5 * (low + high)
 
 
-def _of_parabola(p: Passage, load: Array, top: Array) -> tuple[Array, Array]:
-    """log A and b/a on a single line, by Newton's method, if its profile were a parabola; on NumPy.
+def _of_parabola(p: Passage, given: Array, top: Array, by_size: bool) -> tuple[Array, Array, Array]:
+    """log A and b/a on a single line, by Newton's method, if its profile were a parabola, and where; on NumPy.
+
+    Of a given load, or `by_size` of log A itself.
 
     The parabola is the one with the same volume between profile and contact. For a parabola with the length L = a + b
     of contact and M_j = int E(r/v) r^j dr from 0 to L, q(-b) = 0 gives b = M_1/(M_0 + eta v), and the force follows.
     """
+    law, lines, line, exact = p.law, p.lines, np.zeros((1, 1), int), p.rule.parabola
     c, w, _ = gauss(6)
-    law, lines, line, x = p.law, p.lines, np.zeros((1, 1), int), c[:, None]
-    log_length, drag = np.minimum(np.full_like(load, _USUAL), top - 0.5) + math.log(2), p.velocity * law.viscosity
-    a = b = length = np.ones_like(load)
+    rate, drag, widest = 1 / p.decay, p.velocity * law.viscosity, np.exp(top)
+    lossy = bool(np.any(drag))
+    log_length = (given if by_size else np.minimum(_USUAL, top - 0.5)) + math.log(2) + np.zeros_like(given)
+    a, b, length, before = 4 * (np.ones_like(given),)
+    curvature, weight = lines.profile(a, a, line), lines.weight(a)[0]  # of a parabola that is the curvature
+    found = np.zeros(given.shape, bool)
     for _ in range(_GUESSES):
         length = np.exp(log_length)
-        z = length / p.decay
-        left, near = np.exp(-z), z < _NEARLY_SPRING
-        first = -np.expm1(-z) / z  # int e^{-z c} c^j dc from 0 to 1, by series where the closed forms lose digits
-        second = (first - left) / z
-        third = np.where(near, 1 / 3 - z * (1 / 4 - z / 10), (2 * second - left) / z)
-        second = np.where(near, 1 / 2 - z * (1 / 3 - z * (1 / 8 - z / 30)), second)
-        last, mean = law.equilibrium + law.moduli @ left, law.equilibrium + law.moduli @ first + drag / length
-        arm, turned = law.equilibrium / 2 + law.moduli @ second, law.equilibrium / 3 + law.moduli @ third
+        kept, first, second, third = (law.moduli @ x for x in _exponential_means(length * rate))
+        last, mean = law.equilibrium + kept, law.equilibrium + first
+        mean = mean + drag / length if lossy else mean
+        arm = law.equilibrium / 2 + second
         b = arm / mean
         a = 1 - b
-        size = np.minimum(length * a, np.exp(top))
-        curvature = 1.5 / size * (w @ (x * lines.slope(size * x, size, line)))
-        force = (a - b) * mean + 2 * b * arm - turned
-        moved = 1 - last * a / mean  # da/dL
-        rise = 2 * a * mean * moved / force + (lines.exponent(size) - 2) * moved / a
-        step = np.log(load / (lines.weight(size)[0] * curvature * length**3 * force)) / rise
+        size, left_over = length * a, mean - last * a
+        if by_size:
+            step = (given - np.log(size)) * a * mean / left_over
+        else:
+            force = mean - 2 * arm * a - (law.equilibrium / 3 + third)
+            rise = 2 * a * left_over / force
+            if not exact:
+                size = np.minimum(size, widest)
+                x = size * c[:, None]
+                curvature = 1.5 / size**2 * (w @ (x * lines.slope(x, size, line)))
+                rise = rise + (lines.exponent(size) - 2) * left_over / (a * mean)
+            step = np.log(given / (weight * curvature * length**3 * force)) / rise
         log_length = np.minimum(log_length + step, top + math.log(2))
-        if (np.abs(step) < _GUESSED_WELL).all():
-            a, b = a + moved * step, b + (1 - moved) * step
+        miss = np.abs(step)
+        # Each miss is the square of the one before times a number, taken as 1/4 at least.
+        left = miss**2 * np.maximum(miss / before**2, 0.25)
+        if miss.max() < _GUESSED_WELL and (not exact or left.max() <= _TO_ROUNDING):
+            moved = left_over / mean * step  # da/dL = left_over/mean
+            a, b = a + moved, b + step - moved
+            found = size <= widest
             break
-    return np.minimum(np.log(length * a), top), np.clip(b / a, _NEAREST_EXIT, 1 - 4e-16)[None]
+        before = miss
+    ratio = np.minimum(np.maximum(b / a, _NEAREST_EXIT), 1 - 4e-16)
+    return given if by_size else np.minimum(np.log(length * a), top), ratio[None], found
+
+
+def _exponential_means(z: Array) -> tuple[Array, Array, Array, Array]:
+    """e^{-z} and int e^{-z c} c^j dc from 0 to 1 for j = 0, 1, 2.
+
+    The last by a series where z is small, and from it the others, whose sums cancel nothing.
+    """
+    left, small = np.exp(-z), -np.minimum(z, _NEARLY_SPRING)
+    series = np.full_like(z, _SERIES[-1])
+    for coefficient in _SERIES[-2::-1]:
+        series *= small
+        series += coefficient
+    third = np.where(z < _NEARLY_SPRING, series, (2 * (-np.expm1(-z) / z - left) / z - left) / z)
+    second = 0.5 * (left + z * third)
+    return left, left + z * second, second, third
 
 
 def _mean_modulus(p: Passage, size: Array) -> Array:
     """About the mean of E(t) over one passage."""
     passage = 2 * size / p.velocity
-    branches = p.law.moduli[:, None] / (1 + passage / p.law.times[:, None])
-    return p.law.equilibrium + xp.sum(branches, axis=0) + p.law.viscosity / passage
+    branches = p.law.moduli @ (1 / (1 + passage / p.law.times[:, None]))
+    return p.law.equilibrium + branches + p.law.viscosity / passage
 
 
 def _elastic_slope(p: Passage, size: Array) -> Array:
@@ -430,7 +473,7 @@ def _forces(p: Passage, size: Array, ratio: Array, converged: Array) -> Passages
         depth=lines.depth(size),
         leading=entry[0],
         trailing=(ratio * entry)[0],
-        exponent=lines.exponent(size),
+        exponent=lines.rise(entry[0], (ratio * entry)[0]),
         error=fixed((drag_error + xp.abs(mu) * normal_error) / normal),
         converged=converged,
     )

@@ -1,18 +1,21 @@
 """One period of a rough line over one element: the exact contact step of every sample, for many velocities at once.
 
 In steady sliding every element sees the same periodic history, so that one element is the whole line. With
-e_k = exp(-h/tau_k), g_k = E_k (1-e_k) tau_k/h and S = E_inf + eta/h + sum g_k a step of length h = dx/v is
+e_k = exp(-h/tau_k) and g_k = E_k (1-e_k) tau_k/h a step of length h = dx/v is
 
-    u_free = u - (E_inf u + sum e_k f_k)/S,   u+ = max(u_free, w+),   f_k+ = e_k f_k + g_k (u+ - u),   q+ = S (u+ -
-    u_free),
+    u_free = u - r_0 (E_inf u + sum s_k f_k),   u+ = max(u_free, w+),   f_k+ = e_k f_k + g_k (u+ - u),
+    q+ = (u+ - u_free)/r_0,
 
-and the period starts at the highest point of the line, which touches in every steady motion: u = d there. The work of
-that motion is summed exactly on demand: with z_k = h/tau_k and a_k = (1 - e_k)/z_k
+with r_0 and s_k such that a free element recovers exactly (`solve.recovery`), and the period starts at the highest
+point of the line, which touches in every steady motion: u = d there. Over a period the sum of q is that of E_inf u.
+
+While the state is searched the work is the sum of q+ du. That of its motion is summed on demand: with z_k = h/tau_k and
+a_k = (1 - e_k)/z_k, for u straight over the step,
 
     int q du = du [E_inf (u + u+)/2 + du (eta/h + sum E_k (1 - a_k)/z_k) + sum a_k f_k],
 
-which over a period is what the branches dissipate along the same motion. Otherwise the rectangular rule serves. A
-branch that is forgotten within a step, e_k = 0, has f_k = E_k tau_k du-/h from the step before: with eta holding its
+none in a step that is free from end to end, and what bends add where contact begins (`solve.periodic_state`). A branch
+that is forgotten within a step, e_k = 0, has f_k = E_k tau_k du-/h from the step before: with eta holding its
 E_k tau_k, it adds E_k tau_k^2 (du- - du)/h^2 in the brackets.
 """
 
@@ -25,10 +28,11 @@ import numpy as np
 from jaxtyping import Float
 
 from .._runtime import Array, one_kernel
+from .recovery import weights
 from .stretches import Stretches, recover
 
+_FORGOTTEN = 1e-200
 _UNROLL = 4  # steps in one turn of the compiled loop
-_FADED = 128  # samples after contact from which the work within free steps is left out
 
 
 class Lanes(NamedTuple):
@@ -39,12 +43,14 @@ class Lanes(NamedTuple):
     times: Float[np.ndarray, "branches lanes"]  # tau_k [s], the longest first
     viscosity: Float[np.ndarray, " lanes"]  # eta [Pa s]
     second: Float[np.ndarray, " lanes"]  # theta, the sum of E tau^2 of branches that are part of eta [Pa s^2]
+    apart: Float[np.ndarray, "1+branches 1+branches lanes"]  # of the rates, see `solve.recovery` [1/s]
 
 
 class Coefficients(NamedTuple):
     """What a step of each lane needs."""
 
     keep: Float[np.ndarray, "branches lanes"]  # e_k
+    seen: Float[np.ndarray, "branches lanes"]  # s_k
     lost: Float[np.ndarray, "branches lanes"]  # 1 - e_k
     gain: Float[np.ndarray, "branches lanes"]  # g_k [Pa]
     give: Float[np.ndarray, " lanes"]  # 1/S [1/Pa]
@@ -52,6 +58,7 @@ class Coefficients(NamedTuple):
     held: Float[np.ndarray, "branches lanes"]  # a_k
     drag: Float[np.ndarray, " lanes"]  # eta/h + sum E_k (1 - a_k)/z_k [Pa]
     late: Float[np.ndarray, " lanes"]  # theta/h^2 [Pa]
+    each: Float[np.ndarray, "branches lanes"]  # E_k (1 - a_k)/z_k [Pa]
 
     def of(self, lanes: np.ndarray) -> "Coefficients":
         """Those of some lanes."""
@@ -67,6 +74,8 @@ class Swept(NamedTuple):
     load: Float[Array, " lanes"]  # sum of q
     sums: Float[Array, "slow lanes"]  # sum of f_k, of the slow branches
     touching: Float[Array, " lanes"]  # number of samples in contact
+    struck: Float[Array, " lanes"]  # sum of (height of u over the line before)(depth below u_free after) [m^2]
+    begun: Float[Array, " lanes"]  # number of contacts; these two if exact
 
 
 def coefficients(law: Lanes, step: Float[Array, " lanes"]) -> Coefficients:
@@ -77,11 +86,11 @@ def coefficients(law: Lanes, step: Float[Array, " lanes"]) -> Coefficients:
     with np.errstate(over="ignore"):
         late = np.where(z < 1e-4, 0.5 - z / 6 + z**2 / 24, (z - lost) / z**2)  # (1 - a_k)/z_k
     gain = law.moduli * held
-    dashpot = law.viscosity / step
-    stiffness = law.relaxed + dashpot + gain.sum(axis=0)
+    dashpot, second = law.viscosity / step, law.second / step**2
+    give, seen = map(np.asarray, weights(law.apart, law.times, gain, law.relaxed, step))
+    each = law.moduli * late
     return Coefficients(
-        np.exp(-z), lost, gain, 1 / stiffness, law.relaxed, held, dashpot + (law.moduli * late).sum(axis=0),
-        law.second / step**2,
+        np.exp(-z), seen, lost, gain, give, law.relaxed, held, dashpot + each.sum(axis=0), second, each
     )  # fmt: skip
 
 
@@ -109,18 +118,29 @@ def sweep(
 # `foundation.step` again, without what only indentation and impacts need: half the work, in a loop that XLA makes one
 # kernel of. `tests/test_element.py` holds one against the other.
 def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretches | None, slow: int, exact: bool):
+    # The loop holds r_k f_k/e_k, so that what is left of it after a step sums up to what a free element moves: a sum
+    # with factors of its own XLA would do twice.
+    keep = jnp.maximum(by.keep, _FORGOTTEN)
+    scale = jnp.maximum(by.seen, _FORGOTTEN) / keep * by.give
+    gain, held, stays = scale * by.gain, by.held / scale, 1 - by.relaxed * by.give
+
     def one(i, state):
-        f, u, du, work, load, sums, touching = state
-        kept = by.keep * f
-        loose = u - (by.relaxed * u + kept.sum(axis=0)) * by.give
-        new = jnp.maximum(loose, rise[(i + 1) * stride] + depth)
-        before, du = du, new - u
-        after = (new - loose) / by.give
-        mean = after
+        f, u, du, free, work, load, sums, touching, struck, begun = state
+        kept = keep * f
+        loose = stays * u - kept.sum(axis=0)
+        w = rise[(i + 1) * stride] + depth
+        new = jnp.maximum(loose, w)
+        last, du = du, new - u
+        q = (new - loose) / by.give
+        mean = q
         if exact:
-            mean = 0.5 * by.relaxed * (u + new) + by.drag * du + by.late * (before - du) + (by.held * f).sum(axis=0)
-        f = kept + by.gain * du
-        return f, new, du, work + mean * du, load + after, sums + f[:slow], touching + (after > 0)
+            mean = 0.5 * by.relaxed * (u + new) + by.drag * du + by.late * (last - du) + (held * f).sum(axis=0)
+            mean = jnp.where(free & (q <= 0), 0.0, mean)
+            struck = struck + (u - (rise[i * stride] + depth)) * (new - loose)
+            begun = begun + (free & (q > 0))
+        work = work + mean * du
+        f = kept + gain * du
+        return f, new, du, q <= 0, work, load + q, sums + f[:slow], touching + (q > 0), struck, begun
 
     def steps(first, last, state):
         def several(i, state):
@@ -134,21 +154,22 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
 
     def on(free, carry):
         """Passes the stretches that nothing touches, and then takes the steps of the next."""
-        first, quiet, (f, u, du, work, load, sums, touching) = carry
-        # Within its steps an element that has just been let go works still: the exact sum waits until that has faded.
-        ready = length * quiet >= _FADED if exact else jnp.asarray(True)
-        y = jnp.concatenate([(by.relaxed * u)[None], f])
-        j, y, summed = recover(free, first, ready, y, depth, length, slow)
-        fall = -(y[0] + (by.keep * y[1:]).sum(axis=0)) * by.give  # du of the next free step, that of the last nearly
-        state = y[1:], y[0] / by.relaxed, jnp.where(j > first, fall, du), work, load, sums + summed, touching
-        state = steps(length * j, jnp.minimum(length * (j + 1), count), state)
-        return j + 1, jnp.where((state[-1] == touching).all(), quiet + 1, 0), state
+        first, (f, u, du, free_, work, load, sums, *counts) = carry
+        y = jnp.concatenate([(by.relaxed * u)[None], f / scale])
+        j, y, summed = recover(free, first, y, depth, length, slow)
+        passed = j > first
+        fall = -(y[0] + (by.seen * y[1:]).sum(axis=0)) * by.give  # du of the next free step, that of the last nearly
+        state = scale * y[1:], y[0] / by.relaxed, jnp.where(passed, fall, du), free_ | passed, work, load
+        state = *state, sums + scale[:slow] * summed, *counts
+        return j + 1, steps(length * j, jnp.minimum(length * (j + 1), count), state)
 
     nothing = jnp.zeros_like(depth)
-    state: Any = (branches, depth, nothing, nothing, nothing, jnp.zeros_like(branches[:slow]), nothing)
+    none = jnp.zeros_like(branches[:slow])
+    state: Any = (scale * branches, depth, nothing, nothing > 0, nothing, nothing, none, nothing, nothing, nothing)
     if free is None:
-        f, u, _, *sums = steps(0, count, state)
+        state = steps(0, count, state)
     else:
         length = count // free.highest.size
-        f, u, _, *sums = jax.lax.while_loop(lambda s: s[0] < free.highest.size, partial(on, free), (0, 0, state))[-1]
-    return Swept(f, u, *sums)
+        state = jax.lax.while_loop(lambda s: s[0] < free.highest.size, partial(on, free), (0, state))[-1]
+    f, u, _, _, work, load, sums, *counts = state
+    return Swept(f / scale, u, work, load, sums / scale[:slow], *counts)

@@ -32,7 +32,6 @@ _FEWEST_LANES = 8  # in a batch, where there are as many
 _MANY = 32  # lanes of a load from which they make batches of their own
 _LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
-_EDGES = 1.5  # over a first-order estimate: the edges lie anywhere between samples
 _ROUNDING = 16 * np.finfo(float).eps  # of the work of elements, over their load and slope
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
@@ -159,7 +158,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     state, load, stiffness, share = first_guess(rise, carried, n * step, value, control)
     strides = strides_of(n)
     sweeps, mus, full = np.zeros(velocity.size), [np.full(velocity.size, np.nan)], np.ones(velocity.size, bool)
-    fine = found = good = level = None
+    fine = found = good = None
     for stride in strides:
         level = level_of(rise, spacing, stride, step, carried, load, stiffness, control, skip and share.max() < LIGHT)
         if stride == strides[0]:
@@ -175,9 +174,8 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
         )  # fmt: skip
     assert fine is not None  # the last stride is always 1
     assert found is not None
-    assert level is not None
     good = good & np.isfinite(fine.mu)
-    mu, error = _limit(mus, full, carried.viscosity / step * level.by.give)
+    mu, error = _limit(mus, full)
     error = error + _ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)
     return Line._make((*(np.where(good, x, np.nan) for x in answer), sweeps, good)), found
@@ -189,20 +187,18 @@ def strides_of(n: int) -> list[int]:
     return [*coarse, 1]
 
 
-def _limit(mus: list[np.ndarray], full: np.ndarray, jump: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """mu and its error from the sampling, from the mu of steps that are a quarter of the one before each.
 
     In full contact everything is smooth and the error falls as the square of the step: the limit is extrapolated, where
-    the fall itself is as it should be. Otherwise the edges of contacts fall anywhere between samples: the last value
-    stands, and its error is taken as of first order, a third of the last change where a 15th would be the second order.
-    Where the force jumps at an edge, as a dashpot makes it, the error is of first order indeed, and the last change is
-    small by accident now and then: the changes before it bound it too, in proportion to `jump`, what dashpots have of
-    the stiffness of a step.
+    the fall itself is as it should be. Otherwise it falls as the square too, but for a factor that depends on where
+    between two samples the edges of contacts lie: the last value stands. Its error is a third of the last change, where
+    a 15th would be a fall as it should be; and as that is small by accident now and then, the change before it counts
+    in proportion.
     """
     fine, changes = mus[-1], [np.abs(b - a) for a, b in itertools.pairwise(mus[1:])][::-1]
-    bounds = [change / (3 * 4.0**level) for level, change in enumerate(changes)]
-    jumping = _EDGES * np.max(bounds, axis=0)
-    error = np.where(full, bounds[0], jump * jumping + (1 - jump) * bounds[0])
+    bounds = [change / (3 * 16.0**level) for level, change in enumerate(changes)]
+    error = np.where(full, bounds[0], np.max(bounds, axis=0))
     if len(changes) > 1:
         change, before = fine - mus[-2], mus[-2] - mus[-3]
         smooth = full & (np.abs(before - 16 * change) < 0.2 * np.abs(before))

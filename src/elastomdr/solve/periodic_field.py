@@ -41,10 +41,9 @@ def motion(
 
     def one(state, w):
         f, u = state
-        kept = by.keep * f
-        loose = u - (by.relaxed * u + kept.sum(axis=0)) * by.give
+        loose = u - (by.relaxed * u + (by.seen * f).sum(axis=0)) * by.give
         new = jnp.maximum(loose, w + depth)
-        return (kept + by.gain * (new - u), new), (new, (new - loose) / by.give)
+        return (by.keep * f + by.gain * (new - u), new), (new, (new - loose) / by.give)
 
     found = jax.lax.scan(one, (branches, depth), jnp.roll(rise, -1))[1]
     return Motion(*(jnp.roll(field, 1, axis=0) for field in found))

@@ -20,8 +20,10 @@ from jaxtyping import Float
 
 from .._runtime import Array, argmax, nan_unless
 from ..material.relaxation import Relaxation
+from .lump import slowest_first
 from .periodic import solve_states
-from .periodic_state import SLOW
+from .periodic_state import LASTING, SLOW
+from .recovery import rates_apart, weights
 
 _CHUNK = 64  # steps whose intermediate values are computed again for the reverse mode instead of being kept
 
@@ -60,7 +62,7 @@ def _solved(*bits, spacing, control, rtol) -> tuple[np.ndarray, ...]:
     plain = jax.tree.map(lambda x: np.ascontiguousarray(x).view(np.float64)[..., 0], bits)
     height, law, velocity, value = plain
     line, state = solve_states(height, spacing, law, velocity, value, control, rtol)
-    order = np.argsort(np.argsort(-law.times, kind="stable"))
+    order = np.argsort(slowest_first(law))
     answer = (state.branches[order], state.depth, line.share, line.error, line.converged)
     return tuple(np.ascontiguousarray(x, dtype=np.float64)[..., None].view(np.uint32) for x in answer)
 
@@ -102,28 +104,38 @@ def _period(y: Float[Array, "m lanes"], rise, spacing, law: Relaxation, velocity
     some = jnp.maximum(z, 1e-4)  # what is not chosen must not be infinite either, for the derivative
     late = jnp.where(z < 1e-4, 0.5 - z / 6 + z**2 / 24, (some + jnp.expm1(-some)) / some**2)
     gain = moduli * held
-    dashpot = law.viscosity / step
-    stiffness = law.equilibrium + dashpot + gain.sum(axis=0)
-    drag = dashpot + (moduli * late).sum(axis=0)
+    order = jnp.argsort(jnp.where(law.moduli > 0, 1 / law.times, jnp.inf))  # that of `rates_apart`
+    apart = rates_apart(law)[:, :, None]
+    give, sorted_seen = weights(
+        apart, times[order] * jnp.ones_like(step), gain[order], law.equilibrium, step
+    )  # fmt: skip
+    seen = sorted_seen[jnp.argsort(order)]
+    each = moduli * late
+    drag = law.viscosity / step + each.sum(axis=0)
     depth = y[-1]
 
     def one(state, w):
-        f, u, work, load, sums = state
-        kept = keep * f
-        loose = u - (law.equilibrium * u + kept.sum(axis=0)) / stiffness
-        new = jnp.maximum(loose, w + depth)
-        du = new - u
-        work = work + du * (0.5 * law.equilibrium * (u + new) + drag * du + (held * f).sum(axis=0))
-        f = kept + gain * du
-        return (f, new, work, load + stiffness * (new - loose), sums + f), None
+        f, u, before, free, work, load, sums, counts = state
+        loose = u - (law.equilibrium * u + (seen * f).sum(axis=0)) * give
+        w = w + depth
+        new = jnp.maximum(loose, w)
+        du, q = new - u, (new - loose) / give
+        mean = 0.5 * law.equilibrium * (u + new) + drag * du + (held * f).sum(axis=0)
+        work = work + jnp.where(free & (q <= 0), 0.0, mean * du)
+        counts = counts + jnp.stack([(u - before) * (new - loose), free & (q > 0), q > 0])
+        f = keep * f + gain * du
+        return (f, new, w, q <= 0, work, load + q, sums + f, counts), None
 
     chunk = _CHUNK if n % _CHUNK == 0 else 1
     chunks = jnp.roll(rise, -1).reshape(-1, chunk)
     several = jax.checkpoint(lambda state, w: jax.lax.scan(one, state, w))
     nothing = jnp.zeros_like(depth)
-    (f, u, work, load, sums), _ = jax.lax.scan(
-        several, (y[:-1], depth, nothing, nothing, jnp.zeros_like(y[:-1])), chunks
-    )
+    start = (y[:-1], depth, depth, nothing > 0, nothing, nothing, jnp.zeros_like(y[:-1]), jnp.zeros((3, *depth.shape)))
+    (f, u, _, _, work, load, sums, counts), _ = jax.lax.scan(several, start, chunks)
+    struck, begun, touching = counts
+    duration = jax.lax.stop_gradient(touching / jnp.maximum(begun, 1)) * step
+    outlasts = 1 / (1 + (duration / (LASTING * times)) ** 2)
+    work = work + (drag - (each * outlasts).sum(axis=0)) * struck
     load = load / n
     whole = -jnp.expm1(-n * z)
     back = (f - y[:-1] + gain * (depth - u)) / whole

@@ -36,6 +36,7 @@ _SINGULAR = 1e8  # largest entry in the inverse of a Jacobian that is used
 _STRETCHES = 128  # that a line is cut into, at most
 _WORTH = 16  # samples that a stretch must have to be worth a look
 _COARSE = 2048  # samples up to which stretches cost more than they save
+LASTING = 2.0  # relaxation times; a branch is a spring to contacts much shorter than that
 _NUDGE = 1e-5  # of the load, by which an unknown is moved for the Jacobian
 
 
@@ -63,6 +64,8 @@ class Level(NamedTuple):
     stiffness: Float[np.ndarray, " lanes"]  # of the load against depth, about
     by_load: bool
     spacing: float  # h v, between samples [m]
+    step: Float[np.ndarray, " lanes"]  # h [s]
+    times: Float[np.ndarray, "branches lanes"]  # tau_k [s]
     ready: Any  # rise, by and free, where the computation is done
 
 
@@ -86,7 +89,7 @@ def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, cont
     most = min(most, slow.shape[0])
     pieces = math.gcd(count // _WORTH, _STRETCHES) if count % _WORTH == 0 else 1
     free = (
-        stretches(rise[::stride], pieces, by.keep, by.lost, by.gain, by.give, by.relaxed)
+        stretches(rise[::stride], pieces, by.seen, by.lost, by.gain, by.give, by.relaxed)
         if skip and pieces > 1 and count > _COARSE
         else None
     )
@@ -95,7 +98,7 @@ def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, cont
     lasting = (period / law.times < _INSTANT) & (law.moduli > 0)
     return Level(
         rise, stride, by, free, most, slow[:most], np.where(slow, sums, 1.0)[:most], whole, lasting, load, stiffness,
-        control == "load", stride * spacing, jax.device_put((_closed(rise), by, free)),
+        control == "load", stride * spacing, step, law.times, jax.device_put((_closed(rise), by, free)),
     )  # fmt: skip
 
 
@@ -153,10 +156,20 @@ def iterate(level: Level, state: State) -> tuple[State, Float[np.ndarray, " lane
 
 
 def finish(level: Level, state: State) -> Found:
-    """The periodic motion's friction, its work summed exactly."""
+    """The periodic motion's friction, its work summed exactly.
+
+    An element that is met within a step was free in the step's first part, theta h, while u was taken to be straight.
+    A dashpot has taken eta J^2 theta (1 - theta) h more work then, J the jump of u' and J^2 theta (1 - theta) h^2 what
+    `struck` sums, and a branch that relaxes while the contact lasts likewise, with E_k phi2(h/tau_k) for eta/h: the
+    impulse of its force does not depend on the bend, and all of it moves with the line. For a branch that outlasts the
+    contact the straight path has the work right, as it has for a spring.
+    """
     r, end = _residual(level, state.branches, state.depth, np.ones(state.depth.size, bool), exact=True)
     count = level.rise.size // level.stride
     load, touching = np.asarray(end.load), np.asarray(end.touching)
+    duration = touching / np.maximum(end.begun, 1) * level.step
+    by, outlasts = level.by, 1 / (1 + (duration / (LASTING * level.times)) ** 2)
+    end = end._replace(work=end.work + (by.drag - by.late - (by.each * outlasts).sum(axis=0)) * end.struck)
     return Found(_mu(level, end), load / count, touching / count, np.abs(r).max(axis=1))
 
 

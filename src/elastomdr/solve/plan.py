@@ -66,8 +66,10 @@ def make_plan(
     points: int,
     temperatures: int,
     averaged: bool,
+    corrected: bool,
     rtol: float,
     skip: bool,
+    known: Range | None,
 ) -> Plan:
     """Plans a scene from its numbers; while JAX traces, from what is known without them."""
     marched = isinstance(lines.shape, Profile) and not lines.shape.convex
@@ -76,35 +78,34 @@ def make_plan(
     inner = TRACED * rtol if value is None else rtol
     bends = averaged and _bends(lines.shape)
     count = directions(inner, traced_level(rtol, bends) if value is None else 0).cosines.size if averaged else 1
-    plan = Plan(
+    # Under a depth each point has its own load, which is found first.
+    solutions = points * count + (points if averaged and control == "depth" else 0)
+    traced, shared, times, passing = value is None or velocity is None, False, None, None
+    how, rules = Condensation(law.moduli.shape[0]), ladder(lines.shape, inner, strips=lines.count > 1)
+    if value is not None and velocity is not None:
+        slow, fast = float(velocity.min()), float(velocity.max())
+        # Contacts are the larger, the slower the motion and the higher the load.
+        ends = np.array([value.max(), value.min()]), np.array([slow, fast])
+        widest, narrowest = (float(x) for x in estimate_sizes(law, lines, control, *ends))
+        slowest = slow * (float(directions(rtol).cosines[-1]) if averaged else 1.0)
+        if skip and not marched:
+            how = choose(law, 0.5 * narrowest / fast, 4 * widest / slowest, rtol, rules[0].split)
+        rules = ladder(lines.shape, rtol, float(lines.shape.largest_contact) / (1.3 * widest), lines.count > 1)
+        if averaged and (control == "load" or bends):
+            curves = [velocity] if points == 1 else velocity[:, None]
+            if control == "load" and points > 1:
+                curves = [velocity[value == x] for x in np.unique(value)]
+            nodes = [shared_curve_size(v, rtol) for v in curves]
+            with_grid = sum(n + v.size * (v.size <= n) for n, v in zip(nodes, curves, strict=True))
+            if bends or (skip and with_grid < solutions):
+                shared, solutions = True, with_grid
+        times, passing = tuple(np.asarray(law.times).tolist()), (2 * slow / widest, 2 * fast / narrowest)
+    return Plan(
         quantity=quantity, scene=scene, model=model, control=control, points=points, rtol=rtol, averaged=averaged,
-        marched=marched, rules=ladder(lines.shape, inner, strips=lines.count > 1)[:1],
-        condensation=Condensation(law.moduli.shape[0]), branch_times=None, directions=count, shared=False,
-        solutions=points * count, temperatures=temperatures, traced=True, skip=skip, elastic=elastic, bends=bends,
+        marched=marched, rules=rules[:1] if traced else rules, condensation=how, branch_times=times, directions=count,
+        shared=shared, solutions=solutions, temperatures=temperatures, passing=passing, range=known, traced=traced,
+        skip=skip, corrected=corrected, elastic=elastic, bends=bends,
     )  # fmt: skip
-    if averaged and control == "depth":
-        plan = dataclasses.replace(plan, solutions=plan.solutions + points)  # the depth gives the load first
-    if value is None or velocity is None:
-        return plan
-    slow, fast, least, most = velocity.min(), velocity.max(), value.min(), value.max()
-    corners = np.array([slow, slow, fast, fast]), np.array([least, most, least, most])
-    sizes = np.asarray(estimate_sizes(law, lines, control, corners[1], corners[0]))
-    slowest = slow * (float(directions(rtol).cosines[-1]) if averaged else 1.0)
-    shortest, longest = 0.5 * sizes.min() / fast, 4 * sizes.max() / slowest
-    kinked = plan.rules[0].split
-    how = choose(law, shortest, longest, rtol, kinked) if skip and not marched else Condensation(law.moduli.shape[0])
-    largest = float(np.asarray(lines.shape.largest_contact))
-    rules = ladder(lines.shape, rtol, largest / (1.3 * sizes.max()), lines.count > 1)
-    if averaged and (control == "load" or bends):
-        # Under a depth each point has its own load, which is not known yet.
-        curves = [velocity[value == x] for x in np.unique(value)] if control == "load" else velocity[:, None]
-        nodes = [shared_curve_size(v, rtol) for v in curves]
-        with_grid = sum(n + v.size * (v.size <= n) for n, v in zip(nodes, curves, strict=True))
-        if bends or (skip and with_grid < plan.solutions):
-            plan = dataclasses.replace(plan, shared=True, solutions=with_grid)
-    times = tuple(float(t) for t in np.asarray(law.times))
-    passing = (2 * float(slow / sizes.max()), 2 * float(fast / sizes.min()))
-    return dataclasses.replace(plan, rules=rules, condensation=how, branch_times=times, passing=passing, traced=False)
 
 
 def _bends(shape: AbstractShape) -> bool:

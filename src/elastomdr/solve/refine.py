@@ -10,9 +10,9 @@ neighbouring instants, nor than an eighth of the one before.
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
+from .._arrays import numpy_at_first, on_jax, on_numpy, xp
 from .._runtime import Array, is_traced
 from .slide import Forces
 
@@ -21,6 +21,7 @@ _SYMMETRIC = 0.03  # of the slope of the body: mu below it counts as that, since
 _ROUNDING = 1e-9  # mu of a flat body
 _FINEST = 6  # levels beyond the coarsest
 _WORK = 3e10  # elements times steps times branches of a march that is still made
+_MUCH = 2e7  # and of one that NumPy takes seconds for, as JAX does to compile it
 _EMPTY = 1e-12  # of the largest normal force: no contact
 
 
@@ -56,7 +57,7 @@ def refine(
     while True:
         level += 1
         new, fits = solve(level)
-        numpy = jnp if is_traced(new) else np
+        numpy = xp if is_traced(new) else np
         limit = type(new)(*(b + (b - a) / 3 for a, b in zip(old, new, strict=True)))
         mu = _ratio(numpy, limit, new.normal)
         pairs = [(_ratio(numpy, old), _ratio(numpy, new)), (old.depth, new.depth), (old.normal, new.normal)]
@@ -81,6 +82,12 @@ def refine(
             shown = known & ~(error > _SHOWN * scale) if is_traced(new) else good
             return Levels(limit, mu, error, good, level + 1, shown)
         old, last, before = new, changes[0] / 8, seen
+
+
+@numpy_at_first
+def at_level(solve: Callable[[int], tuple[Any, Array]], level: int, work: float) -> tuple[Any, Array]:
+    """`solve(level)`, of which `work` is elements times steps times branches."""
+    return on_jax(solve, level) if on_numpy() and work > _MUCH else solve(level)
 
 
 def finest(work: int, traced: bool) -> int:

@@ -34,6 +34,11 @@ class Rule:
         """Samples of the profile along one contact, or between two of its points."""
         return self.nodes * (len(self.fractions) - 1)
 
+    @property
+    def parabola(self) -> bool:
+        """Whether the profile is a parabola: its slope is one straight line."""
+        return self.exact and not self.split and self.nodes == 2
+
     def coarser(self) -> "Rule":
         """A rule to begin the search with."""
         return dataclasses.replace(self, nodes=min(self.nodes, 6), fractions=(0.0, *self.fractions[:0:-2][::-1]))
@@ -82,7 +87,7 @@ def _along_line(shape: AbstractShape, rtol: float, smallest: float) -> tuple[Rul
     if isinstance(shape, Cone):
         return (Rule(2, split=True, exact=True),)
     if isinstance(shape, PowerLaw) and shape.exponent == int(shape.exponent) and shape.exponent <= 10:
-        return (Rule(int(shape.exponent), split=bool(shape.exponent % 2), exact=True),)
+        return (Rule(max(int(shape.exponent), 2), split=bool(shape.exponent % 2), exact=True),)
     digits = math.log10(10 / rtol)
     if isinstance(shape, PowerLaw):
         # Slopes x^(n-1): panels so narrow that few nodes show one, down to where what is left does not count.

@@ -17,21 +17,23 @@ Gauss' rule on panels that end where stick or contact ended at any instant (`pan
 elastic contact.
 """
 
-import functools
+from __future__ import annotations
+
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
+from .._arrays import compiled, cond, fixed, in_steps, mapped, xp
 from .._runtime import Array, argmax
 from ..foundation.step import Coefficients, coefficients, pressed, released
 from ..mapping.disc import gauss
 from ..mapping.shapes import AbstractShape, Cylinder
 from ..material.relaxation import Relaxation
 from .carried import settle
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 
 class History(NamedTuple):
@@ -88,7 +90,7 @@ class Grid(NamedTuple):
     width: Array  # between two of equal width; NaN if they differ, and then there is no radius of contact or stick
 
 
-@functools.partial(jax.jit, static_argnames=("steps", "by_load"))
+@compiled("steps", "by_load")
 def shear_history(
     scene: Scene, history: History, grid: Grid, *, steps: int, by_load: bool, used: Any = None
 ) -> Sheared:
@@ -105,61 +107,60 @@ def shear_history(
             def one(carry: tuple) -> tuple:
                 return step(scene, grid, normal, tangential, carry[0], v0 + (i + 1) * dv, ds, by_load)
 
-            return jax.lax.cond(i < used, one, lambda carry: carry, carry), None
+            return cond(i < used, one, lambda carry: carry, carry), None
 
-        none = jnp.zeros_like(grid.x)
-        (state, seen), _ = jax.lax.scan(advance, (state, ((jnp.zeros(()),) * 5, none)), jnp.arange(steps))
+        none = xp.zeros_like(grid.x)
+        (state, seen), _ = in_steps(advance, (state, ((xp.zeros(()),) * 6, none)), xp.arange(steps))
         return state, ((state.work, state.slip_loss, state.depth), _measured(grid, state, seen, by_load))
 
     start, first = _start(scene, grid, history, by_load)
     before = tuple(x[:-1] for x in history)
     after = tuple(x[1:] for x in history)
-    _, (states, seen) = jax.lax.scan(interval, start, (before, after))
+    _, (states, seen) = in_steps(interval, start, (before, after))
     first = _measured(grid, start, first, by_load)
-    seen = tuple(jnp.concatenate([a[None], b]) for a, b in zip(first, seen, strict=True))
+    seen = tuple(xp.concatenate([a[None], b]) for a, b in zip(first, seen, strict=True))
     work, loss, depth = (
-        jnp.concatenate([getattr(start, name)[None], states[i]])
-        for i, name in enumerate(("work", "slip_loss", "depth"))
+        xp.concatenate([getattr(start, name)[None], states[i]]) for i, name in enumerate(("work", "slip_loss", "depth"))
     )
     force, normal_force, contact, stick, stored, missed = seen
     return Sheared(force, normal_force, depth, contact, stick, work, loss, stored, missed)
 
 
-@functools.partial(jax.jit, static_argnames=("elements", "per_area"))
+@compiled("elements", "per_area")
 def line(scene: Scene, elements: int, per_area: bool) -> Grid:
     """`elements` elements of equal width from the axis to the reach of the scene."""
     width = scene.reach / elements
-    return _grid(scene, width * (jnp.arange(elements) + 0.5), width, width, per_area)
+    return _grid(scene, width * (xp.arange(elements) + 0.5), width, width, per_area)
 
 
-@functools.partial(jax.jit, static_argnames=("parts", "nodes", "per_area"))
+@compiled("parts", "nodes", "per_area")
 def panels(scene: Scene, radii: Array, parts: int, nodes: int, per_area: bool) -> Grid:
     """Gauss' rule with `nodes` points on `parts` parts of each panel between neighbouring `radii` [m].
 
     Between two radii at which stick or contact ended at some instant all elements have the same history of stick and
     slip, so that all is smooth there. The places carry no derivative, since the sums do not depend on them.
     """
-    edges = jnp.concatenate([jnp.zeros(1), jnp.sort(jnp.clip(radii, 0.0, scene.reach)), scene.reach[None]])
-    edges = jax.lax.stop_gradient(edges)
-    inner = edges[:-1, None] + jnp.diff(edges)[:, None] * (np.arange(parts) / parts)
-    x, dx = gauss(jnp.append(inner.reshape(-1), edges[-1]), *np.polynomial.legendre.leggauss(nodes))
-    return _grid(scene, x, dx, jnp.asarray(jnp.nan), per_area)
+    edges = xp.concatenate([xp.zeros(1), xp.sort(xp.clip(radii, 0.0, scene.reach)), scene.reach[None]])
+    edges = fixed(edges)
+    inner = edges[:-1, None] + xp.diff(edges)[:, None] * (np.arange(parts) / parts)
+    x, dx = gauss(xp.append(inner.reshape(-1), edges[-1]), *np.polynomial.legendre.leggauss(nodes))
+    return _grid(scene, x, dx, xp.asarray(xp.nan), per_area)
 
 
 def _grid(scene: Scene, x: Array, dx: Array, width: Array, per_area: bool) -> Grid:
     ring = per_area and not isinstance(scene.shape, Cylinder)
-    weight = (2 * math.pi * x if ring else jnp.full(x.shape, 2.0)) * dx
+    weight = (2 * math.pi * x if ring else xp.full(x.shape, 2.0)) * dx
     weight = weight * (scene.shape.length if isinstance(scene.shape, Cylinder) else 1.0)
     profile = scene.shape._height(x) if ring else scene.shape._profile(x)
-    return Grid(x, weight, jnp.where(jnp.isfinite(profile), profile, 1e30), width)
+    return Grid(x, weight, xp.where(xp.isfinite(profile), profile, 1e30), width)
 
 
 def untouched(scene: Scene, grid: Grid) -> State:
     """The state before any contact."""
-    zero, none = jnp.zeros_like(grid.x), jnp.zeros(())
+    zero, none = xp.zeros_like(grid.x), xp.zeros(())
 
     def rest(law: Relaxation) -> Array:
-        return jnp.zeros((law.moduli.shape[0], grid.x.shape[0]))
+        return xp.zeros((law.moduli.shape[0], grid.x.shape[0]))
 
     return State(zero, rest(scene.normal), zero, zero, rest(scene.tangential), none, none, none)
 
@@ -169,39 +170,39 @@ def _start(scene: Scene, grid: Grid, history: History, by_load: bool) -> tuple[S
 
     Dashpots carry what is put on at once without moving.
     """
-    none, state = jnp.zeros(()), untouched(scene, grid)
-    still = state, ((none, history.value[0] if by_load else none, none, none, none), state.u)
+    none, state = xp.zeros(()), untouched(scene, grid)
+    still = state, ((none, history.value[0] if by_load else none, none, none, none, none), state.u)
     normal, tangential = _sudden(scene.normal), _sudden(scene.tangential)
 
     def put(state: State, ds: Array) -> tuple[State, tuple]:
         return step(scene, grid, normal, tangential, state, history.value[0], ds, by_load)
 
-    put_down, seen = jax.lax.scan(put, state, jnp.stack([none, history.displacement[0]]))
-    moved = put_down, jax.tree.map(lambda x: x[-1], seen)
-    dashpots = jnp.asarray(scene.normal.viscosity + scene.tangential.viscosity) > 0
-    return jax.tree.map(lambda a, b: jnp.where(dashpots, a, b), still, moved)
+    put_down, seen = in_steps(put, state, xp.stack([none, history.displacement[0]]))
+    moved = put_down, mapped(lambda x: x[-1], seen)
+    dashpots = xp.asarray(scene.normal.viscosity + scene.tangential.viscosity) > 0
+    return mapped(lambda a, b: xp.where(dashpots, a, b), still, moved)
 
 
 def _sudden(law: Relaxation) -> Coefficients:
     """The contact step in the limit h = 0, of a law without a dashpot."""
-    one = jnp.ones((law.moduli.shape[0], 1))
-    glassy = jnp.atleast_1d(law.equilibrium + jnp.sum(law.moduli))
-    glassy = jnp.where(glassy > 0, glassy, 1.0)
-    moduli = jnp.asarray(law.moduli)[:, None]
-    zero, equilibrium = jnp.zeros(1), jnp.atleast_1d(jnp.asarray(law.equilibrium))
-    drag = 0.5 * jnp.sum(moduli, axis=0)
-    energy = jnp.where(moduli > 0, 0.5 / jnp.where(moduli > 0, moduli, 1.0), 0.0)
-    return Coefficients(jnp.ones(1), equilibrium, zero, one, one, moduli, energy, one, glassy, glassy, drag, zero)
+    one = xp.ones((law.moduli.shape[0], 1))
+    glassy = xp.atleast_1d(law.equilibrium + xp.sum(law.moduli))
+    glassy = xp.where(glassy > 0, glassy, 1.0)
+    moduli = xp.asarray(law.moduli)[:, None]
+    zero, equilibrium = xp.zeros(1), xp.atleast_1d(xp.asarray(law.equilibrium))
+    drag = 0.5 * xp.sum(moduli, axis=0)
+    energy = xp.where(moduli > 0, 0.5 / xp.where(moduli > 0, moduli, 1.0), 0.0)
+    return Coefficients(xp.ones(1), equilibrium, zero, one, one, moduli, energy, one, glassy, glassy, drag, zero)
 
 
 def step(
     scene: Scene, grid: Grid, cn: Coefficients, ct: Coefficients, state: State, value: Array, ds: Any, by_load: bool
 ) -> tuple[State, tuple]:
-    """One contact step: the state after it, (F_x, F_N, contact radius, stick radius, stored energy), and tau.
+    """One contact step: the state after it, (F_x, F_N, contact radius, stick radius, energy, error of F_N), and tau.
 
     `ds` is the body's tangential displacement in the step, or finds it from the force as a function of it.
     """
-    seen = jnp.sum(cn.seen * state.f, axis=0)
+    seen = xp.sum(cn.seen * state.f, axis=0)
     depth = value
     if by_load:
         depth = settle(grid.profile + released(cn, state.u, seen), grid.weight * cn.stiffness, 0.0, value, state.depth)
@@ -209,35 +210,35 @@ def step(
 
     # A surface that comes from a distance carries the element with it from when it touches, one that leaves it carries
     # it until the normal force, linear in the step, is gone.
-    gap = jnp.where(state.q > 0, 0.0, jnp.maximum(state.u + grid.profile - state.depth, 0.0))
+    gap = xp.where(state.q > 0, 0.0, xp.maximum(state.u + grid.profile - state.depth, 0.0))
     fresh, left = contact & (gap > 0), ~contact & (state.q > 0)
-    share = jnp.where(fresh, jnp.clip(pushed, 0.0) / jnp.where(fresh, pushed + gap, 1.0), 1.0)
-    share = jnp.where(left, state.q / jnp.where(left, state.q - cn.stiffness * (pushed - recovery), 1.0), share)
-    limit = jnp.where(q > 0, scene.friction * jnp.where(q > 0, q, 1.0), 0.0)
-    rest = ct.equilibrium * state.s + jnp.sum(ct.seen * state.p, axis=0)
+    share = xp.where(fresh, xp.maximum(pushed, 0.0) / xp.where(fresh, pushed + gap, 1.0), 1.0)
+    share = xp.where(left, state.q / xp.where(left, state.q - cn.stiffness * (pushed - recovery), 1.0), share)
+    limit = xp.where(q > 0, scene.friction * xp.where(q > 0, q, 1.0), 0.0)
+    rest = ct.equilibrium * state.s + xp.sum(ct.seen * state.p, axis=0)
     if callable(ds):
-        ds = ds(lambda ds: jnp.sum(grid.weight * jnp.clip(rest + ct.stiffness * share * ds, -limit, limit)))
+        ds = ds(lambda ds: xp.sum(grid.weight * xp.clip(rest + ct.stiffness * share * ds, -limit, limit)))
     carried = ds * share
     trial = rest + ct.stiffness * carried
-    slips = jnp.abs(trial) > limit
-    bound = jnp.sign(trial) * jnp.where(slips, limit, 0.0)
-    tau = jnp.where(slips, bound, trial)
-    moved = jnp.where(slips, (bound - rest) / ct.stiffness, carried)
-    slid = jnp.where(slips, jnp.abs(carried - moved), 0.0)
+    slips = xp.abs(trial) > limit
+    bound = xp.sign(trial) * xp.where(slips, limit, 0.0)
+    tau = xp.where(slips, bound, trial)
+    moved = xp.where(slips, (bound - rest) / ct.stiffness, carried)
+    slid = xp.where(slips, xp.abs(carried - moved), 0.0)
     # Slip begins where traction and limit, both linear in the step, meet: at once if the element slipped before.
-    before = jnp.where(state.q > 0, scene.friction * jnp.where(state.q > 0, state.q, 1.0), 0.0)
-    known = slips & jnp.isfinite(before)
-    last, now = jnp.where(known, before, 0.0), jnp.where(slips, limit, 0.0)
-    room = jnp.maximum(last - jnp.sign(trial) * (ct.equilibrium * state.s + jnp.sum(state.p, axis=0)), 0.0)
-    over = jnp.where(known, jnp.abs(trial) - now, 1.0)
-    first = jnp.where(known, last + (now - last) * room / (room + over), jnp.abs(trial))
-    heat = jnp.where(slips, 0.5 * (first + now) * slid, 0.0)
+    before = xp.where(state.q > 0, scene.friction * xp.where(state.q > 0, state.q, 1.0), 0.0)
+    known = slips & xp.isfinite(before)
+    last, now = xp.where(known, before, 0.0), xp.where(slips, limit, 0.0)
+    room = xp.maximum(last - xp.sign(trial) * (ct.equilibrium * state.s + xp.sum(state.p, axis=0)), 0.0)
+    over = xp.where(known, xp.abs(trial) - now, 1.0)
+    first = xp.where(known, last + (now - last) * room / (room + over), xp.abs(trial))
+    heat = xp.where(slips, 0.5 * (first + now) * slid, 0.0)
 
-    mean = ct.equilibrium * (state.s + 0.5 * moved) + jnp.sum(ct.mean * state.p, axis=0) + ct.drag * moved
+    mean = ct.equilibrium * (state.s + 0.5 * moved) + xp.sum(ct.mean * state.p, axis=0) + ct.drag * moved
     p = ct.decay * state.p + ct.gain * moved
     s = state.s + moved
-    stored = 0.5 * ct.equilibrium * s**2 + jnp.sum(ct.energy * p**2, axis=0)
-    loss = jnp.sum(grid.weight * heat)
+    stored = 0.5 * ct.equilibrium * s**2 + xp.sum(ct.energy * p**2, axis=0)
+    loss = xp.sum(grid.weight * heat)
     after = State(
         u=state.u + change,
         f=cn.decay * state.f + cn.gain * change,
@@ -245,36 +246,58 @@ def step(
         s=s,
         p=p,
         depth=depth,
-        work=state.work + jnp.sum(grid.weight * mean * moved) + loss,
+        work=state.work + xp.sum(grid.weight * mean * moved) + loss,
         slip_loss=state.slip_loss + loss,
     )
     radius = _edge(grid, pushed - recovery)
-    stick = jnp.minimum(_edge(grid, jnp.where(q > 0, limit - jnp.abs(trial), -1e-300)), radius)
-    seen = (jnp.sum(grid.weight * tau), jnp.sum(grid.weight * q), radius, stick, jnp.sum(grid.weight * stored))
+    stick = xp.minimum(_edge(grid, xp.where(q > 0, limit - xp.abs(trial), -1e-300)), radius)
+    late = xp.zeros(())  # what a given load misses of the normal force at the end
+    if not callable(ds):
+        tau, end = _at_end(scene, cn, ct, state, (pushed, depth - state.depth), (carried, ds), (tau, q), slips)
+        late, q = (xp.abs(xp.sum(grid.weight * (end - q))), q) if by_load else (late, end)
+    seen = (xp.sum(grid.weight * tau), xp.sum(grid.weight * q), radius, stick, xp.sum(grid.weight * stored), late)
     return after, (seen, tau)
+
+
+def _at_end(
+    scene: Scene, cn: Coefficients, ct: Coefficients, state: State, down: tuple, along: tuple, mean: tuple, slips: Array
+) -> tuple[Array, Array]:
+    """Tractions at the end of a step: with a dashpot the conditions are put on means, which do not see the rate there.
+
+    `down` and `along`: by how much the element and the body have moved.
+    """
+    tau, q = mean
+    held = cn.equilibrium * state.u + xp.sum(cn.decay * state.f, axis=0)
+    held = held + (cn.end - cn.rate) * down[0] + cn.rate * down[1]
+    q_end = xp.where(q > 0, xp.where(cn.rate > 0, xp.maximum(held, 0.0), q), 0.0)
+    stuck = ct.equilibrium * state.s + xp.sum(ct.decay * state.p, axis=0)
+    stuck = stuck + (ct.end - ct.rate) * along[0] + ct.rate * along[1]
+    limit = xp.where(q_end > 0, scene.friction * xp.where(q_end > 0, q_end, 1.0), 0.0)
+    stuck = xp.clip(xp.where(ct.rate > 0, stuck, tau), -limit, limit)
+    return xp.where(slips, xp.sign(tau) * limit, stuck), q_end
 
 
 def _measured(grid: Grid, state: State, seen: tuple, by_load: bool) -> tuple:
     """What a step has seen, and a bound on what its tangential force misses."""
-    (force, normal_force, *rest), tau = seen
+    (force, normal_force, *rest, late), tau = seen
     # Under a load the depth carries the error of the normal sum over to F_x, in proportion.
-    ratio = jnp.abs(force) / jnp.where(normal_force > 0, normal_force, 1.0) if by_load else 0.0
-    return force, normal_force, *rest, _missed(grid.weight * tau) + ratio * _missed(grid.weight * state.q)
+    ratio = xp.abs(force) / xp.where(normal_force > 0, normal_force, 1.0) if by_load else 0.0
+    return force, normal_force, *rest, _missed(grid.weight * tau) + ratio * (_missed(grid.weight * state.q) + late)
 
 
 def _missed(parts: Array) -> Array:
     """Bound on the error of the midpoint rule whose terms are `parts`: of the total variation of their slope, with that
     at the axis and at the outer end."""
-    change = jnp.diff(jax.lax.stop_gradient(parts))
-    ends = jnp.abs(change[:1]) + jnp.abs(change[-1:]) if change.size else jnp.zeros(1)
-    return 0.125 * (jnp.sum(jnp.abs(jnp.diff(change))) + ends[0])
+    change = xp.diff(fixed(parts))
+    ends = xp.abs(change[:1]) + xp.abs(change[-1:]) if change.size else xp.zeros(1)
+    return 0.125 * (xp.sum(xp.abs(xp.diff(change))) + ends[0])
 
 
 def _edge(grid: Grid, value: Array) -> Array:
     """Where a function of the distance from the axis that is positive inside first turns negative [m]."""
     n = value.shape[0]
-    i = jnp.where(jnp.any(value < 0), argmax(value < 0), n)
-    inner, outer = value[jnp.clip(i - 1, 0, n - 1)], value[jnp.clip(i, 0, n - 1)]
-    part = jnp.where(inner > outer, inner / jnp.where(inner > outer, inner - outer, 1.0), 0.0)
-    between = grid.x[jnp.clip(i - 1, 0, n - 1)] + jnp.clip(jnp.where(jnp.isfinite(part), part, 1.0), 0, 1) * grid.width
-    return jnp.where(i == 0, 0.0, jnp.where(i == n, grid.x[-1] + 0.5 * grid.width, between))
+    i = xp.where(xp.any(value < 0), argmax(value < 0), n)
+    inner, outer = value[xp.clip(i - 1, 0, n - 1)], value[xp.clip(i, 0, n - 1)]
+    part = xp.where(inner > outer, inner / xp.where(inner > outer, inner - outer, 1.0), 0.0)
+    between = grid.x[xp.clip(i - 1, 0, n - 1)] + xp.clip(xp.where(xp.isfinite(part), part, 1.0), 0, 1) * grid.width
+    return xp.where(i == 0, 0.0, xp.where(i == n, grid.x[-1] + 0.5 * grid.width, between))

@@ -1,11 +1,8 @@
 """How far a contact reaches in a history, before it is marched, and how large the program is that marches it."""
 
-import functools
 from typing import Any
 
-import jax
-import jax.numpy as jnp
-
+from .._arrays import compiled, fixed, xp
 from ..errors import InputError
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
@@ -35,7 +32,7 @@ def check_path(length: float, spacing: float) -> None:
         )
 
 
-@functools.partial(jax.jit, static_argnames="control")
+@compiled("control")
 def contact_sizes(
     law: Relaxation, lines: AbstractLines, control: Control, value: Any, duration: float
 ) -> tuple[Any, Any]:
@@ -43,16 +40,16 @@ def contact_sizes(
 
     The largest is that of the relaxed rubber under the largest load, or for a liquid of what creeps in the time given.
     """
-    law, lines, value = jax.lax.stop_gradient((law, lines, value))
-    glass = law.equilibrium + jnp.sum(law.moduli) + law.viscosity / duration
+    law, lines, value = fixed((law, lines, value))
+    glass = law.equilibrium + xp.sum(law.moduli) + law.viscosity / duration
     # A lower bound of E(t): each branch, and the dashpot, as a spring that has relaxed for the whole time.
-    soft = law.equilibrium + jnp.sum(law.moduli / (1 + duration / law.times)) + law.viscosity / duration
-    top = jnp.max(value)
-    positive_values = jnp.where(value > 0, value, top)
-    ends = jnp.stack([jnp.min(positive_values), top])
-    ends = jnp.where(ends > 0, ends, 1e-9)
+    soft = law.equilibrium + xp.sum(law.moduli / (1 + duration / law.times)) + law.viscosity / duration
+    top = xp.max(value)
+    positive_values = xp.where(value > 0, value, top)
+    ends = xp.stack([xp.min(positive_values), top])
+    ends = xp.where(ends > 0, ends, 1e-9)
     sizes = []
     for modulus, end in zip((glass, soft), ends, strict=True):
-        spring = Relaxation(modulus, jnp.zeros(1), jnp.ones(1), jnp.zeros(()))
-        sizes.append(estimate_sizes(spring, lines, control, end[None], jnp.ones(1))[0])
-    return sizes[0], jnp.maximum(*sizes)
+        spring = Relaxation(modulus, xp.zeros(1), xp.ones(1), xp.zeros(()))
+        sizes.append(estimate_sizes(spring, lines, control, end[None], xp.ones(1))[0])
+    return sizes[0], xp.maximum(*sizes)

@@ -3,16 +3,16 @@
 At a given load the depth of the body follows from the step itself (`solve.carried`).
 """
 
+from __future__ import annotations
+
 import functools
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
+from .._arrays import compiled, in_steps, on_numpy, xp
 from .._runtime import Array, is_traced
 from ..foundation.step import Coefficients, Elements, Fading, advance, coefficients, fade, lag, released
 from ..material.relaxation import Relaxation
@@ -20,6 +20,9 @@ from .carried import edges, settle, total
 from .over_line import AbstractOverLine
 from .passage import Control
 from .timeline import Steps
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _BLOCK = 64  # steps between two states that are kept for reverse mode
 
@@ -48,8 +51,8 @@ class Forces(NamedTuple):
 def untouched(law: Relaxation, surface: AbstractOverLine, position: Array, *, viscous: bool = True) -> Line:
     """A line at rest, the body just above it."""
     rise = surface.rise(position)
-    zero, f = jnp.zeros_like(rise), jnp.zeros((law.moduli.shape[0], rise.size))
-    return Line(zero, f, zero, zero if viscous else None, zero, rise - jnp.max(rise))
+    zero, f = xp.zeros_like(rise), xp.zeros((law.moduli.shape[0], rise.size))
+    return Line(zero, f, zero, zero if viscous else None, zero, rise - xp.max(rise))
 
 
 def felt_by(weight: Array, q: Array, slope: Array, excess: Array | None) -> tuple[Array, Array]:
@@ -61,11 +64,11 @@ def felt_by(weight: Array, q: Array, slope: Array, excess: Array | None) -> tupl
     if excess is None:
         return normal, drag
     edge, _ = edges(excess)
-    a, b = jnp.abs(excess[:-1]), jnp.abs(excess[1:])
-    there = (a * slope[1:] + b * slope[:-1]) / jnp.where(a + b > 0, a + b, 1.0)
-    top = jnp.max(excess)  # q is S times what is positive of it
-    stiffness = weight * jnp.max(q) / jnp.where(top > 0, top, 1.0)
-    return normal + stiffness * jnp.sum(edge), drag + stiffness * jnp.sum(edge * there)
+    a, b = xp.abs(excess[:-1]), xp.abs(excess[1:])
+    there = (a * slope[1:] + b * slope[:-1]) / xp.where(a + b > 0, a + b, 1.0)
+    top = xp.max(excess)  # q is S times what is positive of it
+    stiffness = weight * xp.max(q) / xp.where(top > 0, top, 1.0)
+    return normal + stiffness * xp.sum(edge), drag + stiffness * xp.sum(edge * there)
 
 
 def kept(holds: Array, function: Callable[..., Any], *args: Any) -> Any:
@@ -74,15 +77,19 @@ def kept(holds: Array, function: Callable[..., Any], *args: Any) -> Any:
     Otherwise it would put sums over the branches, and what each branch needs, into every place that uses them.
     """
 
+    if on_numpy():
+        return function(*args)
+    import jax
+
     def nothing(*args: Any) -> Any:
-        return jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), jax.eval_shape(function, *args))
+        return jax.tree.map(lambda x: xp.zeros(x.shape, x.dtype), jax.eval_shape(function, *args))
 
     return jax.lax.cond(holds, function, nothing, *args)
 
 
 def press(c: Coefficients, line: Line, fading: Fading, rise: Array, depth: Array) -> tuple[Line, Array]:
     """The line after a step at whose end the body stands at `depth`, and the work done on each element [Pa m^2]."""
-    zero = jnp.zeros_like(line.u)
+    zero = xp.zeros_like(line.u)
     w = depth + rise
     # The integrals of `advance` count from zero in each step and are summed at once: an element carries few numbers.
     velocity = zero if line.velocity is None else line.velocity
@@ -98,7 +105,7 @@ def energy(law: Relaxation, line: Line, weight: Array) -> Array:
     return total(weight, 0.5 * law.equilibrium * line.u**2 + line.stored)
 
 
-@functools.partial(jax.jit, static_argnames=("control", "viscous"))
+@compiled("control", "viscous")
 def march(
     law: Relaxation, surface: AbstractOverLine, steps: Steps, *, control: Control, viscous: bool = True
 ) -> tuple[Forces, Line]:
@@ -106,7 +113,7 @@ def march(
 
     `viscous=False` saves some work for a law whose viscosity is known to be zero.
     """
-    weight, between = jnp.asarray(surface.weight), surface.between
+    weight, between = xp.asarray(surface.weight), surface.between
 
     def felt(line: Line, slope: Array, done: Array, depth: Array, excess: Array | None) -> tuple[Forces, Array]:
         """The forces, and the depth once more: what needs that one comes after all that has been read here."""
@@ -132,20 +139,25 @@ def march(
         seen, depth = kept(now.h >= 0, felt, line._replace(f=None, w=None, velocity=None), slope, done, depth, excess)
         return (line._replace(w=depth + rise), seen, 2 * depth - last.depth, now.position), seen
 
+    zero = xp.zeros(())
+    start = (untouched(law, surface, steps.position[0], viscous=viscous), Forces(*[zero] * 5), zero, steps.position[0])
+    if on_numpy():
+        end, forces = in_steps(step, start, steps)
+        return forces._replace(work=np.cumsum(forces.work)), end[0]
+    import jax
+
     @jax.checkpoint
     def block(state: Any, part: Steps) -> tuple[Any, Forces]:
         def nothing(state: Any, part: Steps) -> tuple[Any, Forces]:
-            return state, Forces(*(jnp.full(_BLOCK, field) for field in state[1]._replace(work=0.0)))
+            return state, Forces(*(xp.full(_BLOCK, field) for field in state[1]._replace(work=0.0)))
 
         going = functools.partial(jax.lax.scan, step)
         return jax.lax.cond(part.h[0] > 0, going, nothing, state, part)
 
-    zero = jnp.zeros(())
-    start = (untouched(law, surface, steps.position[0], viscous=viscous), Forces(*[zero] * 5), zero, steps.position[0])
     blocks = jax.tree.map(lambda x: x.reshape(-1, _BLOCK), steps)
     end, forces = jax.lax.scan(block, start, blocks)
-    forces = jax.tree.map(jnp.ravel, forces)
-    return forces._replace(work=jnp.cumsum(forces.work)), end[0]
+    forces = jax.tree.map(xp.ravel, forces)
+    return forces._replace(work=xp.cumsum(forces.work)), end[0]
 
 
 def padded(steps: Steps, most: int) -> Steps:
@@ -157,6 +169,6 @@ def padded(steps: Steps, most: int) -> Steps:
     whole, blocks = (max(1, math.ceil(n / _BLOCK)) for n in (count, max(count, most)))
     grain = 2 ** max(0, math.floor(math.log2(blocks)) - 2)
     missing = _BLOCK * grain * math.ceil(blocks / grain) - count
-    xp = jnp if is_traced(steps) else np
-    long = Steps(*(xp.concatenate([xp.asarray(x), xp.repeat(xp.asarray(x)[-1:], missing)]) for x in steps))
-    return long._replace(h=xp.where(np.arange(count + missing) < _BLOCK * whole, long.h, 0.0))
+    numpy = xp if is_traced(steps) else np
+    long = Steps(*(numpy.concatenate([numpy.asarray(x), numpy.repeat(numpy.asarray(x)[-1:], missing)]) for x in steps))
+    return long._replace(h=numpy.where(np.arange(count + missing) < _BLOCK * whole, long.h, 0.0))

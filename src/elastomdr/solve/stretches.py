@@ -13,11 +13,11 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from .._runtime import Array
 
-_FORGOTTEN = 1e-24  # e_k below which a branch force leaves no trace after a step
+_FORGOTTEN = 1e-24  # s_k below which a branch force leaves no trace after a step
 
 
 class Stretches(NamedTuple):
@@ -36,14 +36,14 @@ class Stretches(NamedTuple):
         )
 
 
-def stretches(rise: Float[np.ndarray, " n"], pieces: int, keep, lost, gain, give, relaxed) -> Stretches:
+def stretches(rise: Float[np.ndarray, " n"], pieces: int, seen, lost, gain, give, relaxed) -> Stretches:
     """The maps of each lane, from the coefficients of its steps (see `solve.period`)."""
     lanes = give.size
-    keep = np.maximum(np.concatenate([np.ones((1, lanes)), keep]), _FORGOTTEN)
+    seen = np.maximum(np.concatenate([np.ones((1, lanes)), seen]), _FORGOTTEN)
     lost = np.concatenate([np.zeros((1, lanes)), lost])
     gain = np.concatenate([np.full((1, lanes), float(relaxed)), gain])
-    s, live = np.sqrt(keep * gain), gain > 0
-    scale = np.where(live, np.sqrt(keep / np.where(live, gain, 1.0)), 1.0)
+    s, live = np.sqrt(seen * gain), gain > 0
+    scale = np.where(live, np.sqrt(seen / np.where(live, gain, 1.0)), 1.0)
     matrix = s.T[:, :, None] * (s * give).T[:, None]  # 1 less the step's matrix
     index = np.arange(s.shape[0])
     matrix[:, index, index] += lost.T
@@ -70,10 +70,10 @@ def stretches(rise: Float[np.ndarray, " n"], pieces: int, keep, lost, gain, give
 
 
 def recover(
-    free: Stretches, first: Int[Array, ""], ready: Bool[Array, ""], y: Float[Array, "m lanes"],
+    free: Stretches, first: Int[Array, ""], y: Float[Array, "m lanes"],
     depth: Float[Array, " lanes"], samples: int, slow: int,
 ) -> tuple[Int[Array, ""], Float[Array, "m lanes"], Float[Array, "slow lanes"]]:  # fmt: skip
-    """Recovers from `first` on for as many stretches, of `samples`, as nothing touches in any lane; none if not ready.
+    """Recovers from `first` on for as many stretches, of `samples`, as nothing touches in any lane.
 
     Returns the number of the next stretch, y before it, and the sum over the samples passed of the first `slow`
     branches.
@@ -88,7 +88,7 @@ def recover(
         parts = free.from_modes[0] * modes  # of E_inf u
         lowest = jnp.minimum(parts, parts * shrink).sum(axis=0)
         above = lowest > relaxed * (free.highest[jnp.minimum(j, free.highest.size - 1)] + depth)
-        return ready & (j < free.highest.size) & above.all()
+        return (j < free.highest.size) & above.all()
 
     def one(state):
         j, modes, summed = state

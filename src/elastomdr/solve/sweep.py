@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -65,18 +65,18 @@ def run(
         deep = _solve(plan, law, lines, "depth", value, velocity, rtol) if plan.control == "depth" else None
         load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
         averaged, solved = _shared if plan.shared else _direct, []
-        mu, error, sampling, good, own, sunk = averaged(plan, law, lines, load, velocity, rtol, 0, solved)
+        mu, skew, error, sampling, good, own, sunk = averaged(plan, law, lines, load, velocity, rtol, 0, solved)
         for level in range(1, _LEVELS + 1):
             left = good & ~(error <= rtol * mu) & (sampling <= rtol * mu)
             if not left.any():
                 break
             again = averaged(plan, law, lines, load[left], velocity[left], rtol, level, solved)
-            mu[left], error[left], sampling[left], good[left] = again[:4]
-            _put(own, left, again[4])
-            sunk |= again[5]
+            mu[left], skew[:, left], error[left], sampling[left], good[left] = again[:5]
+            _put(own, left, again[5])
+            sunk |= again[6]
         if deep is not None:
             own, good = deep, good & deep.converged
-        mu, error, model_error = _against_half_space(plan, mu, error, own)
+        mu, error, model_error = _against_half_space(plan, mu, skew, error, own)
     error = error + mu * (plan.condensation.cost + _ROUNDING)
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
     return Sweep(mu, error, own._replace(converged=good), model_error, sunk)
@@ -88,9 +88,12 @@ def _sunk(lines: AbstractLines, passages: Passages) -> bool:
     return bool(np.any(~passages.converged & (passages.leading > largest)))
 
 
-def _against_half_space(plan: Plan, mu: Array, error: Array, own: Passages) -> tuple[Array, Array, Array]:
-    """Friction, its numerical error and the model's: the average as it is, or corrected for an asymmetric contact."""
-    found = asymmetry(mu, own.mu, own.leading, own.trailing, own.exponent)
+def _against_half_space(plan: Plan, mu: Array, skew: Array, error: Array, own: Passages) -> tuple[Array, Array, Array]:
+    """Friction, its numerical error and the model's: the average as it is, or corrected for an asymmetric contact.
+
+    `skew` has the averages of `_skew`."""
+    mean, exponent = skew / xp.where(mu > 0, mu, 1.0)
+    found = asymmetry(mu, own.mu, own.leading, own.trailing, xp.maximum(own.exponent, exponent), mean)
     if not plan.corrected:
         return mu, error, mu * found.bound
     factor = xp.exp(-found.excess)
@@ -112,6 +115,7 @@ def _shared(plan, law, lines, load, velocity, rtol, level, known):
     own = Passages(*(np.zeros(load.shape, field.dtype) for field in every))
     _put(own, alone, Passages(*(field[sum(sizes) :] for field in every)))
     mu, error, sampling = (np.empty_like(velocity) for _ in range(3))
+    skew = np.empty((2, velocity.size))
     good, left = np.zeros(load.shape, bool), np.zeros(load.shape, bool)
     tail, start = directions(rtol, level).tail, 0
     for points, grid, size in zip(chosen, grids, sizes, strict=True):
@@ -119,13 +123,21 @@ def _shared(plan, law, lines, load, velocity, rtol, level, known):
         start += size
         safety = _BENT if plan.bends else 1
         mu[points], error[points], sampling[points], good[points] = _averaged(grid, line, rtol, tail, safety)
+        skew[:, points] = [at_points(average(field, grid.kernel), grid.near, grid.local) for field in _skew(line)]
         if points.size > size:
             read, precise = _read_off(grid, line, rtol)
             _put(own, points, read._replace(converged=good[points]))
             left[points] = good[points] & ~precise
     if left.any():
         _put(own, left, _solve(plan, law, lines, "load", load[left], velocity[left], rtol))
-    return mu, error, sampling, good & own.converged, own, _sunk(lines, every)
+    return mu, skew, error, sampling, good & own.converged, own, _sunk(lines, every)
+
+
+def _skew(line: Passages) -> tuple[Array, Array]:
+    """Friction of each passage times how much farther it reaches ahead of the apex than behind, and times its power."""
+    width = line.leading + line.trailing
+    ahead = (line.leading - line.trailing) / xp.where(width > 0, width, 1.0)
+    return line.mu * ahead, line.mu * line.exponent
 
 
 def _put(whole: Passages, points: np.ndarray, part: Passages) -> None:
@@ -176,7 +188,8 @@ def _direct(plan, law, lines, load, velocity, rtol, level, known):
     sampling = every.error @ rule.weights
     unseen = rule.tail + _UNSEEN * rtol
     error = quadrature_error(mu, every.mu @ rule.half, every.mu @ rule.quarter, unseen) + sampling
-    return mu, error, sampling, every.converged.all(axis=1), own, _sunk(lines, every)
+    skew = np.stack([field @ rule.weights for field in _skew(every)])
+    return mu, skew, error, sampling, every.converged.all(axis=1), own, _sunk(lines, every)
 
 
 def _solve_new(
@@ -187,17 +200,23 @@ def _solve_new(
     if not known:
         known.append((load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol)))
         return known[0][2]
-    asked = list(zip(load.tolist(), velocity.tolist(), strict=True))
-    before = {pair for loads, velocities, _ in known for pair in zip(loads.tolist(), velocities.tolist(), strict=True)}
-    new = np.array([pair not in before for pair in asked], bool)
+    asked = load + 1j * velocity  # pairs as one number each
+    loads, velocities, every = _joined(known)
+    rows = _place(asked, loads + 1j * velocities)
+    new = (loads + 1j * velocities)[rows] != asked
     if new.any():
         load, velocity = load[new], velocity[new]
-        start = _between(*_joined(known), load, velocity)
+        start = _between(loads, velocities, every, load, velocity)
         known.append((load, velocity, _solve(plan, law, lines, "load", load, velocity, rtol, start)))
-    loads, velocities, every = _joined(known)
-    row = {pair: i for i, pair in enumerate(zip(loads.tolist(), velocities.tolist(), strict=True))}
-    rows = [row[pair] for pair in asked]
+        loads, velocities, every = _joined(known)
+        rows = _place(asked, loads + 1j * velocities)
     return Passages(*(field[rows] for field in every))
+
+
+def _place(asked: Any, there: Any) -> np.ndarray:
+    """Where each number asked for is among others, if it is there; any index if not."""
+    order = np.argsort(there)
+    return order[np.minimum(np.searchsorted(there, asked, sorter=order), order.size - 1)]
 
 
 def _joined(known: list[tuple[Array, Array, Passages]]) -> tuple[Array, Array, Passages]:
@@ -305,12 +324,12 @@ def _traced(
         every = solve("load", xp.broadcast_to(load[:, None], slowed.shape).ravel(), slowed.ravel())
         every = Passages(*(field.reshape(slowed.shape) for field in every))
         own = Passages(*(field[:, 0] for field in every))  # the first direction is the motion itself
-        mu = every.mu @ around.weights
+        mu, skew = every.mu @ around.weights, xp.stack([field @ around.weights for field in _skew(every)])
         unseen = around.tail + _UNSEEN * TRACED * plan.rtol
         quadrature = quadrature_error(mu, every.mu @ around.half, every.mu @ around.quarter, unseen)
         error = quadrature + every.error @ around.weights
         good = every.converged.all(axis=1)
-        mu, error, model_error = _against_half_space(plan, mu, error, own)
+        mu, error, model_error = _against_half_space(plan, mu, skew, error, own)
     error = fixed(error + mu * _ROUNDING)
     good = fixed(good & (error <= plan.rtol * mu))
     return Sweep(mu, error, own._replace(converged=good), fixed(model_error))

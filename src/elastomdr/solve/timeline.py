@@ -5,14 +5,18 @@ time scales: the first step after it is divided geometrically, down to the short
 finer levels is a part of one of the coarsest, so that errors fall in proportion to the square of the step.
 """
 
+from __future__ import annotations
+
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
+from .._arrays import xp
 from .._runtime import Array, is_traced
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _FEWEST = 4  # steps between two instants
 _ABRUPT = 0.3  # change of a rate, relative to the larger of both, from which it counts as abrupt
@@ -82,7 +86,7 @@ def cut(line: Timeline, time: np.ndarray, position: Any, value: Any, shortest: f
     share[last] = 1.0
     length = np.concatenate([[0.0], duration])
     length = np.where(length > 0, length, jump)
-    numpy = jnp if is_traced(position, value) else np
+    numpy = xp if is_traced(position, value) else np
 
     def at(values: Any) -> Any:
         left = numpy.concatenate([values[:1], values[:-1]])[interval]

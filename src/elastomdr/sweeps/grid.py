@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -14,6 +15,7 @@ from .._runtime import is_traced
 from .._trees import Tree
 from ..errors import InputError
 from ..results.base import distinct
+from ..scenes.choice import is_rough
 
 _STEADY = ("velocity", "load", "depth", "pressure", "temperature")
 _IMPACT = ("mass", "velocity", "temperature", "tangential_velocity", "friction", "inertia")
@@ -23,6 +25,8 @@ _UNITS = {
     "tangential_velocity": "m/s",
 }  # fmt: skip
 _POINTS = 10_000  # of a chunk: a second of work by Multiscale, 10 MB
+_FEWEST = 2_000  # of a chunk of several calls: to write one costs a few milliseconds
+_CHUNKS = 128  # if the points suffice, so that no worker waits long for the last one
 _SLOW = 50  # of a chunk where every point is solved on cells or marched
 
 
@@ -59,15 +63,27 @@ class Grid(NamedTuple):
 
     def sizes(self) -> tuple[int, ...]:
         """How long a chunk is along each axis: arrays first, so that one call does as much as possible."""
-        model = self.fixed.get("model")
-        slow = _name(model).lower().replace("-", "") in ("halfspace", "line") or self.call.__name__ == "impact"
-        left = _SLOW if slow else _POINTS
+        most = _SLOW if self._slow() else _POINTS
+        several = min(most, max(_FEWEST, math.prod(self.shape) // _CHUNKS))
         sizes = [1] * len(self.axes)
         order = sorted(range(len(self.axes)), key=lambda i: (not self.axes[i].broadcast, -i))
         for i in order:
-            sizes[i] = max(1, min(self.shape[i], left))
-            left //= sizes[i]
+            left = (most if self.axes[i].broadcast else several) // math.prod(sizes)
+            parts = math.ceil(self.shape[i] / max(1, left))
+            sizes[i] = math.ceil(self.shape[i] / parts)
         return tuple(sizes)
+
+    def _slow(self) -> bool:
+        """Whether points are solved on cells, or marched one by one."""
+        models, bodies = (
+            [value for axis in self.axes if axis.name in names for value in axis.values]
+            + [self.fixed[name] for name in names if name in self.fixed]
+            for names in (("model",), ("shape", "surface"))
+        )
+        names = {_name(model).lower().replace("-", "") for model in models}
+        return (
+            self.call.__name__ == "impact" or "halfspace" in names or ("line" in names and any(map(is_rough, bodies)))
+        )
 
     def chunks(self) -> list[tuple[slice, ...]]:
         """The places of all chunks."""

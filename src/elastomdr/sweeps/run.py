@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import functools
 import os
 import sys
 import warnings
@@ -24,6 +26,13 @@ if TYPE_CHECKING:
     from ..results.base import Result
 
 _NEEDED = ("dask", "distributed", "filelock", "tqdm", "xarray", "zarr")
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt, malloc.h
+_CALM = {  # by default the processes of Dask look after themselves 50 times a second, for 5 % of a core
+    "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "1s",
+    "DASK_DISTRIBUTED__WORKER__MEMORY__MONITOR_INTERVAL": "1s",
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
+}
+_LOGGED = 30  # seconds between two lines of progress in the log of a job
 _AHEAD = 4  # chunks under way or waiting for each worker
 
 
@@ -68,8 +77,7 @@ def sweep(
     with _alone(path):
         try:
             kept = Store(path, asked)
-            failed, told = _computed(asked, kept, client, progress)
-            kept.describe(told)
+            kept.describe(_computed(asked, kept, client, progress))
         except OSError as error:
             if isinstance(error, ConnectionError):
                 raise
@@ -85,7 +93,7 @@ def sweep(
             ConvergenceWarning,
             stacklevel=2,
         )
-    elif failed:
+    elif failed := kept.not_converged():
         warnings.warn(
             f"{failed} of {int(np.prod(asked.shape))} points did not converge; they are NaN.",
             ConvergenceWarning,
@@ -94,26 +102,26 @@ def sweep(
     return kept.opened()
 
 
-def _computed(asked: Grid, kept: Store, client: Client | None, progress: bool) -> tuple[int, dict[str, str]]:
-    """Computes the chunks that are open; the number of points that failed, and what a result says of itself."""
+def _computed(asked: Grid, kept: Store, client: Client | None, progress: bool) -> dict[str, str]:
+    """Computes the chunks that are open; what a result says of itself."""
     from tqdm import tqdm
 
     chunks = asked.chunks()
     todo = [number for number in range(len(chunks)) if kept.state[number] == OPEN]
-    failed, told = 0, {}
+    told: dict[str, str] = {}
     total = int(np.prod(asked.shape))
     sizes = [int(np.prod([place.stop - place.start for place in chunk])) for chunk in chunks]
     left = sum(sizes[number] for number in todo)
     bar = tqdm(
-        total=total, initial=total - left, unit=" points", unit_scale=True, disable=None if progress and todo else True,
-        file=sys.stderr, delay=2, dynamic_ncols=True,
+        total=total, initial=total - left, unit=" points", unit_scale=True, disable=not (progress and todo),
+        file=sys.stderr, delay=2, dynamic_ncols=True, mininterval=0.1 if sys.stderr.isatty() else _LOGGED,
     )  # fmt: skip
     with bar, _workers(client, len(todo)) as work:
-        for number, (parts, message, bad, words) in work(asked, chunks, todo):
+        for number, (parts, message, words) in work(asked, chunks, todo):
             kept.keep(number, chunks[number], parts, message, RAISED if message else DONE)
-            failed, told = failed + bad, told or words
+            told = told or words
             bar.update(sizes[number])
-    return failed, told
+    return told
 
 
 @contextlib.contextmanager
@@ -138,9 +146,16 @@ def _cluster(workers: int) -> Any:
         return LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
     from distributed.deploy.subprocess import SubprocessCluster
 
-    return SubprocessCluster(
-        host="127.0.0.1", n_workers=workers, threads_per_worker=1, dashboard_address=cast(str, None), silence_logs=40
-    )
+    added = {name: text for name, text in _CALM.items() if name not in os.environ}
+    os.environ.update(added)
+    try:
+        return SubprocessCluster(
+            host="127.0.0.1", n_workers=workers, threads_per_worker=1, dashboard_address=cast(str, None),
+            silence_logs=40,
+        )  # fmt: skip
+    finally:
+        for name in added:
+            del os.environ[name]
 
 
 def _on_cluster(client: Client, asked: Grid, chunks: list[Any], todo: list[int]) -> Iterator[tuple[int, Any]]:
@@ -152,7 +167,7 @@ def _on_cluster(client: Client, asked: Grid, chunks: list[Any], todo: list[int])
     numbers: dict[Any, int] = {}
     under_way: dict[Any, Any] = {}
     waiting = iter(todo)
-    shared = client.scatter(asked, broadcast=True, hash=False) if todo else None
+    shared = client.submit(_given, asked, pure=False) if todo else None  # unlike scattered data made again if lost
     done = as_completed()
 
     def submit(count: int) -> None:
@@ -186,12 +201,16 @@ def _on_cluster(client: Client, asked: Grid, chunks: list[Any], todo: list[int])
             client.cancel(list(under_way.values()))
 
 
-def compute(asked: Grid, chunk: tuple[slice, ...]) -> tuple[dict[str, Any], str, int, dict[str, str]]:
-    """The calls of a chunk: arrays and attributes by field, what was raised, points that failed, provenance."""
+def _given(asked: Grid) -> Grid:
+    return asked
+
+
+def compute(asked: Grid, chunk: tuple[slice, ...]) -> tuple[dict[str, Any], str, dict[str, str]]:
+    """The calls of a chunk: arrays and attributes by field, what was raised, provenance."""
+    _keep_memory()
     shape = tuple(place.stop - place.start for place in chunk)
     parts: dict[str, Any] = {}
     messages, told = [], {}
-    failed = 0
     for where, arguments in asked.calls(chunk):
         try:
             with warnings.catch_warnings():
@@ -202,7 +221,6 @@ def compute(asked: Grid, chunk: tuple[slice, ...]) -> tuple[dict[str, Any], str,
             messages.append(f"{_place(asked, chunk, where)}: {type(error).__name__}: {error}")
             continue
         told = told or {"model": result.model}
-        failed += int(np.sum(~np.asarray(result.converged)))
         for q, values in fields.items():
             if q.key in arguments and np.ndim(arguments[q.key]):
                 continue  # an axis already
@@ -211,7 +229,21 @@ def compute(asked: Grid, chunk: tuple[slice, ...]) -> tuple[dict[str, Any], str,
                 empty = np.zeros(shape, bool) if values.dtype == bool else np.full(shape, np.nan)
                 parts[q.key] = (empty, {key: text for key, text in about.items() if text})
             parts[q.key][0][where] = values
-    return parts, " | ".join(messages), failed, told
+    return parts, " | ".join(messages), told
+
+
+@functools.cache
+def _keep_memory() -> None:
+    """Lets a worker of Dask use its memory again.
+
+    Dask's MALLOC_TRIM_THRESHOLD_ makes glibc return each array of more than 128 KiB to the system, and ask for the
+    next one page by page: twice the work of the sums themselves.
+    """
+    if "MALLOC_TRIM_THRESHOLD_" in os.environ:
+        with contextlib.suppress(OSError, TypeError, AttributeError):  # no glibc
+            libc = ctypes.CDLL(None)
+            libc.mallopt(_TRIM_THRESHOLD, 256 << 20)
+            libc.mallopt(_MMAP_THRESHOLD, 32 << 20)
 
 
 def _call(call: Callable[..., Any], arguments: dict[str, Any]) -> Any:

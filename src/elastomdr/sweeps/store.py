@@ -42,8 +42,8 @@ class Store:
                 self._new(axis.name, (axis.name,), axis.labels, None, axis.about)
             self._new(_STATE, ("chunk",), np.zeros(self._count, dtype="u1"), (1,), {})
             self._group.attrs[_MADE_OF] = json.dumps(identity)  # last: without it the store is begun anew
-        self.state = np.asarray(self._group[_STATE][:])
-        self._known = set(self._group.array_keys())
+        self._arrays = dict(self._group.arrays())  # to look one up reads its metadata again
+        self.state = np.asarray(self._arrays[_STATE][:])
 
     def _new(self, name: str, dims: tuple[str, ...], values: np.ndarray, chunks: Any, about: dict) -> None:
         self._array(name, dims, values.shape, chunks or values.shape, values.dtype, about)[...] = values
@@ -60,20 +60,23 @@ class Store:
     def keep(self, number: int, chunk: tuple[slice, ...], parts: dict[str, Any], message: str, state: int) -> None:
         """Writes the arrays of a chunk, then marks it; `parts` are arrays and attributes by name."""
         for name, (values, about) in parts.items():
-            if name not in self._known:
-                dims = [axis.name for axis in self._grid.axes]
-                self._array(name, dims, self._grid.shape, self._grid.sizes(), values.dtype, about)
-                self._known.add(name)
-            self._group[name][chunk] = values
+            if name not in self._arrays:
+                dims, sizes = [axis.name for axis in self._grid.axes], self._grid.sizes()
+                self._arrays[name] = self._array(name, dims, self._grid.shape, sizes, values.dtype, about)
+            self._arrays[name][chunk] = values
         if message:
             raised = dict(self._group.attrs.get(_RAISED, {}))
             self._group.attrs[_RAISED] = raised | {str(number): message}
-        self._group[_STATE][number] = state
+        self._arrays[_STATE][number] = state
         self.state[number] = state
 
     def raised(self) -> dict[str, str]:
         """The messages of what did not compute, by the number of their chunk."""
         return dict(self._group.attrs.get(_RAISED, {}))
+
+    def not_converged(self) -> int:
+        """How many points did not converge, in this run or in one before."""
+        return int(np.count_nonzero(np.asarray(self._arrays["converged"][:]) == 0))
 
     def describe(self, attributes: dict[str, str]) -> None:
         """Adds what the results say of themselves to the attributes of the store, and collects the metadata."""
