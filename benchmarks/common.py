@@ -15,7 +15,8 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-RESULTS = Path(__file__).parent / "results"
+RESULTS = Path(os.environ.get("BENCHMARK_RESULTS", Path(__file__).parent / "results"))
+IN_PARTS = "BENCHMARK_RESULTS" in os.environ  # then runs of a part are kept too (`robustness/all.py`)
 
 
 class Timed(NamedTuple):

@@ -110,3 +110,26 @@ def test_profile_far_smaller_than_its_first_point():
     np.testing.assert_allclose(found.mu, exact.mu, rtol=1e-11)
     np.testing.assert_allclose(found.contact.leading, exact.contact.leading, rtol=1e-12)
     assert (found.error < 1e-6 * found.mu).all()
+
+
+def test_road_in_full_contact_far_above_its_relaxation():
+    """v tau q from 1e9 on: Im E* = E/(w tau), so that mu = pi m_2 E/(p v tau), in the waves across the motion too."""
+    road = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=1e5)
+    asked = {"pressure": 1e12, "velocity": 1e9, "rtol": 1e-8, "model": em.Persson()}
+    found = em.friction(em.Foundation(1e6, [1e6], [1e-3]), road, **asked)
+    assert float(found.mu) == pytest.approx(np.pi * road.moment(2) * 1e6 / (1e12 * 1e9 * 1e-3), rel=3e-9)
+
+
+@pytest.mark.slow  # compiles the march of a line
+def test_rough_line_whose_friction_is_lost_in_rounding_says_so():
+    """Full contact at v tau q of 1e-12 and less: the sum over the waves, far below the rounding of the slopes."""
+    x = 1e-5 * np.arange(256)
+    line = em.RoughLine(x, 1e-4 * np.cos(2 * np.pi * x / 2.56e-3))
+    law, asked = em.Foundation(1e6, [1e6], [1e-3]), {"velocity": np.logspace(-14, -10, 9), "load": 900.0}
+    with pytest.warns(em.ConvergenceWarning):
+        found = em.friction(law, line, model=em.Line(), **asked)
+    exact = np.asarray(em.reference.full_contact_sliding(law, line, **asked))
+    some = found.converged
+    assert 2 <= some.sum() < some.size
+    assert (np.abs(found.mu - exact)[some] <= found.error[some] + 1e-4 * exact[some]).all()
+    assert (np.abs(found.mu - exact)[some] <= 0.1 * exact[some]).all()

@@ -87,7 +87,7 @@ def main(scenes: int) -> None:
         breach, mu = checked(law, scene["velocity"], line)
         breaches.append(breach)
         gap = abs(float(curve.mu) - mu)
-        error = float(curve.error if curve.rough.numerical is None else curve.rough.numerical)
+        error = float(curve.error if curve.lines.numerical is None else curve.lines.numerical)
         gaps.append(abs(line.mu - mu) / max(mu, _SMALL))
         outside += bool(gap > error + 1e-7 * mu)
         silent += bool(breach > 1e-5)

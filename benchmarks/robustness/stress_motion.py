@@ -58,7 +58,7 @@ def answer(batch: Batch) -> Any:
         said = {
             n: np.concatenate([getattr(g, n) for g in got]) for n in ("force", "normal_force", "error", "converged")
         }
-        said["edges"] = np.concatenate([np.stack(one.contact, -1) for one in got])
+        said["edges"] = np.concatenate([np.stack([one.contact.leading, one.contact.trailing], -1) for one in got])
         return said
     sideways = em.Foundation(*batch.laws[1])
     got = em.shear(materials[0], shape, tangential=sideways, **inputs)

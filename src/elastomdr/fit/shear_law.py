@@ -8,6 +8,7 @@ Each parameter is therefore moved, all others found anew, until the sum of squar
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -380,6 +381,7 @@ def _end(points: _Points, size: np.ndarray, p: np.ndarray, i: int, side: int, al
     limit = float(points.limits[i][(side + 1) // 2])
     last = {"x": float(p[i]), "p": p}
 
+    @functools.cache  # it depends on where the last search ended: once found, a sign stays
     def over(x: float) -> float:
         start = last["p"].copy()
         start[i] = x
@@ -388,7 +390,9 @@ def _end(points: _Points, size: np.ndarray, p: np.ndarray, i: int, side: int, al
         return _chi(points, found, size) - allowed
 
     step = 1.96 * float(np.clip(spread, 1e-6, abs(limit - p[i]) or 1e-6))
-    inside, x = float(p[i]), float(p[i])
+    inside = x = float(p[i])
+    if over(inside) > 0:
+        return inside
     while x != limit:
         x = max(x - step, limit) if side < 0 else min(x + step, limit)
         if over(x) > 0:

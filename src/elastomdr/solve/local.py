@@ -19,6 +19,9 @@ import numpy as np
 from ..material.vertical import thermal_factors
 from .roads import namespace
 
+_SEARCHED = 512  # wave numbers among which those of a strain are looked for
+_NEAREST = 1e-6  # relative distance to q_low within which the strain is not told from zero
+
 
 class Softened(NamedTuple):
     """Softening on a surface."""
@@ -32,6 +35,17 @@ class Softened(NamedTuple):
         xp = namespace(q, self.spectrum.q, self.spectrum.c, self.share)
         square = 2 * np.pi * self.spectrum.moment(3, None, q)
         return self.share * xp.sqrt(xp.maximum(square, 1e-300))
+
+    def bends(self) -> np.ndarray:
+        """Wave numbers at which the strain is that of a point of the sweep, where its cubics meet."""
+        q = np.geomspace(float(self.spectrum.q_low), float(self.spectrum.q_high), _SEARCHED)
+        strain = self.strain(q)
+        wanted = np.asarray(self.softening.strain)
+        wanted = wanted[(wanted > strain[0]) & (wanted < strain[-1])]
+        right = np.searchsorted(strain, wanted)
+        q = np.unique(np.geomspace(q[right - 1], q[right], 65).ravel())
+        found = np.interp(wanted**2, self.strain(q) ** 2, q) if q.size else q
+        return found[found > float(self.spectrum.q_low) * (1 + _NEAREST)]
 
 
 class Warmed(NamedTuple):
@@ -89,6 +103,10 @@ class Local(NamedTuple):
             speed, vertical = self.warmed.factors(rise)
             storage, loss = storage * vertical, loss * vertical
         return speed, storage, loss
+
+    def bends(self) -> Any:
+        """Wave numbers at which a factor may bend."""
+        return () if self.softened is None else self.softened.bends()
 
     def slowest(self) -> float:
         """The smallest factor on the velocity."""

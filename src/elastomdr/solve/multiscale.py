@@ -121,7 +121,8 @@ def _error(fine: Any, coarse: Any, coarsest: Any) -> Any:
 def _in_batches(
     modulus: Any, spectrum: Any, velocity: Any, pressure: Any, model: Any, form: Form, per_decade: int, local: Local
 ) -> Any:
-    at = nodes(spectrum, per_decade, 0.0 if isinstance(model, Persson) else form.shift)
+    later = () if isinstance(model, Persson) else (float(spectrum.q_high) * np.exp(-form.shift),)
+    at = nodes(spectrum, per_decade, (*later, *local.bends()))
     step = np.log(10.0) / per_decade
     table = _table(modulus, at, velocity, step, local)
     batches = [slice(i, i + _BATCH) for i in range(0, velocity.size, _BATCH)]

@@ -32,6 +32,7 @@ _FEWEST_LANES = 8  # in a batch, where there are as many
 _MANY = 32  # lanes of a load from which they make batches of their own
 _LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
+_ROUNDING = 16 * np.finfo(float).eps  # of the work of elements, over their load and slope
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
 
@@ -175,6 +176,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     assert found is not None
     good = good & np.isfinite(fine.mu)
     mu, error = _limit(mus, full)
+    error = error + _ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)
     return Line._make((*(np.where(good, x, np.nan) for x in answer), sweeps, good)), found
 

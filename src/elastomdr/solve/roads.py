@@ -25,7 +25,7 @@ import numpy as np
 PER_DECADE = 32  # cells of log q that a solution begins with
 _SMALLEST = 26  # how many factors of 2 the smallest cell, next to q_low, is below those that are even
 _STEP = np.log(10.0) / 32  # of log frequency in the tables of a material
-_REACH = 14.0  # how far below a frequency in log the average over the angles looks
+_REACH = 21.0  # how far below a frequency in log the average over the angles looks
 _ANGLES = 400  # nodes over the angle, midpoints in log tan(phi/2), of the tables
 _DIRECT = 48  # the same, where each frequency has an average of its own
 
@@ -49,28 +49,28 @@ class Tables(NamedTuple):
     lost: Any = None  # int (Im E*)^2 dphi over `stiffness`, where moduli soften
 
 
-def nodes(spectrum: Any, per_decade: int = PER_DECADE, bend: float = 0.0) -> Nodes:
+def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes:
     """Nodes over a spectrum, in `per_decade` cells of even width in log q; where q is traced three decades are assumed.
 
-    Cells end at the points of the spectrum, and at q_high e^-bend, where an integrand may bend (not where q is traced).
+    Cells end at the points of the spectrum, and at the wave numbers `bends`, where an integrand may bend (not where q
+    is traced).
     """
     table, c = spectrum.q, spectrum.c
     xp = namespace(table, c)
     log_q, log_c = xp.log(xp.asarray(table)), xp.log(xp.asarray(c))
-    if xp is np and bend > 0 and log_q[0] < log_q[-1] - bend and not np.isclose(log_q, log_q[-1] - bend).any():
-        at = log_q[-1] - bend
-        place = np.searchsorted(log_q, at)
-        log_c = np.insert(log_c, place, np.interp(at, log_q, log_c))
-        log_q = np.insert(log_q, place, at)
     ends, level, slope = [], [], []
     for i in range(log_q.shape[0] - 1):
         width = np.log(1e3) if xp is not np else float(log_q[i + 1] - log_q[i])
         count = max(1, int(np.ceil(width / np.log(10.0) * per_decade)))
         share = _graded(count, per_decade) if i == 0 else np.linspace(0.0, 1.0, count + 1)
-        ends.append(log_q[i] + (log_q[i + 1] - log_q[i]) * share)
+        end = log_q[i] + (log_q[i + 1] - log_q[i]) * share
+        if xp is np and len(bends):
+            at = np.log(bends)
+            end = np.union1d(end, at[(at > end[0]) & (at < end[-1])])
+        ends.append(end)
         steep = (log_c[i + 1] - log_c[i]) / (log_q[i + 1] - log_q[i])
-        level.append(xp.broadcast_to(log_c[i] - steep * log_q[i], (share.size - 1,)))
-        slope.append(xp.broadcast_to(steep, (share.size - 1,)))
+        level.append(xp.broadcast_to(log_c[i] - steep * log_q[i], (end.size - 1,)))
+        slope.append(xp.broadcast_to(steep, (end.size - 1,)))
     low, high = xp.concatenate([e[:-1] for e in ends]), xp.concatenate([e[1:] for e in ends])
     level, slope = xp.concatenate(level)[:, None], xp.concatenate(slope)[:, None]
     x = low[:, None] + (high - low)[:, None] * np.array([0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6])
