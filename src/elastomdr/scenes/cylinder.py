@@ -37,6 +37,7 @@ _ORDERS = ((32, 48), (48, 64), (64, 96), (96, 128), (128, 192))  # terms of the 
 _FLOOR = 1e-5  # relative error below which a point counts whatever `rtol` asks: `error` says what was reached
 _TRACED = (32, 48)
 _LOSS_ORDER = 64  # terms of the pressure whose losses are told by branch
+_TRACED_ERROR = 1e-2  # relative, beyond which a point has failed under a JAX transformation
 _TRACED_RATIO = 12.0  # half-length over thickness served under a JAX transformation
 _SHARE = 0.3  # of what the lower order changes, at most, that is left of it in the higher one
 _NOTHING = 1e-12  # of the width of the contact over the radius
@@ -123,7 +124,7 @@ def cylinder_on_layer(
     guess = _guess(flat, wanted, control == "depth")
     if points.traced:
         found = _once(flat, wanted, control == "depth", guess, _TRACED, _TRACED_RATIO, dashpot)
-        good = xp.isfinite(found.mu)
+        good = found.good & (found.error <= _TRACED_ERROR * xp.abs(found.mu) + _NOTHING)
     else:
         found, good = _refined(flat, wanted, control == "depth", guess, dashpot, rtol, misfit)
     found = found._replace(error=found.error + misfit * xp.abs(found.mu), good=good)

@@ -38,6 +38,7 @@ from .root import search
 
 _FIRST = 16  # terms in the search for the half-length
 _SMALL_STEP = 1e-6  # of the logarithm of the half-length, after which one is close enough
+_STEPS, _REACHED = 8, 1e-5  # of the secant method after it; its last step, at most
 _STEP = math.log(10) / 12  # between the nodes of the memory table
 _REACH = 24  # nodes over which it is interpolated, each way
 _SHORT, _LONG = 1e-10, 1e16  # memories l in the table; shorter ones are none, longer ones follow their limit
@@ -185,19 +186,25 @@ def half_of(
     log, found = search(lambda x: residual(*still, x, _FIRST), fixed(xp.log(guess)))
     if on_numpy():
         slope = (residual(*still, log + 1e-4, _FIRST) - residual(*still, log, _FIRST)) / 1e-4
-        for _ in range(3):
-            step = xp.clip(residual(*still, log, order) / slope, -0.5, 0.5)
-            log = log - step
+        off = residual(*still, log, order)
+        for _ in range(_STEPS):
+            step = xp.clip(-off / slope, -0.5, 0.5)
+            log, before = log + step, off
             if not (xp.abs(step) > _SMALL_STEP).any():
                 break
-        return xp.where(found, xp.exp(log), xp.nan)
+            off = residual(*still, log, order)
+            moved = (off - before) * step > 0  # few terms may know little of the slope
+            slope = xp.where(moved & (xp.abs(step) > 1e-3), (off - before) / xp.where(step == 0, 1.0, step), slope)
+        return xp.where(found & (xp.abs(step) <= _REACHED), xp.exp(log), xp.nan)
     import jax
 
-    for inputs in (still, (problem, waves, wanted)):
+    step = xp.zeros_like(log)
+    for inputs in (still, still, (problem, waves, wanted)):
         function = functools.partial(residual, *inputs, n=order)
         value, slope = jax.jvp(lambda x, function=function: function(x), (log,), (xp.ones_like(log),))
-        log = log - xp.clip(value / fixed(slope), -0.5, 0.5)
-    return xp.where(found, xp.exp(log), xp.nan)
+        step = xp.clip(value / fixed(slope), -0.5, 0.5)
+        log = log - step
+    return xp.where(found & (xp.abs(fixed(step)) <= _REACHED), xp.exp(log), xp.nan)
 
 
 def layer_waves(problem: Cylinders, ratio: float) -> Waves | None:
