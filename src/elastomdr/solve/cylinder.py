@@ -186,7 +186,7 @@ def half_of(
     log, found = search(lambda x: residual(*still, x, _FIRST), fixed(xp.log(guess)))
     if on_numpy():
         slope = (residual(*still, log + 1e-4, _FIRST) - residual(*still, log, _FIRST)) / 1e-4
-        off = residual(*still, log, order)
+        off, step = residual(*still, log, order), xp.zeros_like(log)
         for _ in range(_STEPS):
             step = xp.clip(-off / slope, -0.5, 0.5)
             log, before = log + step, off
