@@ -396,7 +396,7 @@ def test_swapped_moduli_are_refused_where_a_passive_material_has_them_exchanged(
     rows = measure(KNOWN)[:, [0, 1, 3, 2]]
     dma = em.read_dma(plain_csv(tmp_path, rows))
     with pytest.raises(
-        em.InputError, match=r"look exchanged.*storage from 3 'G_storage_pa', loss from 4 .*--column storage=N"
+        em.InputError, match=r"look exchanged.*storage from 3 'G_storage_pa', loss from 4 .*--column storage=4 --column loss=3"
     ):
         em.fit.material(dma)
     exchanged = em.read_dma(plain_csv(tmp_path, rows), columns={"storage": 4, "loss": 3})

@@ -35,8 +35,9 @@ def ramp(rng):
     (soft, moduli, tau), radius, v = rubber(rng), spread(rng, 1e-3, 1), spread(rng, 1e-6, 1e-2)
     t = min(spread(rng, 1e-3, 10), 0.1 * radius / v)
     found = em.indent(
-        em.Foundation(soft, moduli, tau), em.Paraboloid(radius), time=[0, t / 3, t], depth=[0, v * t / 3, v * t]
-    )
+        em.Foundation(soft, moduli, tau), em.Paraboloid(radius), time=[0, t / 3, t], depth=[0, v * t / 3, v * t],
+        rtol=1e-10,
+    )  # fmt: skip
     branches = np.sum(moduli * (tau * np.sqrt(t) - tau**1.5 * dawsn(np.sqrt(t / tau))))
     return [(found.force[2], 2 * v * np.sqrt(radius * v) * (2 / 3 * soft * t**1.5 + branches))]
 

@@ -192,13 +192,13 @@ def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndar
 
     In full contact everything is smooth and the error falls as the square of the step: the limit is extrapolated, where
     the fall itself is as it should be. Otherwise it falls as the square too, but for a factor that depends on where
-    between two samples the edges of contacts lie: the last value stands. Its error is a third of the last change, where
-    a 15th would be a fall as it should be; and as that is small by accident now and then, the change before it counts
-    in proportion.
+    between two samples the edges of contacts lie: the last value stands. Its error is half of the last change, where
+    a 15th would be a fall as it should be: contacts of a few samples fall more slowly. As that change is small by
+    accident now and then, the one before it counts in proportion.
     """
     fine, changes = mus[-1], [np.abs(b - a) for a, b in itertools.pairwise(mus[1:])][::-1]
-    bounds = [change / (3 * 16.0**level) for level, change in enumerate(changes)]
-    error = np.where(full, bounds[0], np.max(bounds, axis=0))
+    bounds = [change / (2 * 16.0**level) for level, change in enumerate(changes)]
+    error = np.where(full, changes[0] / 3, np.max(bounds, axis=0))
     if len(changes) > 1:
         change, before = fine - mus[-2], mus[-2] - mus[-3]
         smooth = full & (np.abs(before - 16 * change) < 0.2 * np.abs(before))
