@@ -204,7 +204,8 @@ def test_output_that_is_closed_is_no_reason_to_fail():
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the place of the cache is the platform's")
 def test_a_damaged_cache_of_compiled_code_is_one_line(place):
-    sticky = INDENT.replace('temperature = "20 degC"', 'temperature = "20 degC"\nadhesion = "0.1 J/m^2"')  # JAX computes
+    # Adhesion is computed by JAX, what is in its place otherwise by NumPy.
+    sticky = INDENT.replace('temperature = "20 degC"', 'temperature = "20 degC"\nadhesion = "0.1 J/m^2"')
     history = INDENT[INDENT.index("program") : INDENT.index("[numerics]")]
     (place / "sticky.toml").write_text(sticky.replace(history, 'time = ["0 s", "1 s"]\nload = ["1 N", "0 N"]\n\n'))
     environment = {key: value for key, value in os.environ.items() if not key.startswith("JAX_")}
