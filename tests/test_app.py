@@ -3,6 +3,7 @@
 import asyncio
 import io
 import json
+import shlex
 import time
 import tomllib
 import zipfile
@@ -149,6 +150,33 @@ def test_what_a_file_does_not_say_is_asked_for_in_the_words_of_the_fields(name, 
         content |= {"kind": "tensile"} if key == "kind" else dict([(key, words.split(",")[0])])
         content |= {"length": "20 mm"} if key == "area" else {"shift": words} if key == "shift" else {}
     assert calculate(content, session).name == name.replace(".csv", ".toml")
+
+
+@needs_nicegui
+def test_strain_and_ramp_are_those_of_the_command(tmp_path, monkeypatch):
+    """What the page fits and the command that it writes give one material, and another one than without them."""
+    from elastomdr.app.rubber import calculate
+    from elastomdr.app.session import Session
+
+    session = Session("one", Folder(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    sweeps = "".join(
+        f"{s},{t},{f},{8 + 2 * k - s},{1 + k / 5}\n"
+        for s in (1, 5)
+        for t in (0, 20)
+        for k, f in enumerate((1, 3, 10, 30))
+    )
+    held = "".join(f"20,{1.1 * 1.6**k},{5 + 8 * 0.7**k}\n" for k in range(16))
+    for name, title, rows, option in (
+        ("sweeps.csv", "Strain [%],T [degC],f [Hz],E' [MPa],E'' [MPa]", sweeps, {"strain": "5 %"}),
+        ("held.csv", "T [degC],Time [s],Relaxation modulus E [MPa]", held, {"ramp": "1 s"}),
+    ):
+        content = {"data": [session.folder.keep(name, f"{title}\n{rows}".encode())]}
+        plain = calculate(content, session).fit.material
+        fitted = calculate(content | option, session)
+        assert fitted.fit.material.equilibrium != plain.equilibrium
+        assert main([*shlex.split(fitted.command)[1:], "--out", "out"]) == 0
+        assert em.load_material(f"out/{fitted.name}").equilibrium == fitted.fit.material.equilibrium
 
 
 @needs_nicegui

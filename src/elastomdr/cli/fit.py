@@ -90,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
         read["storage_only"] = options.storage_only
         dma = em.read_dma(options.data, temperature=temperature, columns=columns, **read)
         if options.strain is not None:
-            dma = dma.atstrain_of(strain_of(options.strain))
+            dma = dma.at_strain(strain_of(options.strain))
         fitted = {key: getattr(options, key) for key in _FITTED} | {"shift": law_of(options.shift)}
         found = em.fit.material(dma, reference, name=options.name or "", **fitted)
         folder.mkdir(parents=True, exist_ok=True)
