@@ -26,7 +26,7 @@ def main(out: Path) -> None:
     ball = em.Paraboloid(radius=5e-3)  # m
     velocity = np.geomspace(1e-6, 10.0, 64)  # m/s
     curve = em.friction(rubber, ball, velocity=velocity, load=1.0)  # N
-    curve.plot().figure.savefig(out / "01_friction_curve.png", dpi=150)
+    curve.plot().figure.savefig(out / "01_friction_curve.png")
 
     print(curve.summary())
     check_hertz(rubber)

@@ -26,10 +26,11 @@ BALL, LOAD, TEMPERATURE = em.Paraboloid(radius=5e-3), 1.0, 293.15  # m, N, K
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     velocity = np.geomspace(1e-5, 10.0, 61)  # m/s
 
-    figure, ax = plt.subplots(figsize=(7.2, 4.6), layout="constrained")
+    figure, ax = plt.subplots(figsize=(7.2, 4.6))
     print(f"{'compound':<28}{'mu at 1 mm/s':>14}{'mu at 1 m/s':>14}{'largest mu':>12}")
     for name in NAMES:
         rubber = em.load_material(name)
@@ -40,10 +41,10 @@ def main(out: Path) -> None:
         check_low_velocity(rubber)
 
     ax.set(xlabel="Sliding velocity [m/s]", ylabel="Friction coefficient [-]", ylim=(0, 0.03))
-    ax.set_title(f"Four compounds at 20 °C\n{curve.model}", fontsize=10, wrap=True)
-    ax.legend(frameon=False)
-    ax.grid(color="#dddddd")
-    figure.savefig(out / "02_compare_compounds.png", dpi=150)
+    ax.set_title("Four compounds at 20 °C", pad=18)
+    ax.text(0, 1.02, curve.model, transform=ax.transAxes, fontsize=8, color="#666666")
+    ax.legend()
+    figure.savefig(out / "02_compare_compounds.png")
     plt.close(figure)
 
 

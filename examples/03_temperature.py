@@ -27,6 +27,7 @@ LOWEST_FREQUENCY = 0.01  # rad/s, from the [range] of the material file
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
 
     rubber = em.load_material("tread-passenger-synthetic")
@@ -36,7 +37,7 @@ def main(out: Path) -> None:
     curve = em.friction(rubber, ball, velocity=velocity, load=1.0, temperature=temperature)
 
     reduced = velocity * published_shift()[:, None]
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.2), sharey=True, layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8), sharey=True)
     for i, celsius in enumerate(CELSIUS):
         colour = plt.colormaps["viridis"](0.17 * i)
         left.semilogx(velocity, curve.mu[i], color=colour, label=f"{celsius:g} °C")
@@ -46,12 +47,12 @@ def main(out: Path) -> None:
     right.text(1.6 * slowest, 0.0012, "\u2190 outside the material file's range", fontsize=9, color="#666666")
     left.set(xlabel="Sliding velocity $v$ [m/s]", ylabel="Friction coefficient [-]", ylim=(0, 0.032))
     right.set(xlabel=f"Reduced velocity $v\\,a_T$ [m/s], reference {REFERENCE:g} °C", xlim=(reduced.min() / 2, None))
-    left.legend(frameon=False, loc="upper left")
+    left.legend(loc="upper left")
     for ax, title in ((left, "As slid"), (right, f"Shifted to {REFERENCE:g} °C: one curve")):
-        ax.set_title(title, fontsize=10)
-        ax.grid(color="#dddddd")
-    figure.suptitle(f"Ball of 5 mm radius, 1 N, on {rubber.name}\n{curve.model}", fontsize=10)
-    figure.savefig(out / "03_temperature.png", dpi=150)
+        ax.set_title(title)
+    about = f"Ball of 5 mm radius, 1 N, on {rubber.name}\n{curve.model}"
+    figure.suptitle(about, fontsize=8, color="#666666")
+    figure.savefig(out / "03_temperature.png")
     plt.close(figure)
 
     print(

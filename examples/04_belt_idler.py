@@ -35,7 +35,7 @@ def main(out: Path) -> None:
     load = np.array([[1e3], [2e3], [4e3]])  # N, on an axis of its own
     curve = em.rolling(cover, idler, velocity=velocity, load=load)
     ax = curve.plot(title="Indentation rolling resistance of a belt, per idler")
-    ax.figure.savefig(out / "04_belt_idler.png", dpi=150)
+    ax.figure.savefig(out / "04_belt_idler.png")
 
     at_work = em.rolling(cover, idler, velocity=5.2, load=2e3)
     print(at_work.summary())

@@ -39,6 +39,7 @@ gradient = jax.jit(jax.vmap(jax.value_and_grad(friction, argnums=(0, 1), has_aux
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
 
     velocity = np.geomspace(1e-7, 1e2, 40)  # m/s
@@ -56,14 +57,12 @@ def main(out: Path) -> None:
 
 
 def draw(velocity: np.ndarray, mu: np.ndarray, radius: np.ndarray, sensitivity: np.ndarray, path: Path) -> None:
-    figure, (top, bottom) = plt.subplots(
-        2, 1, figsize=(7.2, 6.2), sharex=True, height_ratios=(2, 3), layout="constrained"
-    )
+    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.2), sharex=True, height_ratios=(2, 3))
     top.semilogx(velocity, mu, color="#1f5a94")
     top.set(ylabel="Friction coefficient [-]", ylim=(0, None))
     model = em.plan(RUBBER, BALL, velocity=velocity, load=LOAD).model
-    top.set_title(f"Ball of 5 mm radius, 1 N, on {RUBBER.name} at -25 °C\n{model}", fontsize=10, wrap=True)
-    top.grid(color="#dddddd")
+    top.set_title(f"Ball of 5 mm radius, 1 N, on {RUBBER.name} at -25 °C", pad=18)
+    top.text(0, 1.02, model, transform=top.transAxes, fontsize=8, color="#666666")
     cells = edges(velocity), edges(RUBBER.times)
     colours = bottom.pcolormesh(*cells, sensitivity[:, 1:].T, cmap="RdBu_r", vmin=-0.8, vmax=0.8)
     bottom.loglog(velocity, radius / velocity, "k--", linewidth=1.2, label="contact radius over velocity")
@@ -72,7 +71,7 @@ def draw(velocity: np.ndarray, mu: np.ndarray, radius: np.ndarray, sensitivity: 
     bottom.text(0.03, 0.08, words, transform=bottom.transAxes, fontsize=9)
     bottom.legend(loc="upper right", fontsize=9)
     figure.colorbar(colours, ax=bottom, label="Sensitivity $(G_k/\\mu)\\,\\partial\\mu/\\partial G_k$ [-]")
-    figure.savefig(path, dpi=150)
+    figure.savefig(path)
     plt.close(figure)
 
 

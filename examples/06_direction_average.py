@@ -29,6 +29,7 @@ POINTS = np.array([[0.1, 0.02643], [1.0, 0.07147], [10.0, 0.01475]])  # velocity
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
 
     rubber = em.Foundation(RELAXED, [BRANCH], [TIME])
@@ -38,15 +39,13 @@ def main(out: Path) -> None:
         rubber, em.Paraboloid(RADIUS), velocity=velocity, load=LOAD, model=em.Averaged(corrected=False)
     )
 
-    figure, (top, bottom) = plt.subplots(
-        2, 1, figsize=(7.2, 6.0), sharex=True, height_ratios=(3, 2), layout="constrained"
-    )
+    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.0), sharex=True, height_ratios=(3, 2))
     top.loglog(velocity, line.mu, "--", color="#a03030", label="MDR line (model=em.Line())")
     top.loglog(velocity, average.mu, color="#1f5a94", label="averaged over directions")
     top.loglog(*POINTS.T, "ko", markersize=5, label="three-dimensional half-space")
     top.set(ylabel="Friction coefficient [-]")
-    top.set_title("Paraboloid of 10 mm radius, 10 N, standard solid: 4 MPa relaxed, 16 MPa glassy, 1 ms", fontsize=10)
-    top.legend(frameon=False, loc="lower center")
+    top.set_title("Paraboloid of 10 mm radius, 10 N, standard solid: 4 MPa relaxed, 16 MPa glassy, 1 ms")
+    top.legend(loc="lower center")
     bottom.semilogx(velocity, line.mu / average.mu, color="#1f5a94")
     bottom.text(velocity[-1], 2.03, "2: loss modulus proportional to frequency", ha="right", fontsize=9)
     bottom.text(velocity[0], 1.03, "1: inversely proportional", fontsize=9)
@@ -56,10 +55,7 @@ def main(out: Path) -> None:
         ylim=(0.9, 2.2),
         yticks=(1.0, 1.25, 1.5, 1.75, 2.0),
     )
-    for ax in (top, bottom):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-    figure.savefig(out / "06_direction_average.png", dpi=150)
+    figure.savefig(out / "06_direction_average.png")
     plt.close(figure)
 
     check(velocity, line.mu, average.mu)

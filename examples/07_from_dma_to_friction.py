@@ -24,6 +24,7 @@ REFERENCE = 293.15
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
 
     sample = em.load_material("sbr-gum-like")
@@ -36,16 +37,14 @@ def main(out: Path) -> None:
         for rubber in (sample, fit.material)
     )
 
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10.4, 4.4))
-    figure.subplots_adjust(left=0.08, right=0.97, bottom=0.13, top=0.86, wspace=0.45)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8))
     fit.prony.plot(left)
     right.semilogx(velocity, true.mu, color="#222222", label="sample")
     right.semilogx(velocity, fitted.mu, "--", color="#b03a2e", label="material fitted to its DMA")
     right.set(xlabel="Sliding velocity $v$ [m/s]", ylabel="Friction coefficient [-]", ylim=(0, None))
-    right.set_title("Friction of a ball, 5 mm, 1 N, 20 °C", fontsize=10, loc="left")
-    right.legend(frameon=False)
-    right.grid(color="#dddddd")
-    figure.savefig(out / "07_from_dma_to_friction.png", dpi=150)
+    right.set_title("Friction of a ball, 5 mm, 1 N, 20 °C")
+    right.legend()
+    figure.savefig(out / "07_from_dma_to_friction.png")
     plt.close(figure)
 
     off = fit.master.log10_a - (sample.shift.log10_a(KELVIN) - sample.shift.log10_a(REFERENCE))

@@ -13,8 +13,8 @@ creep function of the half-space.
 import argparse
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import elastomdr as em
 
@@ -22,6 +22,7 @@ RADIUS = 10e-3  # m
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     rubber = em.load_material("silicone-like")
     ball = em.Paraboloid(RADIUS)
@@ -30,22 +31,19 @@ def main(out: Path) -> None:
     creep = em.indent(rubber, ball, time=time, load=load)
     print(creep.summary())
 
-    figure = Figure(figsize=(9.6, 4.2), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8))
     for depth, force in zip(creep.depth, load[:, 0], strict=True):
         left.semilogx(time[1:], 1e3 * depth[1:], label=f"{force:g} N")
     left.set(xlabel="Time under load [s]", ylabel="Depth [mm]", title="A ball sinks in")
-    left.legend(frameon=False)
+    left.legend()
     single = em.indent(rubber, ball, time=time, load=1.0)
     r = np.linspace(0, 2 * single.contact_radius[-1], 121)
     for t in (1e-3, 1.0, 1e3):
         right.plot(1e3 * r, 1e-6 * single.pressure(r, t), label=f"after {t:g} s")
     right.set(xlabel="Radius [mm]", ylabel="Contact pressure [MPa]", title="Pressure under 1 N")
-    right.legend(frameon=False)
-    for ax in (left, right):
-        ax.grid(True, color="#dddddd", linewidth=0.6)
-        ax.spines[["top", "right"]].set_visible(False)
-    figure.savefig(out / "08_creep.png", dpi=150)
+    right.legend()
+    figure.savefig(out / "08_creep.png")
+    plt.close(figure)
 
     radius = np.cbrt(0.75 * RADIUS * load * em.half_space(rubber).creep_compliance(time))
     off = np.abs(creep.depth / (radius**2 / RADIUS) - 1).max()

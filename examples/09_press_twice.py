@@ -15,8 +15,8 @@ while it shrinks is 2 int_0^t1 E(t-s) d'(s) a(s) ds (Ting 1966).
 import argparse
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.integrate import quad
 
 import elastomdr as em
@@ -26,6 +26,7 @@ RELAXED, BRANCH, TAU = 1e6, 3e6, 0.5  # Pa, Pa, s
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     rubber, ball = em.Foundation(RELAXED, [BRANCH], [TAU]), em.Paraboloid(RADIUS)
     time = np.linspace(0.0, 4.5, 181)
@@ -33,8 +34,7 @@ def main(out: Path) -> None:
     twice = em.indent(rubber, ball, time=time, depth=depth)
     print(twice.summary())
 
-    figure = Figure(figsize=(9.6, 4.2), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8))
     first = time <= 2.0
     left.plot(1e3 * depth[first], twice.force[first], label="first time")
     left.plot(1e3 * depth[~first], twice.force[~first], label="second time")
@@ -44,10 +44,9 @@ def main(out: Path) -> None:
         right.plot(1e3 * r, -1e3 * twice.displacement(r, t), label=f"at {t:g} s")
     right.set(xlabel="Radius [mm]", ylabel="Height of the surface [mm]", title="The imprint recovers")
     for ax in (left, right):
-        ax.legend(frameon=False)
-        ax.grid(True, color="#dddddd", linewidth=0.6)
-        ax.spines[["top", "right"]].set_visible(False)
-    figure.savefig(out / "09_press_twice.png", dpi=150)
+        ax.legend()
+    figure.savefig(out / "09_press_twice.png")
+    plt.close(figure)
 
     at = int(np.argmin(np.abs(time - 1.25)))
     exact = ting(time[at])

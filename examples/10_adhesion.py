@@ -13,8 +13,8 @@ Check: the largest pull of JKR, (3/2) pi gamma R, and that of the viscoelastic r
 import argparse
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import elastomdr as em
 
@@ -22,6 +22,7 @@ RADIUS, GAMMA, RELAXED, GLASSY = 10e-3, 0.05, 1e6, 4e6  # m, J/m^2, Pa, Pa
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     ball = em.Paraboloid(RADIUS)
     way = np.concatenate([np.linspace(-4e-6, 6e-5, 200), np.linspace(6e-5, -6e-6, 1500)])  # m
@@ -36,17 +37,15 @@ def main(out: Path) -> None:
     )
     print(fast.summary())
 
-    figure = Figure(figsize=(6.6, 4.4), layout="constrained")
-    ax = figure.add_subplot()
+    figure, ax = plt.subplots(figsize=(6.6, 4.4))
     ax.plot(1e6 * elastic.depth, 1e3 * elastic.force, label="elastic (JKR)")
     ax.plot(1e6 * slow.depth, 1e3 * slow.force, label="viscoelastic rule, pulled in 10 s")
     ax.plot(1e6 * fast.depth, 1e3 * fast.force, label="viscoelastic rule, pulled in 1 ms")
     ax.axhline(0, color="#888888", linewidth=0.8)
     ax.set(xlabel="Depth [µm]", ylabel="Force [mN]", title="Pulling a sticky ball off")
-    ax.legend(frameon=False)
-    ax.grid(True, color="#dddddd", linewidth=0.6)
-    ax.spines[["top", "right"]].set_visible(False)
-    figure.savefig(out / "10_adhesion.png", dpi=150)
+    ax.legend()
+    figure.savefig(out / "10_adhesion.png")
+    plt.close(figure)
 
     jkr = 1.5 * np.pi * GAMMA * RADIUS
     print(f"check     largest pull {-elastic.force.min():.6g} N, JKR {jkr:.6g} N")

@@ -31,7 +31,7 @@ def main(out: Path) -> None:
     kelvin = np.array([[253.15], [273.15], [293.15], [333.15]])  # on an axis of its own
     bounces = em.impact(rubber, em.Paraboloid(RADIUS), mass=MASS, velocity=speed, temperature=kelvin)
     ax = bounces.plot(title="Bounce of a steel ball on a tread compound")
-    ax.figure.savefig(out / "11_impact.png", dpi=150)
+    ax.figure.savefig(out / "11_impact.png")
     print(bounces.summary())
 
     modulus, viscosity = 1e6, 300.0  # Pa, Pa s, in shear; E* = 4 G

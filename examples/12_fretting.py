@@ -30,10 +30,11 @@ RUBBERS = {
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
 
     time = np.linspace(0.0, 2.0, 73)  # s
-    figure, ax = plt.subplots(figsize=(7.2, 4.6), layout="constrained")
+    figure, ax = plt.subplots(figsize=(7.2, 4.6))
     for (name, rubber), colour in zip(RUBBERS.items(), ("#7fa7cc", "#1f5a94", "#c08a3e"), strict=True):
         motion = 150e-6 * np.sin(2 * np.pi * time)  # m
         found = em.shear(rubber, BALL, time=time, displacement=motion, friction=FRICTION, load=LOAD)
@@ -44,10 +45,10 @@ def main(out: Path) -> None:
         if name != "viscoelastic":
             check(rubber, slip)
     ax.set(xlabel="Tangential displacement [µm]", ylabel="Tangential force [N]")
-    ax.set_title(f"Fretting loops, 1 Hz, {LOAD:g} N, friction coefficient {FRICTION:g}\n{found.model}", fontsize=10)
-    ax.grid(color="#dddddd")
-    ax.legend()
-    figure.savefig(out / "12_fretting.png", dpi=150)
+    ax.set_title(f"Fretting loops, 1 Hz, {LOAD:g} N, friction coefficient {FRICTION:g}", pad=18)
+    ax.text(0, 1.02, found.model, transform=ax.transAxes, fontsize=8, color="#666666")
+    ax.legend(loc="upper left")
+    figure.savefig(out / "12_fretting.png")
     plt.close(figure)
 
 

@@ -30,7 +30,7 @@ def main(out: Path) -> None:
     velocity = np.array([[1e-4], [1e-2], [1.0], [100.0]])  # m/s, on an axis of its own
     found = em.traction(rubber, BALL, velocity=velocity, creepage=creepage, friction=FRICTION, load=LOAD)
     ax = found.plot(title="Traction of a ball on a tread compound, 20 °C")
-    ax.figure.savefig(out / "13_traction.png", dpi=150)
+    ax.figure.savefig(out / "13_traction.png")
     for v, row in zip(velocity[:, 0], found.rolling, strict=True):
         print(f"v = {v:8.1e} m/s: rolling loss {row[0]:.4f} of the load")
 

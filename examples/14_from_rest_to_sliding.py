@@ -32,11 +32,12 @@ RESTS = (1e-4, 5e-3, 0.1)  # s
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     steady = em.friction(RUBBER, BALL, velocity=VELOCITY, load=LOAD, model=em.Line())
     way = np.linspace(0, WAY, 97)
 
-    figure, ax = plt.subplots(figsize=(7.2, 4.2), layout="constrained")
+    figure, ax = plt.subplots(figsize=(7.2, 4.2))
     slides = []
     for rest, colour in zip(RESTS, ("#7fb3d8", "#3a7fb5", "#123f66"), strict=True):
         time = np.concatenate([[0.0], rest + way / VELOCITY])
@@ -45,11 +46,9 @@ def main(out: Path) -> None:
         ax.plot(1e3 * way, slides[-1].mu[1:], color=colour, label=f"after {1e3 * rest:g} ms at rest")
     ax.axhline(steady.mu, color="#a03030", linestyle="--", linewidth=1, label="steady: em.friction, bare line")
     ax.set(xlabel="Way [mm]", ylabel="Friction coefficient [-]", ylim=(0, None))
-    ax.set_title("Paraboloid of 10 mm radius under 10 N, started at 0.5 m/s\nbare MDR line", fontsize=10)
-    ax.grid(color="#dddddd")
-    ax.set_axisbelow(True)
-    ax.legend(frameon=False)
-    figure.savefig(out / "14_from_rest_to_sliding.png", dpi=150)
+    ax.set_title("Paraboloid of 10 mm radius under 10 N, started at 0.5 m/s, bare MDR line")
+    ax.legend()
+    figure.savefig(out / "14_from_rest_to_sliding.png")
     plt.close(figure)
 
     check(slides, steady)

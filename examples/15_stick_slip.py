@@ -36,6 +36,7 @@ PEAK = 1 / (K * TAU)
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
 
     def pulled(speed: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -46,11 +47,11 @@ def main(out: Path) -> None:
         position, velocity = (np.asarray(x) for x in jax.vmap(pulled)(SPEEDS))
     exact = [reduced(speed) for speed in SPEEDS]
 
-    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.4), layout="constrained")
+    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.4))
     for i, colour in ((1, "#7fb3d8"), (3, "#3a7fb5"), (4, "#123f66")):
         top.plot(1e3 * TIME, velocity[i] / SPEEDS[i], color=colour, label=f"driven at {SPEEDS[i]:g} m/s")
     top.set(xlabel="Time [ms]", ylabel="Velocity of the slider / of the drive [-]", xlim=(0, 250), ylim=(-0.8, 3.2))
-    top.set_title("Corrugated slider on a spring, 400 N/m, bare MDR line in full contact", fontsize=10)
+    top.set_title("Corrugated slider on a spring, 400 N/m, bare MDR line in full contact")
     late = TIME > 0.17
     for name, value in (("largest", np.max), ("least", np.min)):
         ends = [value(v[late]) / s for v, s in zip(velocity, SPEEDS, strict=True)]
@@ -61,10 +62,8 @@ def main(out: Path) -> None:
     bottom.axvline(PEAK, color="#888888", linestyle="--", linewidth=1, label="peak of the steady friction")
     bottom.set(xlabel="Driving speed [m/s]", ylabel="Velocity after 0.17 s / of the drive [-]", xlim=(0, 0.23))
     for ax in (top, bottom):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-        ax.legend(frameon=False, fontsize=9, ncols=3 if ax is top else 1)
-    figure.savefig(out / "15_stick_slip.png", dpi=150)
+        ax.legend(ncols=3 if ax is top else 1)
+    figure.savefig(out / "15_stick_slip.png")
     plt.close(figure)
 
     swing = np.array([np.ptp(v[late]) / s for v, s in zip(velocity, SPEEDS, strict=True)])

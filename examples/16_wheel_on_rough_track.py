@@ -31,29 +31,27 @@ TRACK = em.RoughLine(X, sum(AMPLITUDE * np.cos(2 * np.pi * k * X / PERIOD + PHAS
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     time = np.linspace(0, 3 * PERIOD / VELOCITY, 193)
     arguments = {"time": time, "position": VELOCITY * time, "load": LOAD, "track": TRACK, "rtol": 3e-2}
     heavy = em.drive(RUBBER, BALL, normal=em.Mount(MASS), **arguments)
     light = em.drive(RUBBER, BALL, **arguments)
 
-    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.0), layout="constrained")
+    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.0))
     top.plot(1e3 * time, heavy.normal_force, color="#1f5a94", label="50 g")
     top.plot(1e3 * time, light.normal_force, color="#a03030", linestyle="--", label="without mass")
     top.text(2.2, 15.2, "put down", fontsize=9)
     top.set(xlabel="Time [ms]", ylabel="Normal force [N]")
-    top.set_title("Ball of 20 mm radius rolling at 1 m/s over a rough track, bare MDR line", fontsize=10)
+    top.set_title("Ball of 20 mm radius rolling at 1 m/s over a rough track, bare MDR line")
     force = heavy.spectrum(since=2 * PERIOD / VELOCITY, period=PERIOD / VELOCITY)
     force.plot(ax=bottom, title="Normal force, 50 g, last period of the track")
     resonance = np.sqrt(stiffness() / MASS) / (2 * np.pi)
     bottom.axvline(resonance, color="#a03030", linestyle="--", linewidth=1)
     bottom.text(resonance + 40, 0.33, "mass on the glassy contact", fontsize=9, va="top")
     bottom.set(xlim=(0, 825), ylim=(1e-3, 0.4), ylabel="Normal force [N]")
-    for ax in (top, bottom):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-    top.legend(frameon=False)
-    figure.savefig(out / "16_wheel_on_rough_track.png", dpi=150)
+    top.legend()
+    figure.savefig(out / "16_wheel_on_rough_track.png")
     plt.close(figure)
 
     print(force.summary())

@@ -39,13 +39,14 @@ DRIVE = np.concatenate([[0], np.cumsum(np.diff(TIME) * (WHEEL[1:] + WHEEL[:-1]) 
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     block = em.drive(RUBBER, ROAD, time=TIME, position=DRIVE, load=LOAD, tangential=MOUNT)
     velocity, drag = reduced()
     speed = np.linspace(0, SPEED, 300)
     steady = (0.5 * AMPLITUDE**2 * K * RUBBER.loss(np.multiply.outer(speed, K))).sum(axis=1) / LOAD
 
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8))
     left.plot(1e3 * TIME, WHEEL, color="#888888", label="drive")
     left.plot(1e3 * TIME, block.velocity, color="#1f5a94", label="block, em.drive")
     left.plot(1e3 * TIME[::10], velocity[::10], "o", color="#a03030", markerfacecolor="none", label="reduced equations")
@@ -54,13 +55,11 @@ def main(out: Path) -> None:
     right.plot(speed, steady, color="#888888", label="steady, closed form")
     right.plot(block.velocity[braking], block.mu[braking], color="#1f5a94", label="braking, em.drive")
     right.set(xlabel="Velocity of the block [m/s]", ylabel="Friction coefficient [-]")
-    left.set_title("Tread block on a road of five waves, braking", fontsize=10)
-    right.set_title("1.5 kN/m, bare MDR line in full contact", fontsize=10)
+    left.set_title("Tread block on a road of five waves, braking")
+    right.set_title("1.5 kN/m, bare MDR line in full contact")
     for ax in (left, right):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-        ax.legend(frameon=False, fontsize=9)
-    figure.savefig(out / "17_braking_tread_block.png", dpi=150)
+        ax.legend()
+    figure.savefig(out / "17_braking_tread_block.png")
     plt.close(figure)
 
     assert block.converged.all(), "every instant must converge"

@@ -36,13 +36,14 @@ ASKED = {"model": em.Line(seeds=2)}
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     curves = em.friction(RUBBER, SURFACE, velocity=VELOCITY, load=LOADS[:, None], temperature=293.15, **ASKED)
     velocity = VELOCITY[::3] / WLF.a(KELVIN)[:, None]
     warm = em.friction(RUBBER, SURFACE, velocity=velocity, load=16.0, temperature=KELVIN[:, None], **ASKED)
     along, up = powers(curves.mu)
 
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.2), sharey=True, layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8), sharey=True)
     for i, (load, colour) in enumerate(zip(LOADS, ("#8bb4d9", "#1f5a94", "#0b2540"), strict=True)):
         left.loglog(VELOCITY, curves.mu[i], color=colour, label=f"{load:g} N/m, 20 °C")
         shift = LOADS[1] / load
@@ -52,14 +53,12 @@ def main(out: Path) -> None:
             VELOCITY[::3], row, mark, color="#a03030", fillstyle="none", label=f"16 N/m, {kelvin - 273.15:g} °C"
         )
     left.set(xlabel=r"Velocity times shift factor, v $a_T$ [m/s]", ylabel="Friction coefficient [-]")
-    left.set_title("Three temperatures on one curve, three loads", fontsize=10)
+    left.set_title("Three temperatures on one curve, three loads")
     right.set(xlabel=rf"v $a_T\,(16\,$N/m / load$)^{{{along:.2f}}}$ [m/s]")
-    right.set_title(rf"Loads shifted, mu $(16\,$N/m / load$)^{{{up:.2f}}}$", fontsize=10)
+    right.set_title(rf"Loads shifted, mu $(16\,$N/m / load$)^{{{up:.2f}}}$")
     for ax in (left, right):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-        ax.legend(frameon=False, fontsize=8.5)
-    figure.savefig(out / "18_master_curves_of_rough_friction.png", dpi=150)
+        ax.legend()
+    figure.savefig(out / "18_master_curves_of_rough_friction.png")
     plt.close(figure)
 
     check(curves.mu, warm.mu, along, up)

@@ -33,29 +33,27 @@ ASKED = {"pressure": PRESSURE}
 
 
 def main(out: Path) -> None:
+    plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     velocity = np.geomspace(1e-3, 10.0, 41)
     curve = em.friction(TREAD, ROAD, velocity=velocity, temperature=KELVIN, heat=HEAT, **ASKED)
     print(curve.summary())
 
-    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.0), sharex=True, layout="constrained")
+    figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.2, 6.0), sharex=True)
     top.semilogx(velocity, curve.cold, "--", color="#1f5a94", label="rubber at 10 °C throughout")
     top.semilogx(velocity, curve.mu, color="#a03030", label="with flash temperature")
     whole = curve.error + np.nan_to_num(curve.model_error)
     top.fill_between(velocity, curve.mu - whole, curve.mu + whole, color="#a03030", alpha=0.16, linewidth=0)
     top.set(ylabel="Friction coefficient [-]", ylim=(0, None))
-    top.set_title("Passenger tread (synthetic) on a rough road, 0.2 MPa", fontsize=10)
-    top.legend(frameon=False)
+    top.set_title("Passenger tread (synthetic) on a rough road, 0.2 MPa")
+    top.legend()
     alone = em.friction(TREAD, ROAD, velocity=velocity, temperature=KELVIN, heat=em.Heat(0.25, 2e6), **ASKED)
     bottom.loglog(velocity, curve.contact_rise, color="#a03030", label="real contact")
     bottom.loglog(velocity, curve.temperature_rise, "-.", color="#a03030", label="mean of where the heat arises")
     bottom.loglog(velocity, alone.contact_rise, ":", color="#555555", label="real contact, road takes no heat")
     bottom.set(xlabel="Sliding velocity [m/s]", ylabel="Temperature rise [K]")
-    bottom.legend(frameon=False)
-    for ax in (top, bottom):
-        ax.grid(color="#dddddd")
-        ax.set_axisbelow(True)
-    figure.savefig(out / "19_flash_temperature.png", dpi=150)
+    bottom.legend()
+    figure.savefig(out / "19_flash_temperature.png")
     plt.close(figure)
 
     check(curve)

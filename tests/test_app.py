@@ -3,6 +3,7 @@
 import asyncio
 import io
 import json
+import shlex
 import time
 import tomllib
 import zipfile
@@ -105,9 +106,94 @@ def test_folder(tmp_path):
         folder.keep("large.csv", b"0" * 20_000_001)
     with pytest.raises(em.InputError, match="empty"):
         folder.keep("none.csv", b"")
+    assert folder.keep("a.csv", b"1") == folder.keep("a.csv", b"1") == "a.csv"
+    assert folder.keep("a.csv", b"2") == "a-2.csv"  # a scene may read the first
+    assert folder.keep("a.csv", b"3", anew=True) == "a.csv"
+    assert [(folder.path / name).read_bytes() for name in ("a.csv", "a-2.csv")] == [b"3", b"2"]
     for name in ("../own/file", "/etc/hostname", 3, "absent.csv"):
         with pytest.raises(em.InputError, match="dropped"):
             folder.check([name])
+
+
+STIFFNESS = "Frequency [Hz],Stiffness [N/mm],Phase [deg],Temperature [degC]\n" + "".join(
+    f"{f},{20 + 5 * k},{10 + k},{t}\n" for t in (0, 20) for k, f in enumerate((1, 3, 10, 30))
+)
+ASKED = {  # what a file does not say, what is asked for, and what is then typed
+    "stiff.csv": (STIFFNESS, {"kind": "shear or kind tensile", "area": "100 mm2, length 20 mm"}),
+    "one.csv": (
+        "f [Hz],E' [MPa],E'' [MPa],T [degC]\n" + "".join(f"10,{40 - k / 2},{4 - k / 30},{k}\n" for k in range(40)),
+        {"shift": "WLF(8.86, 101.6, 20degC)"},
+    ),
+    "bare.csv": ("f [Hz],E' [MPa],E'' [MPa]\n" + "".join(f"{2**k},{10 + k},{1 + k / 9}\n" for k in range(9)),
+                 {"temperature": "20degC"}),
+    "units.csv": ("f,E' [MPa],E'' [MPa],T [degC]\n" + "".join(f"{2**k},{10 + k},{1 + k / 9},20\n" for k in range(9)),
+                  {"frequency_unit": "Hz"}),
+}  # fmt: skip
+
+
+@needs_nicegui
+@pytest.mark.parametrize("name", ASKED)
+def test_what_a_file_does_not_say_is_asked_for_in_the_words_of_the_fields(name, tmp_path):
+    from elastomdr.app.rubber import _for_form, calculate
+    from elastomdr.app.session import Session
+
+    text, answers = ASKED[name]
+    session = Session("one", Folder(tmp_path))
+    content = {"data": [session.folder.keep(name, text.encode())]}
+    for key, words in answers.items():
+        with pytest.raises(em.InputError) as caught:
+            calculate(content, session)
+        said = _for_form(str(caught.value))
+        assert said.startswith(key)
+        assert words in said
+        assert not any(odd in said for odd in ("--", "='", "em.", "={"))
+        content |= {"kind": "tensile"} if key == "kind" else dict([(key, words.split(",")[0])])
+        content |= {"length": "20 mm"} if key == "area" else {"shift": words} if key == "shift" else {}
+    assert calculate(content, session).name == name.replace(".csv", ".toml")
+
+
+@needs_nicegui
+def test_strain_and_ramp_are_those_of_the_command(tmp_path, monkeypatch):
+    """What the page fits and the command that it writes give one material, and another one than without them."""
+    from elastomdr.app.rubber import calculate
+    from elastomdr.app.session import Session
+
+    session = Session("one", Folder(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    sweeps = "".join(
+        f"{s},{t},{f},{8 + 2 * k - s},{1 + k / 5}\n"
+        for s in (1, 5)
+        for t in (0, 20)
+        for k, f in enumerate((1, 3, 10, 30))
+    )
+    held = "".join(f"20,{1.1 * 1.6**k},{5 + 8 * 0.7**k}\n" for k in range(16))
+    for name, title, rows, option in (
+        ("sweeps.csv", "Strain [%],T [degC],f [Hz],E' [MPa],E'' [MPa]", sweeps, {"strain": "5 %"}),
+        ("held.csv", "T [degC],Time [s],Relaxation modulus E [MPa]", held, {"ramp": "1 s"}),
+    ):
+        content = {"data": [session.folder.keep(name, f"{title}\n{rows}".encode())]}
+        plain = calculate(content, session).fit.material
+        fitted = calculate(content | option, session)
+        assert fitted.fit.material.equilibrium != plain.equilibrium
+        assert main([*shlex.split(fitted.command)[1:], "--out", "out"]) == 0
+        assert em.load_material(f"out/{fitted.name}").equilibrium == fitted.fit.material.equilibrium
+
+
+@needs_nicegui
+def test_advice_in_the_words_of_the_fields():
+    from elastomdr.app.rubber import in_fields
+
+    for python, fields in {
+        "know it, as poisson=0.4 (--poisson 0.4).": "know it, as poisson 0.4.",
+        "compare vertical=False (--no-vertical).": "compare vertical: no.",
+        "left out (dma.at_strain(...), --strain, chooses another).": "left out (strain, chooses another).",
+        "them: columns={'storage': 4, 'loss': 3} (--column storage=4 --column loss=3).":
+            "them: column storage=4, loss=3.",
+        "as columns={'s': '1 MPa'} (--column 's=1 MPa') or columns={'a': '1 %'} (--column 'a=1 %').":
+            "as column s=1 MPa or column a=1 %.",
+        "give frequency_unit (--frequency-unit) or": "give frequency_unit or",
+    }.items():  # fmt: skip
+        assert in_fields(python) == fields
 
 
 def scene(**more):
@@ -287,7 +373,12 @@ def test_bad_files_and_two_sessions_at_once(tmp_path):
         assert list(one._session.fits) == ["dma.toml"]
         export = SAMPLE / "dma-q800.txt"  # does not say whether it was sheared or pulled
         await one.rubber._dropped([one._session.folder.keep(export.name, export.read_bytes())])
-        assert one.rubber.form.widgets["kind"].error.endswith("give it, as kind='shear' or 'tensile'.")
+        assert one.rubber.form.widgets["kind"].error.endswith("give it, as kind shear or kind tensile.")
+        for kind in ("epdm-70", "nbr-linder"):
+            em.save_material(em.load_material(kind), one._session.folder.path / f"{kind}.toml")
+        await one.rubber._dropped(["epdm-70.toml", "nbr-linder.toml"])  # two materials are two materials, no data
+        assert one._session.scenes["compare"]["material"][:2] == ["nbr-linder.toml", "epdm-70.toml"]
+        assert one._session.rubber["data"] == [export.name]
         for name in ("binary.csv", "words.csv"):
             await one.road._dropped([name])
             await until(lambda: any(getattr(w, "error", None) for w in one.road.form.widgets.values()))

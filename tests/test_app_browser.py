@@ -25,6 +25,9 @@ WIDE = "document.documentElement.scrollWidth <= document.documentElement.clientW
 CUT = """[...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].filter(e => e.offsetParent
     && e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.words, .frame, .scroll')).length"""
 
+LONG = "[...document.querySelectorAll('.q-field--error .q-field__messages')].filter(e => e.offsetParent)"
+BELOW = f"{LONG}[0].closest('.field').parentElement.nextElementSibling"
+
 
 @pytest.fixture(scope="module")
 def address(tmp_path_factory):
@@ -94,6 +97,11 @@ def test_from_files_to_friction(address, tmp_path):
         browser.js("[...document.querySelectorAll('input')].find(e => e.value == '0.3 MPa' && e.offsetParent).focus()")
         browser.press("Enter", 13)
         browser.until(f"{SHOWN} == 1")
+        browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "dma.csv")  # is no friction, which takes some words
+        browser.until(f"{LONG}.some(e => e.innerText.includes('there is no column of velocity'))")
+        for width in (390, 1280):
+            browser.resize(width)
+            browser.until(f"{LONG}.every(e => e.getBoundingClientRect().bottom <= {BELOW}.getBoundingClientRect().top)")
         browser.click("Export")
         browser.click("Scene (TOML)")
         scene = browser.downloads / "friction.toml"

@@ -96,6 +96,14 @@ def says_what_it_teaches(path):
     assert "assert " in text
 
 
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_one_look(path):
+    """Axes of its own look like those of the package."""
+    text = path.read_text(encoding="utf-8")
+    assert 'plt.style.use("elastomdr.figures")' in text or "pyplot" not in text
+    assert "dpi=" not in text
+
+
 @pytest.mark.parametrize("path", [p for p in EXAMPLES if p.stem >= "20"], ids=lambda path: path.stem)
 def test_application_is_in_the_docs(path):
     """Each application has a page that shows its figure and says how to make it again."""

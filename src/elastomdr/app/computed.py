@@ -135,6 +135,7 @@ class ComputedStage:
         """Computes the scene, or says beside a field what is wrong with it."""
         if self._busy.visible:
             return
+        self._session.touch()
         self.form.clear_errors()
         self._busy.visible = self._stop.visible = True
         self._button.disable()
@@ -152,7 +153,7 @@ class ComputedStage:
             if run != self._run:
                 return
             if self._key == "friction":
-                self._session.folder.keep(_LAW, done.csv())
+                self._session.folder.keep(_LAW, done.csv(), anew=True)
             self._session.done[self._screen.key] = done
             self._changed()
             await self._show(done)

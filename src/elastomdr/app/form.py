@@ -225,7 +225,10 @@ class Form:
                 shown = field.default if value is None else value
                 widget = ui.checkbox(f"{key.replace('_', ' ')}: {meaning}", value=shown)
         elif accepts.words:
-            options = {"": _default(field.default), **{word: word for word in accepts.words}}
+            options = {
+                "": "choose" if field.required else _default(field.default),
+                **{word: word for word in accepts.words},
+            }
             widget = ui.select(options, value=value or "", label=label)
         else:
             widget = ui.input(label=label, value=to_text(value), placeholder=_example(accepts))

@@ -86,6 +86,7 @@ class RoadStage:
 
     async def redraw(self) -> None:
         """Draws the road as it is filled in; of several changes at once the last one."""
+        self._session.touch()
         self._wanted += 1
         if self._wanted > self._drawn + 1:
             return

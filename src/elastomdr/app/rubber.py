@@ -10,7 +10,7 @@ from nicegui import ui
 
 import elastomdr as em
 
-from ..cli.fit import law_of, size_of
+from ..cli.fit import SIZES, law_of, size_of, strain_of
 from ..cli.schema import Several, Table, Text, decode
 from ..cli.units import Temperature
 from ..errors import InputError
@@ -22,7 +22,12 @@ from .session import COMPUTING, DRAWING, Session
 from .stage import BUTTON, Notes, Picture, Words, drop, worked
 
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
-_OPTION = re.compile(r" \((?:[^()]|\([^()]*\))*?--(?:[^()]|\([^()]*\))*\)")  # as the command line takes it
+_INNER = r"(?:[^()]|\([^()]*\))*"
+_ADVICE = re.compile(  # for Python, then for the command line
+    rf"(?:(?<=as )|(?<=: )|(?<=give )|(?<=or )|(?<=compare ))\w+=(?:(?!\. )[^()]|\([^()]*\))*? \((--{_INNER})\)"
+    rf"|\bem\.\w+\([^()]*\) \((--{_INNER})\)"
+)
+_OPTION = re.compile(rf" \({_INNER}?--[a-z-]+(?![a-z,-]){_INNER}\)")  # as the command line takes it
 _FIRST = ("data", "reference", "name", "poisson")
 
 
@@ -44,6 +49,12 @@ class Fit(Table):
     column: Annotated[Several[Text] | None, 'columns by quantity, such as "storage=4, loss=5"'] = None
     area: Annotated[Text | None, "section of the specimen, such as 100 mm2, where the file has stiffness"] = None
     length: Annotated[Text | None, "length of the specimen, such as 20 mm, where the file has stiffness"] = None
+    ramp: Annotated[
+        Text | None, "duration of the ramp before relaxation, such as 1 s, where times count from its start"
+    ] = None
+    strain: Annotated[
+        Text | None, "amplitude to use, such as 0.1 %, where several were measured; by default the smallest"
+    ] = None
     storage_only: Annotated[bool, "whether there is no loss modulus in the file"] = False
     shift: Annotated[
         Text | None, 'a known shift law, such as WLF(8.86, 101.6, 20degC), a dropped file of factors, or "universal"'
@@ -58,7 +69,7 @@ class Fit(Table):
         words += [f"--reference={self.reference - 273.15:.6g}degC"] if self.reference is not None else []
         if self.temperature is not None:
             words.append("--temperature=" + ",".join(f"{kelvin - 273.15:.6g}degC" for kelvin in self.temperature))
-        for key in ("name", "kind", "area", "length", "shift", "poisson", "law", "terms", *_UNITS):
+        for key in ("name", "kind", *SIZES, "strain", "shift", "poisson", "law", "terms", *_UNITS):
             if (value := getattr(self, key)) is not None:
                 words.append(f"--{key.replace('_', '-')}={value}")
         words += [f"--column={text}" for text in self.column or ()] + ["--storage-only"] * self.storage_only
@@ -118,16 +129,20 @@ class RubberStage:
         await self._dropped([name])
 
     async def _dropped(self, names: list[str]) -> None:
-        if len(names) == 1 and names[0].endswith(".toml"):
-            em.load_material(str(self._session.folder.path / names[0]))
-            self._changed(names[0])
+        materials = [name for name in names if name.endswith(".toml")]
+        for name in materials:
+            em.load_material(str(self._session.folder.path / name))
+            self._changed(name)
+        data = [name for name in names if name not in materials]
+        if not data:
             return
-        self._session.rubber["data"] = names
+        self._session.rubber["data"] = data
         self.form.draw()
         await self.fit()
 
     async def fit(self) -> None:
         """Reads the files and fits a material, or says beside a field what is wrong with it."""
+        self._session.touch()
         self.form.clear_errors()
         self._busy.visible = True
         self._button.disable()
@@ -165,7 +180,7 @@ def calculate(content: dict[str, Any], session: Session) -> Fitted:
     options = {key: value for key in ("kind", *_UNITS) if (value := getattr(asked, key)) is not None}
     if asked.temperature is not None:
         options["temperature"] = list(asked.temperature) if len(asked.temperature) > 1 else asked.temperature[0]
-    options |= {key: size_of(key, getattr(asked, key), key) for key in ("area", "length")}
+    options |= {key: size_of(key, getattr(asked, key), unit) for key, unit in SIZES.items()}
     more = {key: value for key in ("vertical", "terms", "law", "poisson") if (value := getattr(asked, key)) is not None}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
@@ -179,11 +194,14 @@ def calculate(content: dict[str, Any], session: Session) -> Fitted:
             )
         except OSError as error:
             raise InputError(f"data: {error.strerror or error}") from error
+        if asked.strain is not None:
+            dma = dma.at_strain(strain_of(asked.strain))
         found = em.fit.material(dma, asked.reference, name=asked.name or "", shift=_law(asked.shift, session), **more)
         name = f"{found.material.name}.toml"
         em.save_material(found.material, session.folder.path / name, info=found.info())
     rows = (f"row left out: {row}" for row in dma.bad_rows)
-    return Fitted(name, asked.command(), found.summary(), (*found.warnings, *rows), {}, found)
+    said = tuple(in_fields(text) for text in (*found.warnings, *rows))
+    return Fitted(name, asked.command(), found.summary(), said, {}, found)
 
 
 def figures(fit: Any) -> dict[str, bytes]:
@@ -202,17 +220,34 @@ def _law(text: str | None, session: Session) -> Any:
     return law_of(str(session.folder.path / text.strip()))
 
 
+def in_fields(message: str) -> str:
+    """A message whose advice, for Python and for the command line, is said in what the fields are called and take."""
+    message = re.sub(r"[\w.]+\(\.\.\.\), (?=--)", "", message)
+    message = re.sub(_OPTION, "", re.sub(_ADVICE, lambda found: _spoken(found[1] or found[2]), message))
+    return re.sub(r"--([a-z]+)", r"\1", message)
+
+
+def _spoken(options: str) -> str:
+    """Options of a command as fields with what to type into them."""
+    text = re.sub(r"'([^']*)'", r"\1", options)
+    text = re.sub(r"(?<!or) --(column )?", lambda more: ", " if more[1] else ", --", text)
+    text = re.sub(r"--no-([a-z]+)", r"\1: no", text)
+    return re.sub(r"--([a-z-]+)", lambda option: option[1].replace("-", " "), text)
+
+
 def _for_form(message: str) -> str:
     """A reader names the file first, and options of the command line; here it is the field that is named."""
     message = message.removeprefix("--")
-    for key in (*_UNITS, "kind", "temperature", "column", "reference", "poisson", "terms", "law", "shift", "name"):
+    said = in_fields(message)
+    for key in (*_UNITS, "kind", "temperature", "column", "reference", "poisson", "terms", "law", "shift", "name",
+                "strain", *SIZES):  # fmt: skip
         if re.match(rf"{key}s?\b", message):
-            return f"{key}{message[len(key) :].removeprefix('s')}" if key == "column" else message
+            return f"{key}{said[len(key) :].removeprefix('s')}" if key == "column" else said
     asked = re.search(r"--([a-z-]+)", message)  # what is missing
     key = asked[1].replace("-", "_") if asked else ""
     if key in Fit.__struct_fields__:
-        return f"{key}: {re.sub(_OPTION, '', message)}"
-    return message if message.startswith("data") else f"data: {message}"
+        return f"{key}: {said}"
+    return said if message.startswith("data") else f"data: {said}"
 
 
 def _column(text: str) -> tuple[str, Any]:

@@ -100,13 +100,20 @@ class Folder:
         found = [file for file in self.path.iterdir() if file.is_file() and (file.suffix in endings or not endings)]
         return [file.name for file in sorted(found, key=lambda file: -file.stat().st_mtime_ns)]
 
-    def keep(self, name: str, content: bytes) -> str:
-        """Writes a file; returns the name that it has here. Raises `InputError` for one that is too large or empty."""
+    def keep(self, name: str, content: bytes, *, anew: bool = False) -> str:
+        """Writes a file; returns the name that it has here. Raises `InputError` for one that is too large or empty.
+
+        Another file of the same name stays, as a scene may read it, and the new one is numbered; `anew` replaces it.
+        """
         if not content:
             raise InputError(f"{name!r} is empty.")
         if len(content) > MOST_BYTES:
             raise InputError(_too_large())
         here = safe(name)
+        if not anew:
+            stem, dot, ending = here.rpartition(".")
+            names = (here, *(f"{stem}-{k}{dot}{ending}" if dot else f"{here}-{k}" for k in range(2, 1000)))
+            here = next(each for each in names if self._free(each, content))
         there = sum(file.stat().st_size for file in self.path.iterdir() if file.name != here)
         if there + len(content) > self._most:
             raise InputError(f"the files of this page must be {self._most / 1e6:g} MB or less in all.")
@@ -114,6 +121,11 @@ class Folder:
         unfinished.write_bytes(content)
         os.replace(unfinished, self.path / here)
         return here
+
+    def _free(self, name: str, content: bytes) -> bool:
+        """Whether there is no other file of this name."""
+        path = self.path / name
+        return not path.exists() or (path.stat().st_size == len(content) and path.read_bytes() == content)
 
     def check(self, names: Iterable[Any]) -> None:
         """Raises `InputError` for a name that is no file of this folder."""

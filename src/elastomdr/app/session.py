@@ -30,6 +30,10 @@ class Session:
     rolling: str = "rolling"  # which kind of rolling is filled in
     used: float = 0.0
 
+    def touch(self) -> None:
+        """Notes that it is in use; of too many sessions those go that were left alone longest."""
+        self.used = time.monotonic()
+
 
 class Sessions:
     """The sessions of a server, each with a folder of its own inside one that goes when the server ends."""
@@ -47,7 +51,7 @@ class Sessions:
             for old in sorted(self._known.values(), key=lambda each: -each.used)[_MOST:]:
                 if old is not session:
                     self._known.pop(old.name).folder.remove()
-        session.used = time.monotonic()
+        session.touch()
         return session
 
 

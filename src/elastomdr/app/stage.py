@@ -40,6 +40,7 @@ def drop(
         failed.text, failed.visible = text, True
 
     async def arrived(event: events.MultiUploadEventArguments) -> None:
+        session.touch()
         failed.visible = False
         try:
             names = [session.folder.keep(file.name, await file.read()) for file in event.files]

@@ -11,7 +11,7 @@ from ..errors import InputError
 from . import DONE, NOT_CONVERGED
 
 _READ = ("kind", "frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
-_SIZES = {"area": "area", "length": "length", "ramp": "time"}
+SIZES = {"area": "area", "length": "length", "ramp": "time"}
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
 _LAWS = {"wlf": "WLF(8.9, 101.6, 20degC)", "vft": "VFT(1000, -100degC, 20degC)",
          "arrhenius": "Arrhenius(80 kJ/mol, 20degC)"}  # fmt: skip
@@ -86,11 +86,11 @@ def run(options: argparse.Namespace) -> int:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.fit.FitWarning)  # all of them are in the summary
         read = {key: getattr(options, key) for key in _READ}
-        read |= {key: size_of(key, getattr(options, key), unit) for key, unit in _SIZES.items()}
+        read |= {key: size_of(key, getattr(options, key), unit) for key, unit in SIZES.items()}
         read["storage_only"] = options.storage_only
         dma = em.read_dma(options.data, temperature=temperature, columns=columns, **read)
         if options.strain is not None:
-            dma = dma.at_strain(_strain(options.strain))
+            dma = dma.at_strain(strain_of(options.strain))
         fitted = {key: getattr(options, key) for key in _FITTED} | {"shift": law_of(options.shift)}
         found = em.fit.material(dma, reference, name=options.name or "", **fitted)
         folder.mkdir(parents=True, exist_ok=True)
@@ -173,7 +173,8 @@ def size_of(key: str, text: str | None, kind: str) -> float | None:
     return float(match[1]) * si[0]
 
 
-def _strain(text: str) -> float:
+def strain_of(text: str) -> float:
+    """A strain amplitude [-], given as it is or in per cent."""
     match = re.fullmatch(r"\s*([\d.]+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
     if match is None or match[1].count(".") > 1:
         raise InputError(f'--strain must be an amplitude such as "0.1%" or 0.001, got {text!r}.')
