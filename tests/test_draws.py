@@ -158,6 +158,21 @@ def test_a_sweep_over_draws(fit, tmp_path):
     np.testing.assert_allclose(found.mu[2], em.friction(draws[2], em.Sphere(5e-3), velocity=VELOCITY, load=1.0).mu)
 
 
+def test_a_sweep_pairs_the_draws_of_rubber_and_road(fit, tmp_path):
+    """As `em.friction` of both does; another rubber without draws is the same for each."""
+    pytest.importorskip("zarr")
+    draws, roads = fit.draws(3), ROAD.draws(3, level=0.1, cutoff=0.2)
+    scene = {"temperature": 293.15, "pressure": 2e5}
+    axes = {"material": [draws, true()], "velocity": VELOCITY}
+    found = em.sweep(em.friction, axes, store=tmp_path / "s.zarr", surface=roads, progress=False, **scene)
+    assert found.mu.dims == ("draw", "material", "velocity")
+    for i, material in enumerate(axes["material"]):
+        together = em.friction(material, roads, velocity=VELOCITY, **scene)
+        np.testing.assert_allclose(found.mu[:, i], together.mu, rtol=1e-12)
+    band = found.mu[:, 0].quantile([0.025, 0.5, 0.975], "draw")
+    np.testing.assert_allclose(band, em.friction(draws, roads, velocity=VELOCITY, **scene).band(), rtol=1e-12)
+
+
 SCENE = """
 material = "MATERIAL"
 uncertainty = 4

@@ -74,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
         found = em.sweep(call, axes, store=options.out, client=client)
     for each in caught:
         warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
-    sizes = ", ".join(f"{name} {size}" for name, size in found.sizes.items() if name != "chunk")
+    sizes = ", ".join(f"{name} {size}" for name, size in found.sizes.items())
     good = int(found.converged.sum())
     print(f"{found.converged.size} points ({sizes}), {good} converged")
     for name, values in found.data_vars.items():
@@ -164,7 +164,7 @@ def _table(found: Any, path: Path) -> Path:
     """
     from ..files import csv_text, write_files
 
-    points = found.drop_dims("chunk")
+    points = found.drop_vars("state")
     if path.suffix == ".xlsx" and points.converged.size > _TABLE_ROWS:
         raise InputError(f"--table: a sheet of Excel has {_TABLE_ROWS} rows, got {points.converged.size}: use .csv.")
     frame = points.to_dataframe().reset_index()

@@ -18,7 +18,7 @@ from ..results.base import Result, distinct
 
 P = ParamSpec("P")
 R = TypeVar("R")
-_RTOL = 1e-4  # of draws
+RTOL = 1e-4  # of draws
 _TEXTS = 12  # that a warning repeats; one of draws, which differ in numbers only
 _SHAPES = ("shape", "surface")
 
@@ -57,7 +57,7 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
         drawn = None
         if isinstance(material, Draws):
             drawn = f"{len(material)} draws of {material.name or 'the material'}", material.words
-            rest |= {"rtol": rest.get("rtol", _RTOL)} if exact else {}
+            rest |= {"rtol": rest.get("rtol", RTOL)} if exact else {}
         names = [getattr(each, "name", "") or f"material {i}" for i, each in enumerate(material, 1)]
         results: list[Any] = []
         with warnings.catch_warnings(record=True) as caught:

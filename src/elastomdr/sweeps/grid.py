@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import itertools
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
+from types import CodeType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,9 +16,12 @@ import numpy as np
 from .._runtime import is_traced
 from .._trees import Tree
 from ..errors import InputError
+from ..material.draws import Draws
 from ..results.base import distinct
 from ..scenes.choice import is_rough
+from ..scenes.several import RTOL
 
+_BODIES = ("shape", "surface")
 _STEADY = ("velocity", "load", "depth", "pressure", "temperature")
 _IMPACT = ("mass", "velocity", "temperature", "tangential_velocity", "friction", "inertia")
 _UNITS = {
@@ -28,6 +33,8 @@ _POINTS = 10_000  # of a chunk: a second of work by Multiscale, 10 MB
 _FEWEST = 2_000  # of a chunk of several calls: to write one costs a few milliseconds
 _CHUNKS = 128  # if the points suffice, so that no worker waits long for the last one
 _SLOW = 50  # of a chunk where every point is solved on cells or marched
+_DRAW = "draw"  # the axis of draws
+_LONG = 100  # entries from which on a list is described by its digest
 
 
 class Axis(NamedTuple):
@@ -56,6 +63,7 @@ class Grid(NamedTuple):
     call: Callable[..., Any]
     axes: list[Axis]
     fixed: dict[str, Any]
+    draws: bool = False  # whether the first axis numbers draws among the arguments
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -78,7 +86,7 @@ class Grid(NamedTuple):
         models, bodies = (
             [value for axis in self.axes if axis.name in names for value in axis.values]
             + [self.fixed[name] for name in names if name in self.fixed]
-            for names in (("model",), ("shape", "surface"))
+            for names in (("model",), _BODIES)
         )
         names = {_name(model).lower().replace("-", "") for model in models}
         return (
@@ -107,7 +115,15 @@ class Grid(NamedTuple):
             where: list[Any] = [slice(None)] * len(self.axes)
             for (k, _), i in zip(one_by_one, places, strict=True):
                 where[k] = i - chunk[k].start
-            yield tuple(where), self.fixed | arrays | given
+            yield tuple(where), self._drawn(self.fixed | arrays | given)
+
+    def _drawn(self, arguments: dict[str, Any]) -> dict[str, Any]:
+        """The arguments of one draw, as exact as `em.friction` takes draws."""
+        if not self.draws:
+            return arguments
+        i = arguments.pop(_DRAW) - 1
+        exact = {"rtol": RTOL} if "rtol" in inspect.signature(self.call).parameters else {}
+        return exact | {name: value[i] if isinstance(value, Draws) else value for name, value in arguments.items()}
 
     def identity(self, version: str) -> dict[str, Any]:
         """What a store has to have been made of to be gone on with: version, call and all values."""
@@ -130,38 +146,102 @@ def grid(call: Any, axes: Mapping[str, Any], fixed: dict[str, Any]) -> Grid:
     for name, values in axes.items():
         if name in fixed:
             raise InputError(f"{name} must be an axis or fixed, got both.")
-        if isinstance(values, (str, bytes, Mapping)) or not hasattr(values, "__len__") or np.ndim(values) == 0:
-            raise InputError(f"axes[{name!r}] must be a list or an array with one dimension, got {values!r}.")
-        listed = values.tolist() if isinstance(values, np.ndarray) else list(values)
-        if not listed or any(isinstance(value, list) for value in listed):
+        if is_traced(values):
+            raise InputError(f"axes[{name!r}] must not be traced: a sweep writes numbers to a store.")
+        listed = np.asarray(values).tolist() if hasattr(values, "__array__") else values
+        if (
+            isinstance(listed, (str, bytes, Mapping))
+            or not hasattr(listed, "__len__")
+            or not hasattr(listed, "__getitem__")
+            or not len(listed)
+            or any(isinstance(value, list) and not isinstance(value, Draws) for value in listed)
+        ):
             raise InputError(f"axes[{name!r}] must be a list or an array with one dimension, got {values!r}.")
         if is_traced(*listed):
             raise InputError(f"axes[{name!r}] must not be traced: a sweep writes numbers to a store.")
-        made.append(Axis(str(name), listed, name in arrays and None not in listed))
+        made.append(Axis(str(name), list(listed), name in arrays and None not in listed))
     for name, value in fixed.items():
         if name in arrays and np.ndim(value):
             raise InputError(f"{name} must be one value or an axis, got an array of the shape {np.shape(value)}.")
-    return Grid(call, made, fixed)
+        if name in ("material", *_BODIES) and isinstance(value, (list, tuple)) and not isinstance(value, Draws):
+            raise InputError(f"{name} must be one, draws of one, or an axis, got a list of {len(value)}.")
+    draws = _draws(made, fixed)
+    made = [Axis(_DRAW, draws, False), *made] if draws else made
+    found = Grid(call, made, fixed, bool(draws))
+    try:
+        _, arguments = next(found.calls(found.chunks()[0]))
+        places, named = positional(arguments)
+        inspect.signature(call).bind(*places, **named)
+    except TypeError as error:
+        raise InputError(f"axes and fixed arguments must be those of {call.__name__}: {error}.") from error
+    except ValueError:  # a function that has no signature
+        pass
+    return found
+
+
+def _draws(axes: list[Axis], fixed: dict[str, Any]) -> list[int]:
+    """The numbers of the draws, where there are any. Raises `InputError`."""
+    every = itertools.chain(fixed.items(), ((axis.name, value) for axis in axes for value in axis.values))
+    counts = {len(value): name for name, value in every if isinstance(value, Draws)}
+    if len(counts) > 1:
+        one, other = list(counts.items())[:2]
+        raise InputError(f"{other[1]} must have as many draws as {one[1]}, {one[0]}, got {other[0]}.")
+    if counts and any(name == _DRAW for name in (*fixed, *(axis.name for axis in axes))):
+        raise InputError(f"axes must not have one called {_DRAW!r} beside draws, which make it.")
+    return [i for count in counts for i in range(1, count + 1)]
+
+
+def positional(arguments: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
+    """Material and body of a call, which have places, whatever the axes call a body; and the other arguments."""
+    rest = dict(arguments)
+    places = [rest.pop("material")] if "material" in rest else []
+    body = [name for name in _BODIES if name in rest]
+    if places and body:
+        places.append(rest.pop(body[0]))
+    return places, rest
 
 
 def described(value: Any) -> Any:
-    """A value in JSON, exactly: two are equal if they say the same to a call; long arrays by their digest."""
+    """A value in JSON, exactly: two are equal if they say the same to a call; long ones by their digest."""
+    if isinstance(value, Draws):
+        return {"": "Draws", "name": value.name, "words": value.words, "each": described(list(value))}
     if isinstance(value, Tree) or hasattr(value, "__dataclass_fields__"):
         return {"": type(value).__name__} | {key: described(each) for key, each in sorted(vars(value).items())}
     if isinstance(value, Mapping):
         return {str(key): described(each) for key, each in value.items()}
     if isinstance(value, (list, tuple)) and not all(isinstance(each, (int, float)) for each in value):
-        return [described(each) for each in value]
+        every = [described(each) for each in value]
+        return every if len(every) <= _LONG else f"{len(every)} entries, digest {_digest(json.dumps(every).encode())}"
     if isinstance(value, (list, tuple)) or hasattr(value, "shape"):
         array = np.ascontiguousarray(value)
         if array.size <= 12:
             return array.tolist() if np.ndim(value) else array.item()
-        digest = hashlib.sha256(array.tobytes()).hexdigest()[:16]
+        array = array.astype(float) if array.dtype.kind in "iu" else array
         ends = f"{array.flat[0]!s} to {array.flat[-1]!s}"
-        return f"{array.dtype} {'x'.join(map(str, array.shape))}, {ends}, digest {digest}"
+        return f"{array.dtype} {'x'.join(map(str, array.shape))}, {ends}, digest {_digest(array.tobytes())}"
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
+    if hasattr(value, "__code__") and not str(value.__module__).startswith(f"{__name__.split('.')[0]}."):
+        inner = [cell.cell_contents for cell in value.__closure__ or () if cell.cell_contents is not value]
+        given = [value.__defaults__, value.__kwdefaults__, *inner]
+        return f"{value.__name__}, code {_digest(json.dumps([_code(value.__code__), described(given)]).encode())}"
+    if not hasattr(value, "__name__") and type(value).__repr__ is object.__repr__ and hasattr(value, "__dict__"):
+        return {"": type(value).__name__} | described(vars(value))
     return getattr(value, "__name__", None) or repr(value)
+
+
+def _code(code: CodeType) -> list[Any]:
+    """What a function of a user does, without where it stands."""
+    constants = [_code(each) if isinstance(each, CodeType) else _constant(each) for each in code.co_consts]
+    return [code.co_code.hex(), code.co_names, constants]
+
+
+def _constant(value: Any) -> str:
+    return repr(sorted(map(repr, value)) if isinstance(value, frozenset) else value)
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:16]
 
 
 def difference(made: Any, asked: Any, name: str = "") -> str:
@@ -179,6 +259,8 @@ def difference(made: Any, asked: Any, name: str = "") -> str:
 
 
 def _label(value: Any) -> str:
+    if value is None or isinstance(value, (bool, int, float)):
+        return str(value)
     return str(getattr(value, "name", "") or getattr(value, "label", "") or _name(value))
 
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import functools
+import itertools
 import os
 import sys
+import time
+import uuid
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice
@@ -15,8 +18,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from .. import __version__
 from ..errors import ConvergenceWarning, InputError
-from .grid import Grid, grid
+from .grid import Grid, grid, positional
 from .store import DONE, OPEN, RAISED, Store
 
 if TYPE_CHECKING:
@@ -31,9 +35,25 @@ _CALM = {  # by default the processes of Dask look after themselves 50 times a s
     "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "1s",
     "DASK_DISTRIBUTED__WORKER__MEMORY__MONITOR_INTERVAL": "1s",
     "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
+    "DASK_LOGGING__DISTRIBUTED": "critical",  # a lost scheduler is said once, by the process that called
 }
 _LOGGED = 30  # seconds between two lines of progress in the log of a job
-_AHEAD = 4  # chunks under way or waiting for each worker
+_AHEAD = 4  # chunks under way or waiting for each thread of a worker
+_LEAST = 32  # under way or waiting: clusters that adapt themselves grow by what waits
+_LOOK = 5  # seconds between two looks at how large the cluster is
+_CLOSING = 5  # seconds for what is closed
+# Scheduler and workers of this machine end with the process that started them, even if that is killed, and leave what
+# is typed at its terminal, such as Ctrl-C, to it.
+_BOUND = """
+import os, threading, time
+if os.getpgrp() != os.getpid():
+    os.setpgid(0, 0)
+def watch():
+    while os.getppid() == {parent}:
+        time.sleep(0.5)
+    os._exit(1)
+threading.Thread(target=watch, daemon=True).start()
+"""
 
 
 def sweep(
@@ -51,19 +71,21 @@ def sweep(
     with the same arguments and store, after an interruption say, it computes what is missing.
 
     Args:
-        call: `em.friction`, `em.rolling`, `em.impact`, or a function of yours that returns a result of one of these.
+        call: `em.friction`, `em.rolling`, `em.impact`, or a function of yours that returns a result of one of these;
+            when its code has changed, it is another call.
         axes: name of an argument to its values, in the order of the dimensions of the answer: numbers
             (`velocity`, `load`, `pressure`, `temperature`, ...), materials, shapes and surfaces, models, or
             whatever else the call accepts.
         store: folder of the zarr store, new or of an earlier call with the same arguments.
         client: a `dask.distributed.Client` of any cluster; None starts one process per core of this machine.
         progress: whether a bar shows the share that is done and the time that is left.
-        fixed: the other arguments of the call.
+        fixed: the other arguments of the call. Draws of a material, of a surface or of both, here or among the values
+            of an axis, make the first axis of the answer, `draw`: a material and a surface for each.
 
     Returns:
         An `xarray.Dataset` with the fields of the result that have one value per point; names and units are in its
-        attributes. Points that did not converge are NaN. `chunk_state` is 1 where a chunk is done and 2 where a call
-        raised, whose message stands in the attribute `raised`.
+        attributes. Points that did not converge are NaN. `state` is 1 where a chunk is done and 2 where one of its
+        calls raised; the messages stand in the attribute `raised`.
 
     Raises:
         InputError: wrong axes; a store made with other inputs or by another version, or in use by another
@@ -73,23 +95,24 @@ def sweep(
     missing = [name for name in _NEEDED if not _installed(name)]
     if missing:
         raise InputError(f"em.sweep needs {', '.join(missing)}: pip install elastomdr[sweep]")
-    asked, path = grid(call, axes, fixed), Path(store)
+    if not isinstance(store, (str, os.PathLike)) or "://" in str(store):
+        raise InputError(f"store must be a folder of this machine, got {store!r}.")
+    path = Path(store).resolve()
+    if not path.name:
+        raise InputError(f"store must be a folder of this machine, got {store!r}.")
+    if client is not None and not hasattr(client, "submit"):
+        raise InputError(f"client must be a dask.distributed.Client or None, got {client!r}.")
+    asked = grid(call, axes, fixed)
     with _alone(path):
-        try:
+        with _written(path):
             kept = Store(path, asked)
-            kept.describe(_computed(asked, kept, client, progress))
-        except OSError as error:
-            if isinstance(error, ConnectionError):
-                raise
-            raise InputError(
-                f"store {str(path)!r} cannot be written: {error.strerror or error}. What was finished is in it, and "
-                "the same call goes on from there."
-            ) from error
+        _compute(asked, kept, client, progress)
+        with _written(path):
+            kept.finish()
     if raised := kept.raised():
-        first = next(iter(raised.values()))
         warnings.warn(
             f"{len(raised)} of {kept.state.size} chunks hold calls that raised; their points are NaN. The first: "
-            f"{first} All are in the attribute 'raised'.",
+            f"{next(iter(raised.values()))} All are in the attribute 'raised'.",
             ConvergenceWarning,
             stacklevel=2,
         )
@@ -102,13 +125,12 @@ def sweep(
     return kept.opened()
 
 
-def _computed(asked: Grid, kept: Store, client: Client | None, progress: bool) -> dict[str, str]:
-    """Computes the chunks that are open; what a result says of itself."""
+def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) -> None:
+    """Computes the chunks that are open, and keeps each."""
     from tqdm import tqdm
 
     chunks = asked.chunks()
     todo = [number for number in range(len(chunks)) if kept.state[number] == OPEN]
-    told: dict[str, str] = {}
     total = int(np.prod(asked.shape))
     sizes = [int(np.prod([place.stop - place.start for place in chunk])) for chunk in chunks]
     left = sum(sizes[number] for number in todo)
@@ -116,26 +138,58 @@ def _computed(asked: Grid, kept: Store, client: Client | None, progress: bool) -
         total=total, initial=total - left, unit=" points", unit_scale=True, disable=not (progress and todo),
         file=sys.stderr, delay=2, dynamic_ncols=True, mininterval=0.1 if sys.stderr.isatty() else _LOGGED,
     )  # fmt: skip
-    with bar, _workers(client, len(todo)) as work:
-        for number, (parts, message, words) in work(asked, chunks, todo):
-            kept.keep(number, chunks[number], parts, message, RAISED if message else DONE)
-            told = told or words
+    apart = len(todo) > 1 or not kept.raised().keys().isdisjoint(todo)  # it may kill this process
+    with bar, _workers(client, len(todo) if apart else 0) as work:
+        for number, found in work(asked, chunks, todo):
+            with _written(kept.path):
+                if isinstance(found, str):  # it killed its workers, and is open for the next call
+                    kept.keep(number, {}, f"{_place(asked, chunks[number])}: {found}", [], OPEN)
+                else:
+                    kept.keep(number, *found, RAISED if found[1] else DONE)
             bar.update(sizes[number])
-    return told
 
 
 @contextlib.contextmanager
 def _workers(client: Client | None, count: int) -> Iterator[Callable[..., Iterator[tuple[int, Any]]]]:
-    """What computes chunks: the client's cluster, one of processes of this machine, or this process for one alone."""
+    """What computes chunks: the client's cluster, one of up to `count` processes of this machine, or this process."""
     if client is not None:
         yield lambda *work: _on_cluster(client, *work)
-    elif count < 2 or (cores := _cores()) < 2:
+    elif not count or (cores := _cores()) < 2:
         yield lambda asked, chunks, todo: ((number, compute(asked, chunks[number])) for number in todo)
     else:
-        from distributed import Client as Connected
-
-        with _cluster(min(count, cores)) as cluster, Connected(cluster) as started:
+        with _local(min(count, cores)) as started:
             yield lambda *work: _on_cluster(started, *work)
+
+
+@contextlib.contextmanager
+def _local(workers: int) -> Iterator[Client]:
+    """A client of a cluster of this machine, which is closed also where its scheduler is gone."""
+    from distributed import Client
+
+    cluster = _cluster(workers)
+    try:
+        client = Client(cluster)
+        try:
+            yield client
+        finally:
+            with contextlib.suppress(Exception):
+                client.close(timeout=_CLOSING)
+    finally:
+        _close(cluster)
+
+
+def _close(cluster: Any) -> None:
+    import dask
+    from distributed.core import Status
+
+    try:
+        with dask.config.set({"distributed.comm.timeouts.connect": _CLOSING}):
+            cluster.close(timeout=_CLOSING)
+    except Exception:  # what cannot be asked to end is ended
+        for started in (cluster.scheduler, *cluster.workers.values()):
+            with contextlib.suppress(AttributeError, ProcessLookupError):
+                started.process.kill()
+        cluster.status = Status.closed
 
 
 def _cluster(workers: int) -> Any:
@@ -148,10 +202,11 @@ def _cluster(workers: int) -> Any:
 
     added = {name: text for name, text in _CALM.items() if name not in os.environ}
     os.environ.update(added)
+    bound = _BOUND.format(parent=os.getpid())
     try:
         return SubprocessCluster(
             host="127.0.0.1", n_workers=workers, threads_per_worker=1, dashboard_address=cast(str, None),
-            silence_logs=40,
+            silence_logs=50, scheduler_kwargs={"preload": bound}, worker_kwargs={"preload_nanny": bound},
         )  # fmt: skip
     finally:
         for name in added:
@@ -159,43 +214,64 @@ def _cluster(workers: int) -> Any:
 
 
 def _on_cluster(client: Client, asked: Grid, chunks: list[Any], todo: list[int]) -> Iterator[tuple[int, Any]]:
-    """Chunks as they are finished, in any order; a few per worker are under way at a time."""
-    from distributed import as_completed
+    """Chunks as they are finished, in any order; a few per worker are under way at a time.
+
+    When a worker dies, Dask suspects every chunk that it had, so those that are given up are computed once more, each
+    alone. What is given up again has killed workers by itself; what it did is answered in words.
+    """
     from distributed.scheduler import KilledWorker
     from distributed.utils import CancelledError, TimeoutError  # type: ignore[attr-defined]
 
-    numbers: dict[Any, int] = {}
+    shared = client.submit(_given, asked, pure=False) if todo else None  # unlike scattered data made again if lost
+    suspects: list[int] = []
+    try:
+        for number, found in _as_completed(client, shared, chunks, todo, alone=False):
+            if isinstance(found, KilledWorker):
+                suspects.append(number)
+            else:
+                yield number, found
+        for number, found in _as_completed(client, shared, chunks, suspects, alone=True):
+            killed = isinstance(found, KilledWorker)
+            yield number, "workers died over it, for want of memory perhaps." if killed else found
+    except (CancelledError, TimeoutError, OSError) as error:
+        why = "" if isinstance(error, CancelledError) else f" ({error or type(error).__name__})"
+        raise ConnectionError(
+            f"the cluster was lost{why}; what was finished is in the store, and the same call goes on from there."
+        ) from error
+
+
+def _as_completed(
+    client: Client, shared: Any, chunks: list[Any], todo: list[int], *, alone: bool
+) -> Iterator[tuple[int, Any]]:
+    """The chunks of a list with what came of them, or that they killed their workers; at most so many under way."""
+    from distributed import as_completed
+    from distributed.scheduler import KilledWorker
+
+    name = f"compute-{uuid.uuid4()}"  # of one group of tasks, which wait at the scheduler until a worker is free
     under_way: dict[Any, Any] = {}
     waiting = iter(todo)
-    shared = client.submit(_given, asked, pure=False) if todo else None  # unlike scattered data made again if lost
-    done = as_completed()
-
-    def submit(count: int) -> None:
-        for number in islice(waiting, count):
-            future = client.submit(compute, shared, chunks[number], pure=False)
-            numbers[future.key], under_way[future.key] = number, future
-            done.add(future)
-
+    done, looked = as_completed(), -_LOOK
+    most = 1
     try:
-        submit(_AHEAD * max(1, len(client.scheduler_info(n_workers=-1)["workers"])))
-        for future in done:
-            number = numbers.pop(future.key)
-            del under_way[future.key]
+        while True:
+            if not alone and time.monotonic() > looked + _LOOK:  # clusters grow and shrink
+                workers = client.scheduler_info(n_workers=-1)["workers"].values()
+                most = max(_LEAST, _AHEAD * sum(worker["nthreads"] for worker in workers))
+                looked = time.monotonic()
+            for number in islice(waiting, most - len(under_way)):
+                future = client.submit(compute, shared, chunks[number], __version__, key=(name, number))
+                under_way[future.key] = future
+                done.add(future)
+            if not under_way:
+                return
+            future = next(done)
+            _, number = under_way.pop(future.key).key
             try:
                 found = future.result()
             except KilledWorker as error:
-                raise ConnectionError(
-                    f"workers died again and again over chunk {number}, for want of memory perhaps: {error}"
-                ) from error
+                found = error
+            del future  # or the worker keeps what it found
             yield number, found
-            submit(1)
-    except (CancelledError, TimeoutError, OSError) as error:
-        if isinstance(error, ConnectionError) and "workers died" in str(error):
-            raise
-        raise ConnectionError(
-            f"the cluster was lost ({error or type(error).__name__}); what was finished is in the store, and the same "
-            "call goes on from there."
-        ) from error
     finally:
         with contextlib.suppress(Exception):  # of a cluster that may be gone
             client.cancel(list(under_way.values()))
@@ -205,31 +281,37 @@ def _given(asked: Grid) -> Grid:
     return asked
 
 
-def compute(asked: Grid, chunk: tuple[slice, ...]) -> tuple[dict[str, Any], str, dict[str, str]]:
-    """The calls of a chunk: arrays and attributes by field, what was raised, provenance."""
+def compute(asked: Grid, chunk: tuple[slice, ...], version: str = __version__) -> tuple[dict[str, Any], str, list[str]]:
+    """The calls of a chunk: arrays and attributes by field, what was raised, the models that were used."""
+    if version != __version__:
+        raise InputError(f"client must have workers with elastomdr {version}, got one with {__version__}.")
     _keep_memory()
     shape = tuple(place.stop - place.start for place in chunk)
+    axes = [axis.name for axis in asked.axes]
     parts: dict[str, Any] = {}
-    messages, told = [], {}
+    messages, models = [], []
     for where, arguments in asked.calls(chunk):
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                result = _call(asked.call, arguments)
-            fields = result.fields()
+                places, named = positional(arguments)
+                result = asked.call(*places, **named)
+            fields = {q: values for q, values in result.fields().items() if q.key not in axes}
+            expected = np.zeros(shape, bool)[where].shape
+            if odd := next((q.key for q, values in fields.items() if values.shape != expected), None):
+                got = next(values.shape for q, values in fields.items() if q.key == odd)
+                raise InputError(f"call must give one value per point, {expected}, got {odd} of the shape {got}.")
         except Exception as error:
             messages.append(f"{_place(asked, chunk, where)}: {type(error).__name__}: {error}")
             continue
-        told = told or {"model": result.model}
+        models += [result.model] * (result.model not in models)
         for q, values in fields.items():
-            if q.key in arguments and np.ndim(arguments[q.key]):
-                continue  # an axis already
             if q.key not in parts:
                 about = {"long_name": q.label, "units": q.unit, "description": q.meaning}
                 empty = np.zeros(shape, bool) if values.dtype == bool else np.full(shape, np.nan)
                 parts[q.key] = (empty, {key: text for key, text in about.items() if text})
             parts[q.key][0][where] = values
-    return parts, " | ".join(messages), told
+    return parts, " | ".join(messages), models
 
 
 @functools.cache
@@ -246,24 +328,26 @@ def _keep_memory() -> None:
             libc.mallopt(_MMAP_THRESHOLD, 32 << 20)
 
 
-def _call(call: Callable[..., Any], arguments: dict[str, Any]) -> Any:
-    """The call, with material and shape in their places, whatever the axes call a shape."""
-    rest = dict(arguments)
-    places = [rest.pop("material")] if "material" in rest else []
-    body = [name for name in ("shape", "surface") if name in rest]
-    if places and body:
-        places.append(rest.pop(body[0]))
-    return call(*places, **rest)
-
-
-def _place(asked: Grid, chunk: tuple[slice, ...], where: tuple[Any, ...]) -> str:
-    """Which call of a chunk it is, by the values of the axes that it does not do at once."""
-    named = [
-        f"{axis.name} {axis.labels[place.start + i]}"
-        for axis, place, i in zip(asked.axes, chunk, where, strict=True)
-        if not isinstance(i, slice)
-    ]
+def _place(asked: Grid, chunk: tuple[slice, ...], where: tuple[Any, ...] = ()) -> str:
+    """Which points of a chunk they are, by the values of the axes along which they are not all."""
+    named = []
+    for axis, place, i in itertools.zip_longest(asked.axes, chunk, where, fillvalue=slice(None)):
+        labels = axis.labels[place] if isinstance(i, slice) else axis.labels[place.start + i : place.start + i + 1]
+        if len(labels) < len(axis.values) or len(labels) == 1:
+            named.append(f"{axis.name} {labels[0]}" + (f" to {labels[-1]}" if len(labels) > 1 else ""))
     return ", ".join(named) or "all"
+
+
+@contextlib.contextmanager
+def _written(path: Path) -> Iterator[None]:
+    """Says in one line what keeps the store from being written. Raises `InputError`."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"store {str(path)!r} cannot be written: {error.strerror or error}. What was finished is in it, and "
+            "the same call goes on from there."
+        ) from error
 
 
 @contextlib.contextmanager
@@ -273,13 +357,14 @@ def _alone(path: Path) -> Iterator[None]:
 
     lock = path.with_name(f".{path.name}.lock")
     try:
-        path.absolute().parent.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         held = FileLock(lock, blocking=False)
         held.acquire()
     except Timeout as error:
         raise InputError(f"store {str(path)!r} is in use by another process.") from error
-    except OSError as error:
-        raise InputError(f"store must be a folder that can be written, got {str(path)!r}: {error.strerror}.") from error
+    except (OSError, NotImplementedError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"store must be a folder that can be written, got {str(path)!r}: {why}.") from error
     try:
         yield
     finally:
@@ -287,7 +372,9 @@ def _alone(path: Path) -> Iterator[None]:
 
 
 def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    from dask.system import cpu_count  # knows affinity and the limits of containers
+
+    return cpu_count()
 
 
 def _installed(name: str) -> bool:
