@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .._arrays import on_numpy, xp
+from .._arrays import mapped, on_numpy, xp
 from .._runtime import Array
 from ..material.relaxation import AbstractRelaxation
 from .decay import phi1, phi2
@@ -125,6 +125,12 @@ def coefficients(law: AbstractRelaxation, h: Any, *, viscous: bool = True) -> Co
         drag=xp.sum(moduli * half, axis=0) + rate,
         blow=xp.sum(moduli * (half - 0.5 * mean**2), axis=0) + rate,
     )
+
+
+def coefficients_of_steps(law: AbstractRelaxation, h: Float[Array, " steps"], *, viscous: bool = True) -> Coefficients:
+    """`coefficients` of all steps of a march at once, with the steps along the first axis of each field."""
+    c = coefficients(law, h, viscous=viscous)
+    return mapped(lambda x: xp.moveaxis(xp.broadcast_to(x, (*x.shape[:-1], h.size)), -1, 0)[..., None], c)
 
 
 def fade(c: Coefficients, f: Float[Array, "k n"]) -> Fading:

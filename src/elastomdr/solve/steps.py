@@ -22,7 +22,7 @@ from .._arrays import compiled, fixed, fori_loop, in_steps, mapped, on_numpy, xp
 from .._runtime import Array, is_traced
 from ..foundation.decay import phi1
 from ..foundation.modes import Modes
-from ..foundation.step import Elements, advance, coefficients, fade, lag, released, rest
+from ..foundation.step import Coefficients, Elements, advance, coefficients_of_steps, fade, lag, released, rest
 from ..mapping.disc import Disc, gauss
 from ..material.relaxation import Relaxation
 from .carried import settle
@@ -251,10 +251,10 @@ def _once(
     )
     total, work = xp.where(depth_rules, xp.sum(weight * q), value), xp.sum(weight * first.work)
 
-    def step(carry: tuple, now: Steps) -> tuple[tuple, tuple]:
-        state, d, total, work, d_start, total_start = carry
+    def step(carry: tuple, entry: tuple[Steps, Coefficients]) -> tuple[tuple, tuple]:
+        (state, d, total, work, d_start, total_start), (now, c) = carry, entry
+        c = c if viscous else c._replace(seen=c.decay)  # so that sums over both are made once
         d_start, total_start = xp.where(now.first, d, d_start), xp.where(now.first, total, total_start)
-        c = coefficients(law, now.h, viscous=viscous)
         end = total_start + (now.target - total_start) * now.part
         fading = fade(c, state.f)
         free = released(c, state.u, fading.seen)
@@ -272,7 +272,8 @@ def _once(
         kept = measure(state, new, total, work), _edge(x, new - g - free, state.q > 0)
         return (state, new, total, work, d_start, total_start), kept
 
-    _, (sums, radius) = in_steps(step, (first, d, total, work, d, total), steps)
+    over = steps, coefficients_of_steps(law, steps.h, viscous=viscous)
+    _, (sums, radius) = in_steps(step, (first, d, total, work, d, total), over)
     radius = xp.append(_edge(x, d - g, u > 0), radius)
     sums = tuple(xp.append(a, b) for a, b in zip(measure(first, d, total, work), sums, strict=True))
     if disc.flat:
