@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import functools
-import itertools
 import os
 import sys
 import time
@@ -145,7 +144,8 @@ def _compute(asked: Grid, kept: Store, client: Client | None, progress: bool) ->
                 if isinstance(found, str):  # it killed its workers, and is open for the next call
                     kept.keep(number, {}, f"{_place(asked, chunks[number])}: {found}", [], OPEN)
                 else:
-                    kept.keep(number, *found, RAISED if found[1] else DONE)
+                    parts, message, models = found
+                    kept.keep(number, parts, message, models, RAISED if message else DONE)
             bar.update(sizes[number])
 
 
@@ -179,11 +179,11 @@ def _local(workers: int) -> Iterator[Client]:
 
 
 def _close(cluster: Any) -> None:
-    import dask
+    from dask import config  # type: ignore[attr-defined]
     from distributed.core import Status
 
     try:
-        with dask.config.set({"distributed.comm.timeouts.connect": _CLOSING}):
+        with config.set({"distributed.comm.timeouts.connect": _CLOSING}):
             cluster.close(timeout=_CLOSING)
     except Exception:  # what cannot be asked to end is ended
         for started in (cluster.scheduler, *cluster.workers.values()):
@@ -331,7 +331,8 @@ def _keep_memory() -> None:
 def _place(asked: Grid, chunk: tuple[slice, ...], where: tuple[Any, ...] = ()) -> str:
     """Which points of a chunk they are, by the values of the axes along which they are not all."""
     named = []
-    for axis, place, i in itertools.zip_longest(asked.axes, chunk, where, fillvalue=slice(None)):
+    where = where or (slice(None),) * len(chunk)
+    for axis, place, i in zip(asked.axes, chunk, where, strict=True):
         labels = axis.labels[place] if isinstance(i, slice) else axis.labels[place.start + i : place.start + i + 1]
         if len(labels) < len(axis.values) or len(labels) == 1:
             named.append(f"{axis.name} {labels[0]}" + (f" to {labels[-1]}" if len(labels) > 1 else ""))
