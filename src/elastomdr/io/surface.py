@@ -1,5 +1,7 @@
 """Measured heights: arrays, text files with units, and the files of instruments."""
 
+from __future__ import annotations
+
 import importlib.util
 import io
 import os
@@ -7,10 +9,9 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import plain, positive
 from ..errors import InputError
@@ -20,6 +21,9 @@ from ..mapping.topography import Scan, surface
 from .sheets import read_sheet
 from .tables import Head, clean, main_table, splits
 from .units import to_si, usual
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _LARGEST = 1e100  # [m]
 _TABLES = (".csv", ".tsv", "")  # names of tables

@@ -14,19 +14,23 @@ sum_k J_k [I_k(x) + I_k(-x) - 2 e(x)]/(2 l_k): nothing of the elastic answer is 
 keeps its digits.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import Array
 from ..foundation.moments import contract
 from ..material.relaxation import KelvinChain
 from ..solve.rule import gauss
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _NODES = 10  # Gauss points per half cell: e has logarithmic slopes at the ends of the cell, where the pieces meet
 _SHORT = 0.1  # of a cell: decay lengths below which I - e is taken from second differences of e
