@@ -25,6 +25,8 @@ from .units import to_si, usual
 if TYPE_CHECKING:
     from jaxtyping import Float
 
+    Heights = Float[np.ndarray, " n"] | Float[np.ndarray, "n_x n_y"]
+
 _LARGEST = 1e100  # [m]
 _TABLES = (".csv", ".tsv", "")  # names of tables
 _TEXT = (*_TABLES, ".txt", ".dat")  # names of tables, or of an instrument's text; other files are an instrument's
@@ -33,7 +35,6 @@ _EVEN = 1e-4  # unevenness of x, relative to its step, that counts as rounding
 _MOST = 4_000_000  # even points along a profile
 
 Path_ = str | os.PathLike[str]
-Heights = Float[np.ndarray, " n"] | Float[np.ndarray, "n_x n_y"]
 PixelSize = float | tuple[float, float] | None
 
 
