@@ -1,9 +1,11 @@
 """Steady scenes run on NumPy and load no JAX; the classes they take are JAX's pytrees all the same."""
 
 import pickle
+import re
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import equinox as eqx
 import jax
@@ -14,6 +16,8 @@ import elastomdr as em
 from elastomdr import _arrays, _trees
 from elastomdr._arrays import on_numpy, xp
 
+ROOT = Path(__file__).parents[1]
+DMA = ROOT / "examples/data/dma.csv"
 RUBBER = em.Prony(1e6, np.geomspace(1e8, 1e6, 8), np.logspace(-6, 1, 8), poisson=0.4, shift=em.WLF(8.86, 101.6, 293.15))
 HEAVY = {"jax", "jaxlib", "equinox", "jaxtyping", "diffrax", "matplotlib", "scipy", "scipy.special", "pint"}
 MATERIAL = "em.Prony(1e6, [1e8, 1e7], [1e-4, 1e-1], poisson=0.4, shift=em.WLF(8.86, 101.6, 293.15))"
@@ -47,6 +51,26 @@ def test_rolling_layers_and_plans_load_nothing_heavy():
     roller = f"{layer}, em.Cylinder(0.05, 0.5), velocity=[0.1, 1.0], load=100.0)"
     assert loaded(f"em.rolling({roller}\nem.plan({roller}\nem.dissipation({roller}") == set()
     assert loaded(f"em.friction({layer}, em.Sphere(0.01), velocity=1.0, load=1.0)") == set()
+
+
+def test_closed_formulas_and_the_laboratory_load_no_jax():
+    assert (
+        loaded(
+            "em.stability(em.Mount(1.0, 1e3), velocity=[1.0, 2.0, 3.0], force=[1.0, 0.9, 0.8], wavelength=1e-3)\n"
+            f"em.squeezed_cord({MATERIAL}, 1e-2, 0.1)"
+        )
+        == set()
+    )
+    jax_and_its_own = {"jax", "jaxlib", "equinox", "jaxtyping", "diffrax", "matplotlib"}
+    assert not loaded(f"em.read_dma({str(DMA)!r})\nem.fit.material") & jax_and_its_own
+    assert not loaded("em.read_surface([0, 1e-6, 0, -1e-6] * 20, pixel_size=1e-5)") & jax_and_its_own
+
+
+def test_annotations_load_nothing():
+    """jaxtyping is for editors and type checkers."""
+    sources = {path: path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.py")}
+    assert len(sources) > 100
+    assert not [path for path, text in sources.items() if re.search("^(from|import) jaxtyping", text, re.MULTILINE)]
 
 
 HISTORIES = {

@@ -94,3 +94,29 @@ def test_gradient_of_an_indentation_without_64_bit_types():
     call = VERBS["indent"]
     with jax.enable_x64(False):
         np.testing.assert_allclose(jax.grad(call)(1.0), 1.5 * call(1.0), rtol=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")
+def test_surfaces_are_made_from_traced_numbers_without_64_bit_types():
+    """rms height of a self-affine surface goes as its rms slope; heights of a line are its own slope."""
+    with jax.enable_x64(False):
+        rms = jax.grad(lambda s: em.SelfAffine(0.8, rms_slope=s, q_low=1e3, q_high=1e5).rms_height)(0.1)
+        x = np.arange(8.0)
+        high = jax.jit(lambda k: em.RoughLine(x, k * np.sin(x)).highest)(2.0)
+    assert rms == pytest.approx(em.SelfAffine(0.8, rms_slope=1.0, q_low=1e3, q_high=1e5).rms_height, rel=1e-6)
+    assert high == pytest.approx(em.RoughLine(x, 2 * np.sin(x)).highest, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")
+def test_compiled_gradient_under_a_falling_load_without_64_bit_types():
+    """JAX transposes under the caller's setting what the call has left to it."""
+
+    def call(radius):
+        material = em.Prony(1e6, [1e8, 1e7], [1e-4, 1e-1], poisson=0.4)
+        time, load = [0.0, 0.5, 1.0], [0.0, 1.0, 0.5]
+        return em.indent(material, em.Sphere(radius), time=time, load=load, rtol=1e-3).depth[-1]
+
+    with jax.enable_x64(False):
+        slope = jax.jit(jax.grad(call))(0.01)
+    assert slope == pytest.approx((call(0.0101) - call(0.0099)) / 2e-4, rel=1e-3)

@@ -1,17 +1,21 @@
 """Curves with 95 % intervals: storage and loss modulus over frequency, relaxation over time."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from .._runtime import as_float64, positive
 from ..io.data import FitWarning
 from .findings import TWO_SIGMA
 from .joint import AtReference, Joint, curve
 from .spectrum import LOSS, RELAXATION, STORAGE
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 
 class Band(NamedTuple):

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
-from jaxtyping import Bool, Float
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
@@ -34,6 +33,8 @@ from .findings import TWO_SIGMA, AbstractFindings
 from .parameters import MEANINGS, Change, applied, check
 
 if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
+
     from .._types import ArrayLike, Indenter, Motion, Surface
 
 _WIDTH = 1.0  # standard deviation of the prior of a parameter, about its start, where none is given

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
 from scipy.interpolate import BSpline
 
 from .._runtime import as_float64, in_kelvin, positive, require, scalar
@@ -21,6 +20,7 @@ from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_prior
 from .spectrum import STORAGE, Points
 
 if TYPE_CHECKING:
+    from jaxtyping import Float, Int
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style

@@ -1,13 +1,17 @@
 """WLF, Arrhenius and VFT laws through measured shift factors."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from ..material.shift import GAS_CONSTANT, VFT, WLF, Arrhenius
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _LN10 = float(np.log(10.0))
 _LEAST = 0.003  # standard deviation by which any such law may be off [decades]

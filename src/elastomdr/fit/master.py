@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
 
 from .._runtime import in_kelvin, not_negative, positive, scalar, significant
 from ..errors import InputError
@@ -33,6 +32,7 @@ from .swapped import refuse_swapped
 from .tabulate import tabulate
 
 if TYPE_CHECKING:
+    from jaxtyping import Bool, Float, Int
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Kind, LawName, Number, Style

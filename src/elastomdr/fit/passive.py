@@ -4,11 +4,15 @@ G' = G_eq + sum_k H_k x_k^2/(1 + x_k^2) and G'' = eta omega + sum_k H_k x_k/(1 +
 a grid of relaxation times that reaches beyond the data. A check of data, not a fit: that is `fit.terms`.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
 from scipy.optimize import nnls
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 _PER_DECADE = 4  # relaxation times,
 _MARGIN = 2.3  # how far beyond the data ln(tau) goes on either side,

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from .._runtime import as_float64, positive
 from .._trees import fill, static
@@ -28,6 +27,7 @@ from .findings import AbstractFindings
 from .isotherms import group
 
 if TYPE_CHECKING:
+    from jaxtyping import Float, Int
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style

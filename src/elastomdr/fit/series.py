@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import positive, scalar, significant
 from ..errors import InputError
@@ -32,6 +31,7 @@ from .spectrum import LOSS, RELAXATION, STORAGE, Points
 from .terms import Data, check_terms, choose_terms
 
 if TYPE_CHECKING:
+    from jaxtyping import Float
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Kind, Style

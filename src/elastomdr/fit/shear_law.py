@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from .._runtime import as_float64, plain, positive, require
 from ..errors import InputError
@@ -29,6 +28,7 @@ from ..solve.adhesive_shear import AdhesiveShear
 from .findings import AbstractFindings
 
 if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
     from matplotlib.axes import Axes
 
     from .._types import ArrayLike, Style

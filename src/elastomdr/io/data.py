@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from .._runtime import as_float64, in_kelvin, positive, scalar
 from ..errors import InputError
 
 if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
+
     from .._types import ArrayLike, Kind, Response
 
 KINDS = ("shear", "tensile")

@@ -1,5 +1,7 @@
 """Measured heights: arrays, text files with units, and the files of instruments."""
 
+from __future__ import annotations
+
 import importlib.util
 import io
 import os
@@ -7,10 +9,9 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import plain, positive
 from ..errors import InputError
@@ -21,6 +22,11 @@ from .sheets import read_sheet
 from .tables import Head, clean, main_table, splits
 from .units import to_si, usual
 
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    Heights = Float[np.ndarray, " n"] | Float[np.ndarray, "n_x n_y"]
+
 _LARGEST = 1e100  # [m]
 _TABLES = (".csv", ".tsv", "")  # names of tables
 _TEXT = (*_TABLES, ".txt", ".dat")  # names of tables, or of an instrument's text; other files are an instrument's
@@ -29,7 +35,6 @@ _EVEN = 1e-4  # unevenness of x, relative to its step, that counts as rounding
 _MOST = 4_000_000  # even points along a profile
 
 Path_ = str | os.PathLike[str]
-Heights = Float[np.ndarray, " n"] | Float[np.ndarray, "n_x n_y"]
 PixelSize = float | tuple[float, float] | None
 
 

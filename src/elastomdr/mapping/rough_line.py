@@ -35,7 +35,6 @@ class RoughLine(Tree):
     spacing: Float[Array, ""]  # dx [m]
     label: ClassVar[str] = "rough line"
 
-    @numpy_unless_traced
     def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
         x, height = as_float64("x", x), as_float64("height", height)
         alike(4, x=x, height=height)
@@ -54,7 +53,7 @@ class RoughLine(Tree):
                     f"x must be evenly spaced, got steps that differ by up to {100 * worst:.2g} % from their mean; "
                     "resample=True takes the heights at even places, by linear interpolation."
                 )
-            height = xp.interp(even, x, height)
+            height = numpy_unless_traced(lambda y: xp.interp(even, x, y))(height)
         fill(self, height=height, spacing=np.asarray(spacing))
 
     @property

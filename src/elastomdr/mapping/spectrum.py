@@ -191,7 +191,6 @@ class SelfAffine(AbstractSpectrum):
     hurst: Scalar
     label: ClassVar[str] = "self-affine surface"
 
-    @numpy_unless_traced
     def __init__(
         self,
         hurst: Number,
@@ -218,9 +217,9 @@ class SelfAffine(AbstractSpectrum):
         if not is_traced(low, knee, high) and not low <= knee < high:
             raise InputError(f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} and {high:g} rad/m.")
         whole = q_rolloff is None or (not is_traced(low, knee) and knee == low)
-        q = xp.stack([low, high] if whole else [low, knee, high])
-        fill(self, hurst=hurst, q=q, c=xp.where(q <= knee, 1.0, (q / knee) ** (-2 - 2 * hurst)))
-        fill(self, c=self.c * (value / getattr(self, name)) ** 2)
+        q, c = _power_law(hurst, [low, high] if whole else [low, knee, high], knee)
+        fill(self, hurst=hurst, q=q, c=c)
+        fill(self, c=_scaled(c, value, getattr(self, name)))
         if not traced and not (np.isfinite(self.c) & (self.c > 0)).all():
             said = f"{name}={value:g} between {low:g} and {high:g} rad/m"
             raise InputError(f"{name} must be of a surface whose power spectrum double precision holds, got {said}.")
@@ -229,6 +228,17 @@ class SelfAffine(AbstractSpectrum):
         if is_traced(self):
             return "SelfAffine(traced)"
         return f"SelfAffine(hurst={self.hurst:g}, {self.words()})"
+
+
+@numpy_unless_traced
+def _power_law(hurst: Any, corners: list[Any], knee: Any) -> tuple[Array, Array]:
+    q = xp.stack(corners)
+    return q, xp.where(q <= knee, 1.0, (q / knee) ** (-2 - 2 * hurst))
+
+
+@numpy_unless_traced
+def _scaled(c: Any, value: Any, unscaled: Any) -> Array:
+    return c * (value / unscaled) ** 2
 
 
 class Spectrum(AbstractSpectrum):

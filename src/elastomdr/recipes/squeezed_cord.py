@@ -19,10 +19,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
-import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, in_float64, in_kelvin, is_traced, not_negative, positive, require
+from .._arrays import is_traced, numpy_unless_traced, xp
+from .._runtime import as_float64, in_kelvin, not_negative, positive, require
 from ..errors import InputError
 from ..mapping.radok import normal_operator
 from ..material.prony import Prony
@@ -47,7 +47,7 @@ MODELS = {
 
 
 @over_materials
-@in_float64
+@numpy_unless_traced
 def squeezed_cord(
     material: Solid | Sequence[Solid],
     diameter: ArrayLike,
@@ -104,8 +104,7 @@ def squeezed_cord(
     young, plane = (_modulus(law, material, time, temperature) for law in laws)
     if not is_traced(young) and not np.all(young > 0):
         raise InputError("time must be given for a material without an equilibrium modulus: it relaxes altogether.")
-    xp: Any = jnp if is_traced(young, d, part) else np
-    relative = 1.25 * part**1.5 + 50 * part**6 if formula == "lindley" else _small_strain(part, xp)  # W/(modulus d)
+    relative = 1.25 * part**1.5 + 50 * part**6 if formula == "lindley" else _small_strain(part)  # W/(modulus d)
     modulus = young if formula == "lindley" else plane
     try:
         shape = np.broadcast_shapes(np.shape(young), np.shape(d), np.shape(relative))
@@ -149,7 +148,7 @@ def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> A
         ) from error
 
 
-def _small_strain(part: Any, xp: Any) -> Any:
+def _small_strain(part: Any) -> Any:
     """W/(E* d) of two Hertzian contacts: both halves of the cord approach its middle by C d/2."""
     target = xp.log(4 / part) - 1
     u = target + xp.log(target + 1)

@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import as_float64, ascending, in_float64, is_traced, not_negative, positive, scalar
+from .._arrays import fixed, is_traced, numpy_unless_traced, xp
+from .._runtime import as_float64, ascending, not_negative, positive, scalar
 from ..errors import InputError
 from ..results.applications import Stability
 from ..results.words import brief
@@ -29,7 +28,7 @@ MODEL = "steady sliding, friction that follows the speed at once (exact to first
 PLAN = "closed form; slopes by central differences in ln V"
 
 
-@in_float64
+@numpy_unless_traced
 def stability(mount: Mount, *, velocity: ArrayLike, force: ArrayLike, wavelength: Number) -> Stability:
     """Damping ratio of a drive whose friction depends on velocity, and the velocity from which on it decides.
 
@@ -72,7 +71,6 @@ def stability(mount: Mount, *, velocity: ArrayLike, force: ArrayLike, wavelength
         raise InputError(f"force must have one value for each of the {v.size} velocities, got shape {drag.shape}.")
     if not is_traced(drag) and np.isinf(drag).any():
         raise InputError(f"force must be finite, or NaN where it is not known, got {drag[np.isinf(drag)][0]:g}.")
-    xp: Any = jnp if is_traced(mass, stiffness, damping, longest, v, drag) else np
     at = xp.log(v)
     step = at[1:] - at[:-1]
     rise = (drag[..., 1:] - drag[..., :-1]) / step
@@ -89,12 +87,12 @@ def stability(mount: Mount, *, velocity: ArrayLike, force: ArrayLike, wavelength
     inputs = (("mount", mounted), ("velocity", brief(v, "m/s")), ("longest wave", brief(longest, "m")))
     return Stability(
         velocity=everywhere, force=drag, slope=slope, ratio=ratio, follows=everywhere > slowest,
-        error=jax.lax.stop_gradient(_missed(at, rise, raised, xp) / v / root), converged=xp.isfinite(ratio),
+        error=fixed(_missed(at, rise, raised) / v / root), converged=xp.isfinite(ratio),
         slowest=slowest, model=MODEL, plan=PLAN, inputs=inputs,
     )  # fmt: skip
 
 
-def _missed(at: Any, rise: Any, raised: Any, xp: Any) -> Any:
+def _missed(at: Any, rise: Any, raised: Any) -> Any:
     """Estimated error of dF/d ln V: two to four times the term that a parabola through three points leaves out.
 
     That term is (x - x_1)(x - x_2) F[x_0, x_1, x_2, x_3], with the largest third divided difference of those that touch

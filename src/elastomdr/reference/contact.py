@@ -8,17 +8,21 @@ twice the size, preconditioned by the exact inverse on the infinite surface, E*(
 dozen products, whatever the material.
 """
 
+from __future__ import annotations
+
 import functools
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax.scipy.sparse.linalg import bicgstab
-from jaxtyping import Bool, Float
 
 from .._runtime import Array
 from ..foundation.layer import layer_kernel
 from ..material.relaxation import Relaxation
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 # Shares of a cell by which the observer is moved back where contacts do not settle from centre to centre.
 LEADS = (0.0, 0.125, 0.25, 0.375, 0.5)

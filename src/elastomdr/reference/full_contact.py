@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import Array, as_float64, in_float64, in_kelvin, positive
 from ..errors import InputError
@@ -22,6 +21,8 @@ from ..mapping.rough_line import RoughLine
 from ..material.vertical import thermal_factors
 
 if TYPE_CHECKING:
+    from jaxtyping import Float
+
     from .._types import ArrayLike, Material
 
 

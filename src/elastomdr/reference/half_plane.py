@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import Array, argmax, in_float64, positive, scalar
 from ..errors import ConvergenceWarning, InputError
@@ -21,6 +20,8 @@ from .kernel import sliding_kernel, strip_cell
 from .points import broadcast
 
 if TYPE_CHECKING:
+    from jaxtyping import Float
+
     from .._types import ArrayLike, Material, Number
 
 MODEL = "half-plane (plane strain), cells of constant pressure (no reduction)"

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
 
 from .._runtime import Array, in_float64
 from ..errors import ConvergenceWarning, InputError
@@ -26,6 +25,8 @@ from .periodic import slide_periodic
 from .points import Points, broadcast
 
 if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
+
     from .._types import ArrayLike, Indenter, Material
 
 MODEL = "half-space in three dimensions, cells of constant pressure (no reduction)"

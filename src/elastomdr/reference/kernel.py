@@ -14,26 +14,31 @@ sum_k J_k [I_k(x) + I_k(-x) - 2 e(x)]/(2 l_k): nothing of the elastic answer is 
 keeps its digits.
 """
 
+from __future__ import annotations
+
 import math
-from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import Array
 from ..foundation.moments import contract
 from ..material.relaxation import KelvinChain
 from ..solve.rule import gauss
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jaxtyping import Float
+
+    Elastic = Callable[[Array], Float[Array, "places across"]]
+
 _NODES = 10  # Gauss points per half cell: e has logarithmic slopes at the ends of the cell, where the pieces meet
 _SHORT = 0.1  # of a cell: decay lengths below which I - e is taken from second differences of e
 _STEP = 1e-3  # of a cell: the least step of such a difference, below which it is a parabola
 _PANELS = 44  # of doubling length, behind the grid: 13 decades
-
-Elastic = Callable[[Array], Float[Array, "places across"]]
 
 
 class Kernel(NamedTuple):

@@ -11,14 +11,15 @@ surfaces. Contact by `reference.contact.settle`, without doubling the grid. Ever
 indenter of the array meets the wakes of those before it.
 """
 
+from __future__ import annotations
+
 import math
 import warnings
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
 
 from .._runtime import Array, as_float64, positive
 from ..errors import ConvergenceWarning, InputError
@@ -29,6 +30,9 @@ from ..results.curve import HalfSpaceCurve
 from ..results.words import brief, describe
 from .contact import LEADS, Grid, settle
 from .points import broadcast
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 MODEL = "periodic half-space in three dimensions, one pressure per point of the map (no reduction)"
 

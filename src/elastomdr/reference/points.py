@@ -1,14 +1,18 @@
 """What the reference solvers do with a user's arguments."""
 
-from typing import Any, NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
 
 from ..arguments import Scene, steady_scene
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..solve.passage import Control
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 
 class Points(NamedTuple):

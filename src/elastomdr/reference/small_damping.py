@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import Array, as_float64, in_float64, in_kelvin, is_traced, positive
 from ..errors import InputError
@@ -24,6 +23,8 @@ from ..mapping.shapes import Cylinder
 from ..material.vertical import thermal_factors
 
 if TYPE_CHECKING:
+    from jaxtyping import Float
+
     from .._types import ArrayLike
 
 # Steps for the half-width, a = [(3/4) D W/(L K'(2 v/a))]^(1/3). Each leaves n/3 of the error, n = d ln K'/d ln omega:

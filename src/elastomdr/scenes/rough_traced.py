@@ -1,9 +1,10 @@
 """Friction of a rough line or surface under a transformation of JAX: each point has its own directions."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
-from jaxtyping import Float
 
 from .._runtime import Array, is_traced
 from ..mapping.direction import directions, quadrature_error
@@ -12,6 +13,9 @@ from ..material.relaxation import Relaxation
 from ..solve.periodic_gradient import Differentiable, solve_traced
 from .ensemble import AVERAGE
 from .mean import Mean
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 
 def traced_mean_of_lines(

@@ -12,17 +12,21 @@ waves that are left out hold (|u_k|^2 falls as k^-4), and for the bends where co
 here.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import Bool, Float
 
 from ..material.relaxation import Relaxation
 from .lump import lanes as carried
 from .period import coefficients
 from .periodic import rises, solve_states
 from .periodic_field import motion
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 _AT_ONCE = 64  # lanes, whose motions are held in memory
 _TURNS = 6  # multiples of the sampling wave number up to which waves of the straight pieces are summed

@@ -6,14 +6,19 @@ E_k/tau_k; what that leaves is E (T/2 pi tau)^2 in the stiffness and E (T/2 pi t
 relaxed stiffness and with the loss of the rest at its mean over the wavelengths of the line.
 """
 
+from __future__ import annotations
+
 import functools
+from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float
 
 from ..material.relaxation import Relaxation
 from .period import Lanes
 from .recovery import rates_apart
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 FORGOTTEN = 20.0  # h/tau from which exp(-h/tau) leaves less than 1e-8 of a branch's force after a step
 _SAFETY = 10.0  # the estimate is that of a wave as long as the line

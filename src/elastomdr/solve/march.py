@@ -9,16 +9,17 @@ All points and lines march together as the elements of one `diffrax` solve, each
 march is of second order in the sample spacing; its limit is extrapolated from a series of marches, with an error.
 """
 
+from __future__ import annotations
+
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import diffrax
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
 
 from .._runtime import Array, in_float64, is_traced
 from ..foundation.solver import ContactStep, RigidSurface
@@ -26,6 +27,9 @@ from ..foundation.step import Elements, rest
 from ..mapping.lines import AbstractLines
 from ..material.relaxation import Relaxation
 from .passage import Control, Passages, estimate_sizes
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 _BLOCK = 64  # contact steps per step of the solver
 _FEWEST, _MOST = 256, 2**15  # samples per passage

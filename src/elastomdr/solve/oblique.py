@@ -10,16 +10,20 @@ with the force at its end, which rises with it. Second order in the step. For an
 Maw, Barber & Fawcett (1976), in MDR Lyashenko & Popov (2015).
 """
 
+from __future__ import annotations
+
 import functools
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Float
 
 from .._runtime import Array
 from ..foundation.step import coefficients
 from .shear import Scene, line, step, untouched
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _ITERATIONS = 40
 _MET = 1e-13  # relative change of a step's displacement at which its search ends

@@ -19,17 +19,21 @@ that is forgotten within a step, e_k = 0, has f_k = E_k tau_k du-/h from the ste
 E_k tau_k, it adds E_k tau_k^2 (du- - du)/h^2 in the brackets.
 """
 
+from __future__ import annotations
+
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import Array, one_kernel
 from .recovery import weights
 from .stretches import Stretches, recover
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _FORGOTTEN = 1e-200
 _UNROLL = 4  # steps in one turn of the compiled loop

@@ -9,22 +9,26 @@ the load gives mean u, and with the branches split into slow ones, f_k = E_k (u 
 guess.
 """
 
+from __future__ import annotations
+
 import hashlib
 import itertools
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import Bool, Float
 
 from .. import __version__
 from ..material.relaxation import Relaxation
 from .lump import lanes, lumped
 from .period import Lanes
 from .periodic_state import State, finish, iterate, jacobian, level_of
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
 
 _LONG = 65536  # samples from which every 64th comes first
 _FEWEST = 256  # samples of the coarsest period, unless the line itself has few

@@ -4,18 +4,22 @@ Every element sees the same history, so that what one element does in time is wh
 against the motion. The formulas of a step are those of `solve.period`.
 """
 
-from typing import Literal, NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import Array
 from ..material.relaxation import Relaxation
 from .lump import lanes
 from .period import Coefficients, coefficients
 from .periodic import Line, rises, solve_states
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 
 class Motion(NamedTuple):

@@ -10,13 +10,14 @@ is a function of y(p) and p, so that its derivative follows by running through t
 differentiable but where an element is just touched, and those are few.
 """
 
+from __future__ import annotations
+
 from functools import partial
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
 from .._runtime import Array, argmax, nan_unless
 from ..material.relaxation import Relaxation
@@ -24,6 +25,9 @@ from .lump import slowest_first
 from .periodic import solve_states
 from .periodic_state import LASTING, SLOW
 from .recovery import rates_apart, weights
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 _CHUNK = 64  # steps whose intermediate values are computed again for the reverse mode instead of being kept
 

@@ -12,15 +12,19 @@ learns the Jacobian as it goes, starts from the Jacobian by differences on the c
 little.
 """
 
+from __future__ import annotations
+
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import Float
 
 from .period import Coefficients, Lanes, Swept, coefficients, sweep
 from .stretches import Stretches, stretches
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 RESIDUAL = 1e-9  # of the state and of the load, relative to the load
 _SMALL = 1.0  # mu below which the residual is smaller in proportion: friction is a small part of the forces

@@ -13,13 +13,16 @@ All of them are positive, as the two kinds of times interlace. Branches that are
 and are left out, with as many of the shortest retardation times. Derived here.
 """
 
-from typing import Any
+from __future__ import annotations
 
-from jaxtyping import Float
+from typing import TYPE_CHECKING, Any
 
 from .._arrays import xp
 from .._runtime import Array, numpy_unless_traced
 from ..material.relaxation import Relaxation, kelvin_and_gaps
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
 
 
 @numpy_unless_traced

@@ -284,7 +284,8 @@ def _once(
 def _edge(x: Array, excess: Array, touching: Array) -> Array:
     """Where w - u_free, which is smooth across the edge, passes zero; beyond the last node by continuation."""
     count = xp.sum(touching)
-    i = xp.clip(count - 1, 0, x.size - 2)
+    # 32 bits, since the caller's `jax.jit` may transpose what follows under its own setting.
+    i = xp.clip(count - 1, 0, x.size - 2).astype("int32")
     low, high = excess[i], excess[i + 1]
     fall = xp.where(low > high, low - high, xp.inf)
     return xp.where(count > 0, xp.maximum(x[i] + (x[i + 1] - x[i]) * low / fall, 0.0), 0.0)

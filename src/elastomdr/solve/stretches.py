@@ -8,14 +8,18 @@ stays above the highest point of the line there, the stretch is passed in one go
 of a free element within its steps, of second order in the step and zero in truth, is left out.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
 
 from .._runtime import Array
+
+if TYPE_CHECKING:
+    from jaxtyping import Float, Int
 
 _FORGOTTEN = 1e-24  # s_k below which a branch force leaves no trace after a step
 
