@@ -21,6 +21,30 @@ if TYPE_CHECKING:
 _EVEN = 1e-6  # unevenness of x, relative to its spacing, that counts as rounding
 
 
+@numpy_unless_traced
+def _even(x: ArrayLike, height: ArrayLike, resample: bool) -> tuple[Array, float]:
+    """Heights at evenly spaced places, and their spacing [m]."""
+    x, height = as_float64("x", x), as_float64("height", height)
+    alike(4, x=x, height=height)
+    if is_traced(x):
+        raise InputError("x must be plain numbers: a RoughLine is differentiable in its heights.")
+    finite("x", x)
+    finite("height", height)
+    ascending("x", x)
+    n = x.shape[0]
+    spacing = (x[-1] - x[0]) / (n - 1)
+    even = x[0] + spacing * np.arange(n)
+    if np.abs(x - even).max() > _EVEN * spacing:
+        if not resample:
+            worst = float(np.abs(np.diff(x) / spacing - 1).max())
+            raise InputError(
+                f"x must be evenly spaced, got steps that differ by up to {100 * worst:.2g} % from their mean; "
+                "resample=True takes the heights at even places, by linear interpolation."
+            )
+        height = xp.interp(even, x, height)
+    return height, spacing
+
+
 class RoughLine(Tree):
     """A rigid rough line h(x), periodic with n dx; heights [m] count positive into the rubber.
 
@@ -35,26 +59,8 @@ class RoughLine(Tree):
     spacing: Float[Array, ""]  # dx [m]
     label: ClassVar[str] = "rough line"
 
-    @numpy_unless_traced
     def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
-        x, height = as_float64("x", x), as_float64("height", height)
-        alike(4, x=x, height=height)
-        if is_traced(x):
-            raise InputError("x must be plain numbers: a RoughLine is differentiable in its heights.")
-        finite("x", x)
-        finite("height", height)
-        ascending("x", x)
-        n = x.shape[0]
-        spacing = (x[-1] - x[0]) / (n - 1)
-        even = x[0] + spacing * np.arange(n)
-        if np.abs(x - even).max() > _EVEN * spacing:
-            if not resample:
-                worst = float(np.abs(np.diff(x) / spacing - 1).max())
-                raise InputError(
-                    f"x must be evenly spaced, got steps that differ by up to {100 * worst:.2g} % from their mean; "
-                    "resample=True takes the heights at even places, by linear interpolation."
-                )
-            height = xp.interp(even, x, height)
+        height, spacing = _even(x, height, resample)
         fill(self, height=height, spacing=np.asarray(spacing))
 
     @property

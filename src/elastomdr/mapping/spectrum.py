@@ -191,7 +191,6 @@ class SelfAffine(AbstractSpectrum):
     hurst: Scalar
     label: ClassVar[str] = "self-affine surface"
 
-    @numpy_unless_traced
     def __init__(
         self,
         hurst: Number,
@@ -202,28 +201,36 @@ class SelfAffine(AbstractSpectrum):
         *,
         rms_height: Number | None = None,
     ):
-        hurst = _plain(scalar("hurst", hurst))
-        require("hurst", hurst, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
         only_one(rms_slope=rms_slope, rms_height=rms_height)
+        name, wanted = ("rms_slope", rms_slope) if rms_height is None else ("rms_height", rms_height)
+        hurst, q, c = self._scaled(name, wanted, hurst, q_low, q_high, q_rolloff)
+        fill(self, hurst=_plain(hurst), q=q, c=c)
+
+    @classmethod
+    @numpy_unless_traced
+    def _scaled(cls, name: str, wanted: Any, hurst: Any, q_low: Any, q_high: Any, q_rolloff: Any) -> tuple[Any, ...]:
+        """Hurst exponent, wave numbers and spectrum of a surface with that rms slope or height."""
+        hurst = scalar("hurst", hurst)
+        require("hurst", hurst, "from 0 to 1", lambda x: (x >= 0) & (x <= 1))
         if q_low is None or q_high is None:
             raise InputError("q_low and q_high must be given [rad/m]: friction depends on both cutoffs.")
         low, high = scalar("q_low", q_low), scalar("q_high", q_high)
         knee = low if q_rolloff is None else scalar("q_rolloff", q_rolloff)
         positive("q_low", low)
         positive("q_high", high)
-        name, wanted = ("rms_slope", rms_slope) if rms_height is None else ("rms_height", rms_height)
         value = scalar(name, wanted)
         positive(name, value)
-        traced = is_traced(hurst, low, knee, high, value)
         if not is_traced(low, knee, high) and not low <= knee < high:
             raise InputError(f"q_low, q_rolloff and q_high must ascend, got {low:g}, {knee:g} and {high:g} rad/m.")
         whole = q_rolloff is None or (not is_traced(low, knee) and knee == low)
         q = xp.stack([low, high] if whole else [low, knee, high])
-        fill(self, hurst=hurst, q=q, c=xp.where(q <= knee, 1.0, (q / knee) ** (-2 - 2 * hurst)))
-        fill(self, c=self.c * (value / getattr(self, name)) ** 2)
-        if not traced and not (np.isfinite(self.c) & (self.c > 0)).all():
+        bare = object.__new__(cls)
+        fill(bare, hurst=hurst, q=q, c=xp.where(q <= knee, 1.0, (q / knee) ** (-2 - 2 * hurst)))
+        c = bare.c * (value / getattr(bare, name)) ** 2
+        if not is_traced(c) and not (np.isfinite(c) & (c > 0)).all():
             said = f"{name}={value:g} between {low:g} and {high:g} rad/m"
             raise InputError(f"{name} must be of a surface whose power spectrum double precision holds, got {said}.")
+        return hurst, q, c
 
     def __repr__(self) -> str:
         if is_traced(self):
