@@ -120,3 +120,65 @@ def test_compiled_gradient_under_a_falling_load_without_64_bit_types():
     with jax.enable_x64(False):
         slope = jax.jit(jax.grad(call))(0.01)
     assert slope == pytest.approx((call(0.0101) - call(0.0099)) / 2e-4, rel=1e-3)
+
+
+FACTORS = {"equilibrium": 1.0, "moduli": 1.0, "times": 1.0, "size": 1.0, "asked": 1.0}  # of what is traced, one by one
+TRACED = {
+    "indent by depth": lambda m, s, k: em.indent(m, _ball(s), time=TIME, depth=k * 1e-4 * TIME).force,
+    "indent by load": lambda m, s, k: em.indent(m, _ball(s), time=TIME, load=k * 0.1 * TIME).depth,
+    "slide": lambda m, s, k: em.slide(m, _ball(s), time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu,
+    "drive": lambda m, s, k: em.drive(m, _ball(s), time=SHORT, position=1e-3 * SHORT, load=k, **COARSE).mu,
+    "shear": lambda m, s, k: (
+        em.shear(m, _ball(s), time=SHORT, displacement=1e-5 * k * SHORT, friction=0.5, load=1.0, **FEW).force
+    ),
+    "traction": lambda m, s, k: em.traction(m, _ball(s), load=k, velocity=1.0, creepage=0.005, friction=0.5).force,
+    "impact": lambda m, s, k: em.impact(m, _ball(s), mass=0.01 * k, velocity=1.0).restitution,
+    "rolling": lambda m, s, k: em.rolling(m, _ball(s), velocity=1.0, load=k).coefficient,
+    "press": lambda m, s, k: em.press(m, _surface(s), pressure=3e3 * k, model=em.Line(seeds=1, samples=256)).stiffness,
+    "a rough line": lambda m, s, k: em.friction(m, _line(s), velocity=1.0, load=k).mu,
+}
+
+
+def _ball(size):
+    return em.Paraboloid(5e-3 * size)
+
+
+def _surface(size):
+    return em.SelfAffine(0.8, rms_slope=0.3 * size, q_low=1e3, q_high=8e3)
+
+
+def _line(size):
+    x = 1e-5 * np.arange(64)
+    return em.RoughLine(x, size * 1e-6 * np.sin(1e4 * np.pi / 3.2 * x))
+
+
+@pytest.mark.parametrize("wide", [False, True], ids=["32-bit types", "64-bit types"])
+@pytest.mark.parametrize("verb", TRACED)
+def test_any_argument_alone_may_be_traced(verb, wide):
+    """What is not traced stays a number: no error of JAX's own, whichever argument it is (traced, not compiled)."""
+
+    def call(name, factor):
+        f = FACTORS | {name: factor}
+        law = (1e6 * f["equilibrium"], f["moduli"] * np.array([4e6, 2e6]), f["times"] * np.array([0.3, 0.01]))
+        return TRACED[verb](em.Prony(*law), f["size"], f["asked"])
+
+    with jax.enable_x64(wide):
+        for name in FACTORS:
+            found = jax.eval_shape(lambda k, name=name: call(name, k), 1.0)
+            assert isinstance(found, jax.ShapeDtypeStruct)
+
+
+@pytest.mark.parametrize("times", [[0.3, 0.01, 0.05], [0.3, 0.01, 0.3]], ids=["any order", "equal"])
+def test_traced_times_in_any_order(times):
+    """Retardation times interlace sorted relaxation times, and one is lost where two are equal."""
+
+    def creep(t):
+        return em.Prony(1e6, [4e6, 2e6, 3e6], t).creep_compliance(0.3) * 1e6
+
+    with jax.enable_x64(True):
+        np.testing.assert_allclose(jax.jit(creep)(np.array(times)), creep(times), rtol=1e-9)
+        slope = jax.grad(creep)(np.array(times))
+    for i in range(3):
+        near = [np.array(times) * (1 + s * 1e-5 * (np.arange(3) == i)) for s in (1, -1)]
+        expected = (creep(near[0]) - creep(near[1])) / (2e-5 * times[i])
+        np.testing.assert_allclose(slope[i], expected, rtol=1e-5)

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, ComplexArray
 
 
+_APART = 1e-12  # relative distance of equal times that cannot be made one
+
+
 class AbstractRelaxation(Tree):
     """E(t) = E_inf + sum_k E_k exp(-t/tau_k) + eta delta(t), with its creep function and its complex modulus.
 
@@ -128,8 +131,14 @@ def checked(equilibrium: Any, moduli: Any, times: Any, viscosity: Any) -> Relaxa
 
 @numpy_unless_traced
 def in_order(moduli: Array, times: Array) -> tuple[Array, Array]:
-    """Branches by ascending time, those of one time as one; times under a transformation of JAX as they are."""
-    if is_traced(times) or (np.diff(times) > 0).all():
+    """Branches by ascending time, those of one time as one. Under a transformation of the times, where their number
+    is fixed, those of one time are moved apart by rounding."""
+    if is_traced(times):
+        order = xp.argsort(times)
+        times = times[order]
+        before = np.arange(times.shape[0]) - xp.searchsorted(times, times)  # how many of the same time
+        return xp.asarray(moduli)[order], times * (1 + _APART * before)
+    if (np.diff(times) > 0).all():
         return moduli, times
     times, branch = np.unique(times, return_inverse=True)
     same = np.arange(times.size)[:, None] == branch  # which branches make up which

@@ -105,10 +105,17 @@ class AbstractCurve(Result):
             yield "at " + curve.label if curve.label else "result", self._extremes(velocity, value, beyond)
         if len(every) > _SHOWN:
             yield "...", f"and {len(every) - _SHOWN} more curves"
-        if "model_error" in fields and np.isfinite(fields["model_error"]).any():
-            yield "model error", self._model_error(fields["model_error"].ravel(), fields[self.shows].ravel())
+        if "model_error" in fields and np.isfinite(fields[self.shows]).any():
+            there = np.isfinite(fields[self.shows])
+            yield "model error", self._model_error(fields["model_error"][there], fields[self.shows][there])
 
     def _model_error(self, bound: np.ndarray, value: np.ndarray) -> str:
+        unknown = int(np.isnan(bound).sum())
+        if unknown == bound.size:
+            return "not known here: no bound is established for this model and contact"
+        if unknown:
+            known = np.isfinite(bound)
+            return f"{self._model_error(bound[known], value[known])}; not known at {unknown} of {bound.size} points"
         worst = int(np.nanargmax(bound))
         if bound[worst] == 0:
             return "none, the model is exact by definition"

@@ -97,11 +97,10 @@ def indent(
     law, kelvin, factor = at_temperature(foundation, temperature)
     course = _course(law, time, depth, load, pull=adhesion is not None)
     rtol = _tolerance(rtol)
-    if course.depth is not None and not is_traced(disc, course.depth) and np.isfinite(disc.largest) and not disc.flat:
-        deepest = float(disc.profile(disc.largest))
-        within = np.nan_to_num(course.depth)
+    if course.depth is not None and not is_traced(disc, course.depth) and not disc.flat:
+        deepest = _deepest(disc)
         accepted = f"below {deepest:.4g} m, where the contact reaches the end of the profile"
-        require("depth", within, accepted, lambda d: d < deepest)
+        require("depth", np.nan_to_num(course.depth), accepted, lambda d: d < deepest)
     gamma = None
     if isinstance(disc, LayerDisc):
         if adhesion is not None:
@@ -164,6 +163,12 @@ def indent(
         inputs=(*inputs, *beyond.said),
         extrapolated=beyond.points,
     )
+
+
+@numpy_unless_traced
+def _deepest(disc: Disc) -> float:
+    """Depth [m] at which the contact reaches the end of the profile, on NumPy where JAX traces the material only."""
+    return float(disc.profile(disc.largest)) if np.isfinite(disc.largest) else np.inf
 
 
 def _model(law: Relaxation, disc: Disc, adhesion: Any) -> str:
