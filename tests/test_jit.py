@@ -135,12 +135,20 @@ TRACED = {
     "impact": lambda m, s, k: em.impact(m, _ball(s), mass=0.01 * k, velocity=1.0).restitution,
     "rolling": lambda m, s, k: em.rolling(m, _ball(s), velocity=1.0, load=k).coefficient,
     "press": lambda m, s, k: em.press(m, _surface(s), pressure=3e3 * k, model=em.Line(seeds=1, samples=256)).stiffness,
+    "a profile": lambda m, s, k: em.friction(m, _profile(s), velocity=0.1, load=k, rtol=1e-2).mu,
+    "indent on a layer": lambda m, s, k: em.indent(em.layer(m, 2e-3), _ball(s), time=TIME, depth=k * 1e-4 * TIME).force,
+    "impact on a layer": lambda m, s, k: em.impact(em.layer(m, 2e-3), _ball(s), mass=0.01 * k, velocity=1.0).duration,
     "a rough line": lambda m, s, k: em.friction(m, _line(s), velocity=1.0, load=k).mu,
 }
 
 
 def _ball(size):
     return em.Paraboloid(5e-3 * size)
+
+
+def _profile(size):
+    r = np.linspace(0, 5e-3, 9)
+    return em.Profile(r, 100 * size * r**2)
 
 
 def _surface(size):
@@ -166,6 +174,19 @@ def test_any_argument_alone_may_be_traced(verb, wide):
         for name in FACTORS:
             found = jax.eval_shape(lambda k, name=name: call(name, k), 1.0)
             assert isinstance(found, jax.ShapeDtypeStruct)
+
+
+def test_gradients_of_a_profile_from_points():
+    """By its points and the load: in a compiled program the points are traced, too."""
+    law = em.Prony(1e6, [4e6, 2e6], [0.3, 0.01])
+
+    def mu(size, load):
+        return em.friction(law, _profile(size), velocity=0.1, load=load, model=em.Line(), rtol=1e-6).mu
+
+    with jax.enable_x64(True):
+        slopes = jax.grad(mu, argnums=(0, 1))(1.0, 1.0)
+    expected = [(mu(1.01, 1.0) - mu(0.99, 1.0)) / 0.02, (mu(1.0, 1.01) - mu(1.0, 0.99)) / 0.02]
+    np.testing.assert_allclose(slopes, expected, rtol=1e-3)
 
 
 @pytest.mark.parametrize("times", [[0.3, 0.01, 0.05], [0.3, 0.01, 0.3]], ids=["any order", "equal"])

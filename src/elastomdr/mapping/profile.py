@@ -79,11 +79,13 @@ class Profile(AbstractShape):
             flat = z[1] - z[0] <= _FALL * (z[-1] - z[0])
             sharp = bool(start[0] > 0.2 * abs(start[1])) and not flat
         fill(self, r=r, z=z, sharp=sharp, convex=True)
-        self._join("monotone" if curve == "monotone" else "spline")
+        pieces, line = _joined(r, z, sharp, "monotone" if curve == "monotone" else "spline")
+        fill(self, pieces=pieces, line=line)
         if not is_traced(z):
             slope = self._slopes()
             if curve == "auto" and slope.min() < -_FALL * np.abs(slope).max():
-                self._join("monotone")
+                pieces, line = _joined(r, z, sharp, "monotone")
+                fill(self, pieces=pieces, line=line)
                 slope = self._slopes()
             if not (slope >= -_FALL * np.abs(slope).max()).all() or slope.max() <= 0:
                 raise InputError(
@@ -96,13 +98,6 @@ class Profile(AbstractShape):
     def __repr__(self) -> str:
         apex = "sharp" if self.sharp else "smooth"
         return f"Profile({self.r.size} points to r={float(self.r[-1]):.6g} m, {apex} apex)"
-
-    def _join(self, curve: str) -> None:
-        if curve == "spline":
-            pieces = _spline_matrices(np.asarray(self.r), self.sharp) @ self.z
-        else:
-            pieces = _monotone(self.r, self.z, self.sharp)
-        fill(self, pieces=pieces, line=_line(self.r, pieces))
 
     def _slopes(self) -> np.ndarray:
         """dg/dx at eight places between any two points."""
@@ -141,6 +136,13 @@ class Profile(AbstractShape):
     @property
     def largest_contact(self) -> Array | float:
         return self.r[-1]
+
+
+@numpy_unless_traced
+def _joined(r: Array, z: Array, sharp: bool, curve: str) -> tuple[Array, Array]:
+    """`pieces` and `line` of a curve through the points."""
+    pieces = _spline_matrices(np.asarray(r), sharp) @ z if curve == "spline" else _monotone(r, z, sharp)
+    return pieces, _line(r, pieces)
 
 
 @numpy_unless_traced
