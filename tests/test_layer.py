@@ -242,3 +242,14 @@ def test_a_branch_much_shorter_than_the_passage_carries_the_load():
     curve = em.friction(short, em.Cylinder(0.01, 0.1), velocity=10.0, load=10.0)
     np.testing.assert_allclose(curve.normal_force, 10.0, rtol=1e-8)
     np.testing.assert_allclose(curve.mu, 0.05892, atol=2e-4)
+
+
+def test_a_load_that_presses_the_layer_through_is_no_number_and_costs_no_time():
+    """The other points of the call stand."""
+    rubber = em.layer(em.Prony(1e6, [4e6, 2e6], [0.3, 0.01]), 2e-3)
+    with pytest.warns(em.ConvergenceWarning, match="1 of 2"):
+        found = em.friction(rubber, em.Cylinder(0.05, 0.1), velocity=0.2, load=[1e30, 100.0])
+    assert found.converged.tolist() == [False, True]
+    assert np.isnan(found.mu[0])
+    alone = em.friction(rubber, em.Cylinder(0.05, 0.1), velocity=0.2, load=100.0)
+    np.testing.assert_allclose(found.mu[1], alone.mu, rtol=1e-6)

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 from scipy.interpolate import BSpline
 
+from .._arrays import one_thread
 from .._runtime import as_float64, in_kelvin, positive, require, scalar
 from ..errors import InputError
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import alike, group
 from .laws import LawFit, fit_laws
-from .posterior import Posterior, Prior, infer, one_thread
+from .posterior import Posterior, Prior, infer
 from .reference import locate
 from .shifting import LN10, first_slopes, from_slopes, guess_shifts, slope_priors
 from .spectrum import STORAGE, Points
@@ -117,7 +118,7 @@ class FrictionMaster(AbstractFindings):
             yield "warning", text
 
 
-@one_thread
+@one_thread()
 def friction_master(
     velocity: ArrayLike,
     temperature: ArrayLike,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from .._arrays import one_thread
 from .._runtime import in_kelvin, not_negative, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, of_one_strain, strains, without_copies
@@ -23,7 +24,6 @@ from .isotherms import isotherms
 from .joint import AtReference, Joint, about, entropic, fit_jointly, without_vertical
 from .judge import judge
 from .laws import LawFit
-from .posterior import one_thread
 from .responses import as_relaxation
 from .separable import separable
 from .shifting import LN10
@@ -143,7 +143,7 @@ class MasterCurve(AbstractFindings):
         positive("temperature", temperature)
         return _assemble(self.dma, self.joint, temperature, self.ambiguous, self.given)
 
-    @one_thread
+    @one_thread()
     def without_vertical(self) -> "MasterCurve":
         """The same isotherms shifted along the frequency only.
 
@@ -152,7 +152,7 @@ class MasterCurve(AbstractFindings):
         """
         return _assemble(self.dma, without_vertical(self.joint), self.reference, self.ambiguous, self.given)
 
-    @one_thread
+    @one_thread()
     def with_entropy(self) -> "MasterCurve | None":
         """The same isotherms with b_T = T_ref/T, as of entropy elasticity; None where the data ask for other shifts."""
         joint = entropic(self.joint)
@@ -207,7 +207,7 @@ class MasterCurve(AbstractFindings):
         write_files({Path(path): master_csv(self).encode()})
 
 
-@one_thread
+@one_thread()
 def master_curve(
     dma: Dma,
     reference: float | None = None,

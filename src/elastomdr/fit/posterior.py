@@ -5,14 +5,12 @@ damped Gauss-Newton, noise and prior widths by MacKay's fixed point (D. J. C. Ma
 415-447), the covariance is the inverse of the Hessian there.
 """
 
-import functools
 from collections.abc import Callable, Sequence
-from typing import NamedTuple, ParamSpec, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg.blas import dsyrk  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
-from threadpoolctl import threadpool_limits
 
 _NOISE = (1e-4, 1.0)  # limits of a noise that is found: what rounding leaves is no statistics
 _HUBER = 3.0  # residuals beyond this many standard deviations are weighted down
@@ -22,21 +20,6 @@ _STIFF = 1.0  # added to curvatures where they scale the damping: unknowns are l
 SETTLED = 0.03  # change of the logarithms of noise and widths at which they count as found
 GAIN = 3e-3  # of a step, in twice the logarithm of probability, at which climbing stops
 _STEPS = 12  # of Gauss-Newton before the widths are looked at again
-
-
-P = ParamSpec("P")
-R = TypeVar("R")
-
-
-def one_thread(function: Callable[P, R]) -> Callable[P, R]:
-    """Keeps linear algebra on one thread: for matrices of a hundred rows threads only wait for each other."""
-
-    @functools.wraps(function)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        with threadpool_limits(1, user_api="blas"):
-            return function(*args, **kwargs)
-
-    return wrapper
 
 
 class Prior(NamedTuple):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._arrays import one_thread
 from .._runtime import positive, scalar, significant
 from ..errors import InputError
 from ..io.data import KINDS, lists
@@ -25,7 +26,6 @@ from .joint import AtReference, Joint, about, curve
 from .judge import judge_level, judge_range, judge_series
 from .level import slow_end
 from .master import MasterCurve
-from .posterior import one_thread
 from .shifting import join
 from .spectrum import LOSS, RELAXATION, STORAGE, Points
 from .terms import Data, check_terms, choose_terms
@@ -163,7 +163,7 @@ class PronyFit(AbstractFindings):
             yield "warning", text
 
 
-@one_thread
+@one_thread()
 def prony(
     omega: ArrayLike | MasterCurve | None = None,
     storage: ArrayLike | None = None,

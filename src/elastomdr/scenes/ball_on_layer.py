@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import fixed, xp
+from .._arrays import fixed, one_thread, xp
 from .._runtime import Array, is_traced, nan_unless, require
 from ..arguments import Scene, check_rtol, steady_scene
 from ..errors import ConvergenceWarning, InputError
@@ -284,6 +284,7 @@ def _with_neighbours(on: Sliding, velocity: Array, load: Array, edges: Any, clos
     return found
 
 
+@one_thread()
 def _mean(lines: _Lines, velocity: Array, load: Array, averaged: bool, traced: bool) -> _Mean:
     """mu and depth averaged over directions at equal load, and the line at the velocity itself."""
     if not averaged:
@@ -343,6 +344,7 @@ def _between(nodes: Array, values: Array, velocity: Array) -> Array:
     return np.exp(np.sum(local * np.log(values[index]), axis=-1))
 
 
+@one_thread()
 def _load_of_depth(lines: _Lines, velocity: Array, depth: Array, averaged: bool, thick: Any) -> Array:
     """Loads at which the depth is that: the secant method on logarithms, all points at once."""
     places, loads, depths = lines.curve

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import xp
+from .._arrays import one_thread, xp
 from .._runtime import is_traced, nan_unless, require
 from .._trees import replaced
 from ..arguments import Scene, check_rtol, steady_scene
@@ -44,6 +44,7 @@ _NOTHING = 1e-12  # of the width of the contact over the radius
 _ROUNDING = 3e-9  # of mu: tables and sums
 _NEGATIVE = 1e-3  # of the largest pressure, or of the gap: beyond it the contact is not the one assumed
 _ENDS = 4.0  # length over half-width below which a cylinder is no longer plane
+_PRESSED_THROUGH = 4.0  # half-widths of a layer whose whole thickness is pressed down
 _TYPICAL = 1.5  # kL of the wave that stands for a contact where its size is estimated
 _FLOWING = 1e8  # how many times longer than its passage over a thickness a liquid is remembered
 
@@ -241,6 +242,7 @@ def _once(
     )  # fmt: skip
 
 
+@one_thread()
 def _refined(
     flat: Cylinders, wanted: Any, by_depth: bool, guess: Any, dashpot: bool, rtol: float, misfit: float
 ) -> tuple[_Found, Any]:
@@ -249,7 +251,10 @@ def _refined(
     left, thick = np.arange(wanted.size), None
     if flat.on_layers:
         thick = min(float(cover.thickness) for cover in flat.covers)
-    for orders in _ORDERS:
+        # A layer that is pressed through has a contact of about sqrt(2 R h): what is guessed far wider has no answer.
+        whole = sum(float(cover.thickness) for cover in flat.covers)
+        left = np.flatnonzero(guess <= _PRESSED_THROUGH * (np.sqrt(2 * np.asarray(flat.radius) * whole) + whole))
+    for orders in _ORDERS if left.size else ():
         part = replaced(flat, velocity=flat.velocity[left])
         ratio = 0.0 if thick is None else _ladder(float(np.nanmax(guess[left])) / thick)
         found = _once(part, wanted[left], by_depth, guess[left], orders, ratio, dashpot)
@@ -361,4 +366,5 @@ def cylinder_pressure(
     ratio = 0.0
     if flat.on_layers:
         ratio = _ladder(float(half.max() / min(float(np.asarray(cover.thickness)) for cover in covers)))
-    return done, points, solve_at(flat, half, _LOSS_ORDER, layer_waves(flat, ratio), False)
+    with one_thread():
+        return done, points, solve_at(flat, half, _LOSS_ORDER, layer_waves(flat, ratio), False)

@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
+from .._arrays import one_thread
 from ..errors import InputError
 from ..material.draws import Draws
 from ..results.base import Result, distinct
@@ -60,7 +61,7 @@ def over_materials(verb: Callable[P, R]) -> Callable[P, R]:
             rest |= {"rtol": rest.get("rtol", RTOL)} if exact else {}
         names = [getattr(each, "name", "") or f"material {i}" for i, each in enumerate(material, 1)]
         results: list[Any] = []
-        with warnings.catch_warnings(record=True) as caught:
+        with one_thread(), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             said = []  # which material each warning is of
             for i, (name, each) in enumerate(zip(names, material, strict=True)):
