@@ -109,12 +109,21 @@ TRACED = {
     "impact": lambda m, s, k: em.impact(m, _ball(s), mass=0.01 * k, velocity=1.0).restitution,
     "rolling": lambda m, s, k: em.rolling(m, _ball(s), velocity=1.0, load=k).coefficient,
     "press": lambda m, s, k: em.press(m, _surface(s), pressure=3e3 * k, model=em.Line(seeds=1, samples=256)).stiffness,
+    "a profile": lambda m, s, k: em.friction(m, _points(s), velocity=1.0, load=k, rtol=1e-2).mu,
+    "a sphere on a layer": lambda m, s, k: (
+        em.indent(em.layer(m, 2e-3), em.Sphere(5e-3 * s), time=SHORT, depth=k * 1e-5 * SHORT).force
+    ),
     "a rough line": lambda m, s, k: em.friction(m, _line(s), velocity=1.0, load=k).mu,
 }
 
 
 def _ball(size):
     return em.Paraboloid(5e-3 * size)
+
+
+def _points(size):
+    r = np.linspace(0, 5e-3, 9)
+    return em.Profile(r, size * r**2 / 1e-2)
 
 
 def _surface(size):
@@ -126,6 +135,7 @@ def _line(size):
     return em.RoughLine(x, size * 1e-6 * np.sin(1e4 * np.pi / 3.2 * x))
 
 
+@pytest.mark.filterwarnings("ignore:Explicitly requested dtype")  # what JAX says of the way back
 @pytest.mark.parametrize("wide", [False, True], ids=["32-bit types", "64-bit types"])
 @pytest.mark.parametrize("verb", TRACED)
 def test_any_argument_alone_may_be_traced(verb, wide):

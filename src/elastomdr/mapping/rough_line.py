@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -22,7 +22,7 @@ _EVEN = 1e-6  # unevenness of x, relative to its spacing, that counts as roundin
 
 
 @numpy_unless_traced
-def _even(x: ArrayLike, height: ArrayLike, resample: bool) -> tuple[Array, float]:
+def _even(x: Any, height: Any, resample: bool) -> tuple[Array, Any]:
     """Heights at evenly spaced places, and their spacing [m]."""
     x, height = as_float64("x", x), as_float64("height", height)
     alike(4, x=x, height=height)

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
 
 _ROUNDING = 1e-14  # error of the traction over (1 + mu) F_N that no computation is without
 _STEPS = (1024, 8192, 65536)  # of the march, where elements stick again after they have slipped
+_FRICTION = 1e-12, 1e12  # less is lost in the rounding of what sticks, more is in no error of the force
 BRUSH = "MDR line of elements with Coulomb friction (brush); rolling loss: "
 ON_LAYER = "brush with the shear stiffness of the layer at one wave, pressure exact; rolling loss: "
 CARTER = "Carter's elastic half-plane (exact for equal bodies, or an incompressible one on a rigid one)"
@@ -113,7 +114,13 @@ def traction(
     law = friction if isinstance(friction, FrictionLaw) else None
     velocity, creepage, slip, road = _kinematics(velocity, creepage, slip)
     friction = 0.0 if law is not None else as_float64("friction", friction)
-    require("friction", friction, "zero or positive, infinity included", lambda x: x >= 0)
+    accepted = f"zero or positive, {_FRICTION[0]:g} to {_FRICTION[1]:g}, infinity included"
+    require(
+        "friction",
+        friction,
+        accepted,
+        lambda x: (x == 0) | np.isinf(x) & (x > 0) | (x > _FRICTION[0]) & (x < _FRICTION[1]),
+    )
     foundation: Any = material if isinstance(material, Layer) else as_foundation(material)
     shapes = [np.shape(x) for x in (velocity, creepage, friction)]
     try:

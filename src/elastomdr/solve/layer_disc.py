@@ -211,6 +211,7 @@ class LayerDisc(Disc):
         return rows[..., 0] + y * b1 - b2, (b1 + y * c1 - c2) / (half * self.thickness)
 
 
+@numpy_unless_traced
 def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool) -> LayerDisc:
     """The contact of a body on a layer whose kernel W is that of a constant 1 - 2 nu = `squeeze`."""
     traced = is_traced(shape, thickness, squeeze)

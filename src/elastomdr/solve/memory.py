@@ -169,8 +169,8 @@ def _ends(rule: Rule, lines: AbstractLines, size: Array) -> Array | None:
     """Ends of the panels (panels, 1, lines, 1, points), ascending; None where one reaches from the apex to the edge."""
     if isinstance(lines.shape, Profile) and isinstance(lines, SingleLine):
         # The points of a profile leave kinks of odd powers of one half behind them.
-        knots, fractions = np.asarray(lines.shape.r), np.asarray(rule.fractions)[1:]
-        ends = (knots[:-1, None] + np.diff(knots)[:, None] * fractions).ravel()
+        knots, fractions = xp.asarray(lines.shape.r), np.asarray(rule.fractions)[1:]
+        ends = (knots[:-1, None] + xp.diff(knots)[:, None] * fractions).ravel()
         if on_numpy():  # as far as the contact may reach
             ends = ends[: max(1, np.searchsorted(ends, _ROOM * np.max(size)))]
         return xp.asarray(ends)[:, None, None, None, None]
