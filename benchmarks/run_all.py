@@ -19,7 +19,7 @@ from common import heading, save, table, verdict
 MINUTES = 20
 SCRIPTS = (
     "steady_sliding", "sharp", "skipping", "cold_start", "half_space", "validity_map",
-    "validity_shapes", "robustness/extremes",
+    "validity_shapes", "validity_drawn", "robustness/extremes",
     "indentation", "creep_tamaas", "sliding_tamaas", "energy", "impacts", "transient", "rough_sliding", "rough_fit",
     "rough_press",
     "robustness/rough_scenes", "topography", "fit_coverage --sets 50",

@@ -199,3 +199,30 @@ def test_branches_in_any_order_and_of_one_time(kind):
     np.testing.assert_allclose(given.complex_modulus(omega), exact, rtol=1e-13)
     slope = jax.grad(lambda m: kind(1.0, m, [1.0, 1e-3, 1.0, 1e2]).relaxation(1.0))(np.array([2.0, 3.0, 0.5, 4.0]))
     np.testing.assert_allclose(slope, np.exp(-1 / np.array([1.0, 1e-3, 1.0, 1e2])), rtol=1e-6)
+
+
+def test_a_cylinder_beyond_what_its_tables_hold_is_flagged():
+    """Beyond the table of memories friction was rounding, of either sign; large loads filled the memory."""
+    roll, layer = em.Cylinder(0.05, 0.1), em.layer(RUBBER, 2e-3)
+    for given in (
+        {"velocity": [1e-90, 1e-14, 1e14, 1e90], "load": 1.0},
+        {"velocity": 1.0, "load": [1e-90, 1e30, 1e90]},
+    ):
+        for body in (layer, RUBBER):
+            if body is RUBBER and np.ndim(given["load"]):
+                continue  # a half-space has no width that is too much
+            with pytest.warns(em.ConvergenceWarning):
+                found = em.friction(body, roll, **given)
+            assert not found.converged.any()
+            assert np.isnan(found.mu).all()
+    # Within it the limit of slow sliding holds, mu ~ v.
+    slow = em.friction(layer, roll, velocity=[1e-10, 1e-8], load=1.0)
+    assert slow.mu[1] / slow.mu[0] == pytest.approx(100, rel=1e-6)
+
+
+def test_traction_refuses_friction_that_rounding_would_lose():
+    for value in (1e-300, 1e300):
+        with pytest.raises(
+            em.InputError, match=r"friction must be zero or positive, 1e-12 to 1e\+12, infinity included"
+        ):
+            em.traction(TREAD, em.Cylinder(0.3, 0.16), load=4e3, velocity=25.0, **WHEEL | {"friction": value})

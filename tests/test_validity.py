@@ -72,6 +72,17 @@ def test_no_bound_where_the_contact_reaches_a_flat():
     assert np.isnan(off.bound[1])
 
 
+def test_no_bound_beyond_the_contrasts_of_the_maps():
+    """r^4 at a contrast of 1e6 was 30 % off where the bound said 22 %; a ball and a cone stayed within theirs."""
+    given = {"velocity": 0.1, "load": 1.0, "rtol": 1e-3}
+    within, beyond = (em.Foundation(4e6, [4e6 * (c - 1)], [1e-3]) for c in (1000.0, 2000.0))
+    for law, known in ((within, True), (beyond, False), (em.Foundation.kelvin(4e6, 4e3), False)):
+        for body, flat in ((em.Paraboloid(0.01), False), (em.Cone(0.1), False), (em.PowerLaw(4, 5e5), True)):
+            found = em.friction(law, body, **given)
+            assert np.isfinite(found.model_error) == (known or not flat)
+    assert "not known here" in em.friction(beyond, em.PowerLaw(4, 5e5), **given).summary()
+
+
 def test_a_power_of_one_is_a_cone():
     given = {"velocity": np.geomspace(1e-3, 1e2, 5), "load": 1.0}
     cone, power = (em.friction(_law("one", 10.0), body, **given) for body in (em.Cone(0.1), em.PowerLaw(1.0, 0.1)))

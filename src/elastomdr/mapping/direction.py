@@ -32,11 +32,21 @@ _EXCESS = np.array(
         [1.25, 1.125, 1.0, 2.0, 2.0, 2.0],  # p
         [0.0, 0.5, 1.0, 0.5, 0.5, 0.5],  # q
         [-0.09, -0.045, 0.0, 0.48, 0.70, 1.32],  # d
-        [0.09, 0.07, 0.04, 0.08, 0.13, 0.20],  # of the asymmetry, in the bound
+        [0.09, 0.08, 0.04, 0.11, 0.17, 0.25],  # of the asymmetry, in the bound
     ]
 )
 _STEEPEST = 6.05  # power of a profile up to which the validity maps say how far the average is off
+_MAPPED = 2.05, 1001.0  # power above which, and glassy over relaxed modulus beyond which, there is no bound
 BARE_LINE = 0.52  # of mu: how far below the line of the textbook the half-space lay at most on the validity map
+
+
+@numpy_unless_traced
+def within_maps(law: Relaxation, exponent: Array) -> Array:
+    """1 where a contact with that power of the profile is one of the validity maps, NaN where it is not: flatter than a
+    ball, and a glassy modulus of more than 1000 times the relaxed one, a dashpot or no relaxed modulus at all."""
+    glassy = law.equilibrium + xp.sum(xp.asarray(law.moduli))
+    moderate = (glassy <= _MAPPED[1] * law.equilibrium) & (xp.asarray(law.viscosity) == 0)
+    return xp.where((exponent <= _MAPPED[0]) | moderate, 1.0, xp.nan)
 
 
 class Directions(NamedTuple):

@@ -25,7 +25,18 @@ from ..material.tabulated import TabulatedModulus
 from ..models import HalfSpace
 from ..results.curve import Contact
 from ..results.words import covers_in_words, describe, significant
-from ..solve.cylinder import Cover, Cylinders, depth, half_of, layer_waves, least_gap, least_pressure, losses, solve_at
+from ..solve.cylinder import (
+    Cover,
+    Cylinders,
+    depth,
+    half_of,
+    layer_waves,
+    least_gap,
+    least_pressure,
+    losses,
+    remembered,
+    solve_at,
+)
 from .beyond import steady_beyond
 from .choice import of_smooth
 from .softened import LINEAR
@@ -43,8 +54,8 @@ _SHARE = 0.3  # of what the lower order changes, at most, that is left of it in 
 _NOTHING = 1e-12  # of the width of the contact over the radius
 _ROUNDING = 3e-9  # of mu: tables and sums
 _NEGATIVE = 1e-3  # of the largest pressure, or of the gap: beyond it the contact is not the one assumed
+_WIDEST = 60.0  # half-length over thickness, as guessed, that is tried: time and memory grow with it
 _ENDS = 4.0  # length over half-width below which a cylinder is no longer plane
-_PRESSED_THROUGH = 4.0  # half-widths of a layer whose whole thickness is pressed down
 _TYPICAL = 1.5  # kL of the wave that stands for a contact where its size is estimated
 _FLOWING = 1e8  # how many times longer than its passage over a thickness a liquid is remembered
 
@@ -234,7 +245,7 @@ def _once(
     pull = xp.maximum(-least_pressure(solution, high, dashpot), 0.0)
     if flat.on_layers:
         pull = xp.maximum(pull, -least_gap(flat, solution, high, deep))
-    good = there & xp.isfinite(solution.mu) & (pull < _NEGATIVE)
+    good = there & xp.isfinite(solution.mu) & (pull < _NEGATIVE) & remembered(flat, half)
     # a pressure that pulls by a small share over a small part of the contact: that share of mu
     error = off + (pull + _ROUNDING) * xp.abs(solution.mu)
     return _Found(
@@ -251,10 +262,10 @@ def _refined(
     left, thick = np.arange(wanted.size), None
     if flat.on_layers:
         thick = min(float(cover.thickness) for cover in flat.covers)
-        # A layer that is pressed through has a contact of about sqrt(2 R h): what is guessed far wider has no answer.
-        whole = sum(float(cover.thickness) for cover in flat.covers)
-        left = np.flatnonzero(guess <= _PRESSED_THROUGH * (np.sqrt(2 * np.asarray(flat.radius) * whole) + whole))
-    for orders in _ORDERS if left.size else ():
+        left = left[guess / thick < _WIDEST]
+    for orders in _ORDERS:
+        if left.size == 0:
+            break
         part = replaced(flat, velocity=flat.velocity[left])
         ratio = 0.0 if thick is None else _ladder(float(np.nanmax(guess[left])) / thick)
         found = _once(part, wanted[left], by_depth, guess[left], orders, ratio, dashpot)
@@ -266,8 +277,6 @@ def _refined(
         guess[left] = np.where(found.good, half, guess[left])
         ok = found.good & _met(found, rtol, flat.radius)
         left = left[~ok]
-        if left.size == 0:
-            break
     done = _Found(*result)
     return done, (done.good == 1) & _met(done, max(rtol, _FLOOR), flat.radius)
 

@@ -256,6 +256,16 @@ def _half_plane(problem: Cylinders, half: Array, order: int) -> Array:
     return slopes.reshape(-1, order + 2, order + 1) + instantaneous * xp.asarray(at_once)
 
 
+def remembered(problem: Cylinders, half: Array) -> Array:
+    """Whether some memory of a contact lies within the table; true of elastic bodies, which have none. Beyond the
+    table at either end friction is less than the rounding of the pressures."""
+    memories = [problem.velocity[:, None] * cover.chain.times / half[:, None] for cover in problem.covers]
+    every = xp.concatenate(memories, axis=1)
+    if every.shape[1] == 0:
+        return xp.ones(half.shape, dtype=bool)
+    return xp.any((every >= _SHORT) & (every <= _LONG), axis=1)
+
+
 def _interpolation(memory: Array) -> Array:
     """Weights of the nodes of the table for memories l of any shape, one more axis: a Gaussian times sinc."""
     place = (xp.log(xp.clip(memory, _SHORT, _LONG)) - _grid()[0]) / _STEP

@@ -8,7 +8,7 @@ import numpy as np
 
 from .._arrays import compiled, fixed, xp
 from .._runtime import Array, is_traced, known, numpy_unless_traced
-from ..mapping.direction import asymmetry, directions, interpolation_error, quadrature_error
+from ..mapping.direction import asymmetry, directions, interpolation_error, quadrature_error, within_maps
 from ..mapping.lines import AbstractLines, SingleLine
 from ..mapping.profile import Profile
 from ..mapping.shared_curve import SharedCurve, at_points, average, between_orders, shared_curve
@@ -54,7 +54,7 @@ def run(
         values = known(fixed((law, lines, value, velocity)))
         search = None if is_traced(values) or not isinstance(lines, SingleLine) else _search_of_values(plan, *values)
         return _traced_at_once(plan, law, lines, value, velocity, search)
-    law = condensed(law, plan.condensation)
+    whole, law = law, condensed(law, plan.condensation)
     rtol = plan.rtol / (_CORRECTED if plan.corrected else 1)
     if not plan.averaged:
         own = _solve(plan, law, lines, plan.control, value, velocity, rtol)
@@ -76,7 +76,7 @@ def run(
             sunk |= again[6]
         if deep is not None:
             own, good = deep, good & deep.converged
-        mu, error, model_error = _against_half_space(plan, mu, skew, error, own)
+        mu, error, model_error = _against_half_space(plan, whole, mu, skew, error, own)
     error = error + mu * (plan.condensation.cost + _ROUNDING)
     good = good & (error <= plan.rtol * mu) & np.isfinite(mu)
     return Sweep(mu, error, own._replace(converged=good), model_error, sunk)
@@ -88,17 +88,21 @@ def _sunk(lines: AbstractLines, passages: Passages) -> bool:
     return bool(np.any(~passages.converged & (passages.leading > largest)))
 
 
-def _against_half_space(plan: Plan, mu: Array, skew: Array, error: Array, own: Passages) -> tuple[Array, Array, Array]:
+def _against_half_space(
+    plan: Plan, law: Relaxation, mu: Array, skew: Array, error: Array, own: Passages
+) -> tuple[Array, Array, Array]:
     """Friction, its numerical error and the model's: the average as it is, or corrected for an asymmetric contact.
 
     `skew` has the averages of `_skew`."""
     mean, exponent = skew / xp.where(mu > 0, mu, 1.0)
-    found = asymmetry(mu, own.mu, own.leading, own.trailing, xp.maximum(own.exponent, exponent), mean)
+    exponent = xp.maximum(own.exponent, exponent)
+    found = asymmetry(mu, own.mu, own.leading, own.trailing, exponent, mean)
+    mapped = within_maps(law, exponent)
     if not plan.corrected:
-        return mu, error, mu * found.bound
+        return mu, error, mu * mapped * found.bound
     factor = xp.exp(-found.excess)
     error = factor * (error + found.sensitivity * (error + mu * own.error / own.mu))
-    return mu * factor, error, mu * factor * found.corrected
+    return mu * factor, error, mu * factor * mapped * found.corrected
 
 
 def _shared(plan, law, lines, load, velocity, rtol, level, known):
@@ -329,7 +333,7 @@ def _traced(
         quadrature = quadrature_error(mu, every.mu @ around.half, every.mu @ around.quarter, unseen)
         error = quadrature + every.error @ around.weights
         good = every.converged.all(axis=1)
-        mu, error, model_error = _against_half_space(plan, mu, skew, error, own)
+        mu, error, model_error = _against_half_space(plan, law, mu, skew, error, own)
     error = fixed(error + mu * _ROUNDING)
     good = fixed(good & (error <= plan.rtol * mu))
     return Sweep(mu, error, own._replace(converged=good), fixed(model_error))
