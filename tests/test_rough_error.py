@@ -4,6 +4,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 import elastomdr as em
+from elastomdr.mapping.synthesis import synthesise
+from elastomdr.material.relaxation import Relaxation
+from elastomdr.solve.periodic import solve_line
 
 
 def dashpot_on_a_cosine(stiff: float, eta: float, k: float, height: float, velocity: float, depth: float):
@@ -48,3 +51,23 @@ def test_force_that_jumps_at_the_edge():
             np.testing.assert_allclose(got.mu, mu, rtol=2e-5 * (4096 / samples) ** 2 + 1e-8)
             assert (np.abs(got.mu - mu) <= got.error).all()
             assert (got.error <= 1e-4 * mu).all()
+
+
+def test_contacts_of_few_samples_have_an_error_that_covers():
+    """One to twenty samples touch: against eight times as many samples, 97 % of the points at least."""
+    draw, covered = np.random.default_rng(11), []
+    for _ in range(12):
+        surface = em.SelfAffine(
+            draw.uniform(0.5, 1), rms_slope=0.3, q_low=1e3, q_high=1e3 * draw.choice([4.0, 8.0, 16.0])
+        )
+        line = synthesise(surface, int(draw.integers(1e6)), 2, 4096)
+        height, spacing = np.asarray(line.height), float(line.spacing)
+        law = Relaxation(
+            np.asarray(1e6), 1e6 * 10 ** draw.uniform(-1, 2, 2), 10 ** draw.uniform(-5, -2, 2), np.zeros(())
+        )
+        velocity, load = 10 ** draw.uniform(-2, 3, 16), 1e6 * height.std() * 10 ** draw.uniform(-5, -2, 16)
+        some, many = (solve_line(height[::n], spacing * n, law, velocity, load, "load", 1e-6) for n in (8, 1))
+        good = some.converged & many.converged
+        covered += list((np.abs(some.mu - many.mu) <= some.error + many.error)[good])
+    assert len(covered) > 150
+    assert np.mean(covered) > 0.97
