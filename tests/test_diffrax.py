@@ -59,6 +59,7 @@ def test_batches_and_step_to():
     np.testing.assert_allclose(jax.vmap(run)(velocities), [run(v) for v in velocities], rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_gradients_forward_and_reverse():
     """d(mu)/d(E_inf, E_k, tau_k, eta, a): both modes agree, and with central differences."""
 

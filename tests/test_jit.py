@@ -176,6 +176,7 @@ def test_any_argument_alone_may_be_traced(verb, wide):
             assert isinstance(found, jax.ShapeDtypeStruct)
 
 
+@pytest.mark.slow
 def test_gradients_of_a_profile_from_points():
     """By its points and the load: in a compiled program the points are traced, too."""
     law = em.Prony(1e6, [4e6, 2e6], [0.3, 0.01])

@@ -245,6 +245,7 @@ def test_a_share_that_is_none(share):
         em.friction(of_rubber(SOFT), ROAD, velocity=0.1, pressure=1e5, strain_share=share)
 
 
+@pytest.mark.slow
 def test_gradients_through_softening():
     def mu(storage, share, velocity):
         soft = em.Softening(STRAIN, 1 - storage * (1 - np.array(STORAGE)), LOSS)
