@@ -68,9 +68,12 @@ def _stored(gamma: float) -> Callable[[Any], Any]:
 
 def theory(
     law: Law, q: np.ndarray, c: np.ndarray, velocity: float, pressure: float, model: str, gamma: float = 0.5,
-    stored: bool = True, soften: Callable[[Any], Any] | None = None, fine: int = 1,
+    stored: bool = True, soften: Callable[[Any], Any] | None = None, kinks: Any = (), fine: int = 1,
 ) -> Theory:  # fmt: skip
-    """Persson's theory or Multiscale at a point; `soften(strain over s)` gives the factors on both moduli."""
+    """Persson's theory or Multiscale at a point; `soften(strain over s)` gives the factors on both moduli.
+
+    `kinks` are the wave numbers where a factor may have one.
+    """
     ends = [np.log(q[0])]
     for i in range(q.size - 1):
         width = np.log(q[i + 1] / q[i])
@@ -81,8 +84,8 @@ def theory(
             ends += list(np.linspace(ends[-1], np.log(q[1]), count)[1:])
         else:
             ends += list(np.linspace(np.log(q[i]), np.log(q[i + 1]), count + 1)[1:])
-    bend = np.log(q[-1]) - SHIFT
-    ends = np.unique(np.append(ends, bend)) if bend > ends[0] else np.unique(ends)
+    bends = np.append(np.log(kinks), np.log(q[-1]) - SHIFT)
+    ends = np.unique(np.append(ends, bends[bends > ends[0]]))
     half, middle = 0.5 * np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
     x = middle[:, None] + half[:, None] * X
     weight = half[:, None] * W
