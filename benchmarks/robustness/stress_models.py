@@ -17,7 +17,7 @@ from stress_harness import Suite, Verdict, run
 
 FAMILIES = {"road": (0.6, 1), "body": (0.25, 1), "ball on a layer": (0.15, 1)}
 SIZE = 1e-3  # of a contact [m]: everything else is in proportion
-CELLS, MAPS = 64, 4
+CELLS, ROAD_CELLS, MAPS = 64, 256, 4
 
 
 class Drawn(NamedTuple):
@@ -89,7 +89,7 @@ def judge(scene: Drawn, found: dict[str, Any]) -> list[Verdict]:
         return [("flagged", np.nan, np.nan)]
     at: dict[str, Any] = {"velocity": scene.velocity}
     if scene.family == "road":
-        truth = em.friction(*_made(scene), pressure=scene.load, model=em.HalfSpace(cells=128, seeds=MAPS), **at)
+        truth = em.friction(*_made(scene), pressure=scene.load, model=em.HalfSpace(cells=ROAD_CELLS, seeds=MAPS), **at)
     elif scene.family == "body":
         truth = em.reference.half_space_sliding(*_made(scene), load=scene.load, points=CELLS, **at)
     else:
