@@ -214,7 +214,7 @@ def test_result_says_how_the_table_was_read_and_which_rule_fits(tmp_path):
     surface = em.read_spectrum(write(tmp_path, ["q [rad/m],C [m^4]", "0,0"]), convention="2d")
     rubber = em.StandardSolid(1e6, 3e6, 1e-3)
     for pressure, words in ((1e3, "light contact (up to 0.03)"), (1e6, 'compare equivalent_length = "full contact"')):
-        text = em.friction(rubber, surface, velocity=1.0, pressure=pressure, model=em.Line(samples=256)).summary()
+        text = em.friction(rubber, surface, velocity=1.0, pressure=pressure, model=em.Line(samples=1024)).summary()
         level = pressure / (4e6 * SLOPE)  # E*(0) = 4 G for an incompressible half-space
         assert f"p/(E*(0) rms slope) = {level:.4g}"[:-1] in text
         assert words in text

@@ -1,8 +1,9 @@
 """Every search for wrong answers, one after the other: `python benchmarks/robustness/all.py [--minutes M]`.
 
-Without `--minutes` each is run whole, which takes two hours on two cores. With it each gets its share: how many scenes,
-files and sweeps there are follows from what is left of the time. Figures and verdicts of all go into
-`results/robustness/all.json`. The exit status is 1 if anything was wrong and not flagged, crashed, or is not covered.
+Without `--minutes` each is run whole, which takes two hours on two cores. Its figures go into `results/robustness/`,
+and a table of all into `results/robustness/all.json`; `--only` repeats one there and leaves the others. With `--minutes`
+each gets its share (how many scenes, files and sweeps follows from what is left of the time), and none is kept.
+The exit status is 1 if anything was wrong and not flagged, crashed, or is not covered.
 """
 
 import argparse
@@ -15,7 +16,7 @@ import time
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1]))
-from common import heading, save, table, verdict
+from common import RESULTS, heading, save, table, verdict
 
 # Script, option that scales it, whole size, least size, seconds of a whole run: the newest code first.
 PARTS = (
@@ -40,14 +41,17 @@ def main() -> int:
     options.add_argument("--only", action="append", choices=[part[0] for part in PARTS], help="default: all")
     chosen = options.parse_args()
     parts = [part for part in PARTS if not chosen.only or part[0] in chosen.only]
-    wanted = "whole" if chosen.minutes is None else f"in about {chosen.minutes:g} minutes"
+    kept, complete = RESULTS / "robustness" / "all.json", chosen.minutes is None
+    wanted = "whole" if complete else f"in about {chosen.minutes:g} minutes"
     record = heading("Every search for wrong answers", wanted, f"seed {chosen.seed}")
+    before = json.loads(kept.read_text()) if chosen.only and complete and kept.exists() else {}
+    rows = {row["search"]: row for row in before.get("parts", [])}
     end = time.perf_counter() + 60 * (chosen.minutes or 0)
-    rows, failed = [], []
-    with tempfile.TemporaryDirectory() as place:
+    with tempfile.TemporaryDirectory() as other:
+        place = RESULTS if complete else Path(other)
         for i, (name, option, whole, least, _) in enumerate(parts):
             size = whole
-            if chosen.minutes is not None and whole:
+            if not complete and whole:
                 fixed = sum(part[4] for part in parts[i:] if not part[2]) + START * len(parts[i:])
                 scaled = sum(part[4] for part in parts[i:] if part[2])
                 left = max(end - time.perf_counter() - fixed, 0.0) / scaled
@@ -59,20 +63,24 @@ def main() -> int:
             if name.startswith(("stress", "fuzz", "sweeps")):
                 command += ["--seed", str(chosen.seed)]
             print(f"\n== {' '.join(command[1:])} ==", flush=True)
+            result = place / "robustness" / f"{name}.json"
+            result.unlink(missing_ok=True)
             begin = time.perf_counter()
-            status = subprocess.run(command, env=os.environ | {"BENCHMARK_RESULTS": place}).returncode
-            kept = Path(place) / "robustness" / f"{name}.json"
-            found = json.loads(kept.read_text()) if kept.exists() else {}
-            record[name] = found
+            status = subprocess.run(command, env=os.environ | {"BENCHMARK_RESULTS": str(place)}).returncode
+            found = json.loads(result.read_text()) if result.exists() else {}
             verdicts = found.get("verdicts", found.get("figures", []))
-            missed = [one["name"] for one in verdicts if not one["met"]]
-            if status or missed or not verdicts:
-                failed.append(name)
-            rows.append((name, size or "whole", time.perf_counter() - begin, status, "; ".join(missed) or "-"))
-    record["parts"] = table(("search", "size", "[s]", "status", "missed"), rows)
+            missed = [one["name"] for one in verdicts if not one["met"]] if verdicts else ["no verdict"]
+            rows[name] = {
+                "search": name, "size": size or "whole", "seed": chosen.seed, "[s]": time.perf_counter() - begin,
+                "status": status, "missed": "; ".join(missed) or "-",
+            }  # fmt: skip
+            if complete:
+                save("robustness/all", record | {"parts": list(rows.values())})
+    record["parts"] = table(list(rows[parts[0][0]]), [list(row.values()) for row in rows.values()])
     print()
+    failed = [name for name, row in rows.items() if row["status"] or row["missed"] != "-"]
     record["verdicts"] = [verdict("searches with a verdict that is missed, or that failed", len(failed), 0)]
-    if not chosen.only:
+    if complete:
         save("robustness/all", record)
     return 1 if failed else 0
 
