@@ -222,6 +222,16 @@ def test_gradients_of_a_profile_from_points():
     np.testing.assert_allclose(slopes, expected, rtol=1e-3)
 
 
+def test_compiled_gradient_of_a_punch_under_a_load():
+    """Its depth is in proportion to the load; marches that are not needed gave NaN where they began without load."""
+
+    def depth(load):
+        return em.indent(RUBBER, em.FlatPunch(1e-3), time=SHORT, load=load * np.array([0.0, 1.0, 0.5])).depth[-1]
+
+    with jax.enable_x64(True):
+        np.testing.assert_allclose(jax.jit(jax.grad(depth))(0.1), depth(0.1) / 0.1, rtol=1e-9)
+
+
 def _depth_on_layer(thickness):
     return layer_disc(_profile(1.0), thickness, 0.0, True).profile(np.array([1.5e-3]))[0]
 
