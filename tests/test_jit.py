@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.solve.layer_disc import layer_disc
 
 RUBBER, BALL, TIME = em.StandardSolid(1e6, 4e6, 0.3), em.Paraboloid(5e-3), np.linspace(0, 1, 5)
 CARCASS, TREAD = em.Foundation(8e7, [], []), em.Foundation(5e7, [1e8, 1e8], [1e-2, 1.0])
@@ -86,6 +87,37 @@ def test_every_verb_under_every_transformation(verb, wide):
         np.testing.assert_allclose(jax.jit(call)(1.0), exact[0], rtol=1e-5)
         np.testing.assert_allclose(jax.vmap(call)(near), exact, rtol=1e-5)
         np.testing.assert_allclose(jax.grad(call)(1.0), (exact[1] - exact[2]) / 2e-3, rtol=5e-2)
+
+
+LAYER = em.layer(em.Prony(1e6, [4e6], [0.3]), 2e-3)
+ON_LAYER = {
+    "friction": lambda k: em.friction(LAYER, BALL, velocity=0.01, load=k, model=em.Line(), rtol=1e-3).mu,
+    "rolling": lambda k: em.rolling(LAYER, em.Cylinder(5e-3, 0.01), velocity=0.01, load=10 * k, rtol=1e-4).coefficient,
+}
+WAYS = {
+    "jit": jax.jit,
+    "vmap": lambda call: lambda k: jax.vmap(call)(np.array([1.0, 1.01, 0.99])),
+    "grad": jax.grad,
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("verb", ON_LAYER)
+def test_layers_are_refused_without_64_bit_types(verb, way):
+    with jax.enable_x64(False), pytest.raises(em.InputError, match="64-bit types"):
+        WAYS[way](ON_LAYER[verb])(1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("verb", ON_LAYER)
+def test_layers_under_every_transformation(verb):
+    """With 64-bit types: jit, vmap and grad against the plain call and its differences."""
+    exact = [float(ON_LAYER[verb](k)) for k in (1.0, 1.01, 0.99)]
+    with jax.enable_x64(True):
+        found = {way: WAYS[way](ON_LAYER[verb])(1.0) for way in WAYS}
+    np.testing.assert_allclose(found["jit"], exact[0], rtol=1e-3)
+    np.testing.assert_allclose(found["vmap"], exact, rtol=1e-3)
+    np.testing.assert_allclose(found["grad"], (exact[1] - exact[2]) / 2e-2, rtol=5e-3)
 
 
 @pytest.mark.filterwarnings("ignore:Explicitly requested dtype")  # what JAX says of the way back
@@ -188,6 +220,34 @@ def test_gradients_of_a_profile_from_points():
         slopes = jax.grad(mu, argnums=(0, 1))(1.0, 1.0)
     expected = [(mu(1.01, 1.0) - mu(0.99, 1.0)) / 0.02, (mu(1.0, 1.01) - mu(1.0, 0.99)) / 0.02]
     np.testing.assert_allclose(slopes, expected, rtol=1e-3)
+
+
+def test_compiled_gradient_of_a_punch_under_a_load():
+    """Its depth is in proportion to the load; marches that are not needed gave NaN where they began without load."""
+
+    def depth(load):
+        return em.indent(RUBBER, em.FlatPunch(1e-3), time=SHORT, load=load * np.array([0.0, 1.0, 0.5])).depth[-1]
+
+    with jax.enable_x64(True):
+        np.testing.assert_allclose(jax.jit(jax.grad(depth))(0.1), depth(0.1) / 0.1, rtol=1e-9)
+
+
+def _depth_on_layer(thickness):
+    return layer_disc(_profile(1.0), thickness, 0.0, True).profile(np.array([1.5e-3]))[0]
+
+
+def test_the_thickness_of_a_layer_under_a_profile_may_be_traced():
+    with jax.enable_x64(True):
+        assert jax.eval_shape(_depth_on_layer, 2e-3).shape == ()
+
+
+@pytest.mark.slow
+def test_gradient_of_a_profile_on_a_layer_by_its_thickness():
+    """The pieces of its rule end at its points in units of the thickness."""
+    with jax.enable_x64(True):
+        slope = jax.grad(_depth_on_layer)(2e-3)
+        near = [float(_depth_on_layer(h)) for h in (2.001e-3, 1.999e-3)]
+    np.testing.assert_allclose(slope, (near[0] - near[1]) / 2e-6, rtol=1e-5)
 
 
 @pytest.mark.parametrize("times", [[0.3, 0.01, 0.05], [0.3, 0.01, 0.3]], ids=["any order", "equal"])

@@ -164,8 +164,9 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
         known = fixed(growing) if traced else growing
     else:
         fields, known = (depth,) * 8, np.zeros(time.shape, bool)
-    # A contact under a load that never falls only grows, whatever the material.
-    simple = not is_traced(load) and course.by_depth is None and bool((np.diff(load, axis=1) >= 0).all())
+    # A contact under a load that never falls only grows, whatever the material; that of a flat punch has one size.
+    rises = disc.flat or (not is_traced(load) and bool((np.diff(load, axis=1) >= 0).all()))
+    simple = course.by_depth is None and rises
     rest = np.ones(len(time), bool) if is_traced(known) else ~np.asarray(known).all(axis=1)
     plan = GROWING
     if rest.any() and not simple:

@@ -267,10 +267,10 @@ def tip_power(shape: AbstractShape) -> float:
 def _over_pieces(shape: Profile, h: Any, at: Resolvents, squeeze: Any, bonded: bool) -> tuple[Array, Array]:
     numpy: Any = xp if is_traced(shape, h, squeeze) else np
     z, weight = kernel_line(squeeze, bonded, float(at.alpha[-1]))
-    rule = np.polynomial.legendre.leggauss(6)
+    rule, places = np.polynomial.legendre.leggauss(6), numpy.asarray(shape.r) / h
     pulls, helds = [], []
     for k, alpha in enumerate(at.alpha):
-        edges = numpy.minimum(numpy.asarray(shape.r) / h, min(alpha, float(np.asarray(shape.r[-1] / h)) * (1 - 1e-12)))
+        edges = numpy.minimum(places, numpy.minimum(alpha, places[-1] * (1 - 1e-12)))
         half = 0.5 * numpy.diff(edges)[:, None]
         s, ds = (edges[:-1, None] + half * (1 + rule[0])).ravel(), (half * rule[1]).ravel()
         wave = numpy.cos(s[:, None] * z) * weight
