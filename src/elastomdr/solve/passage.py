@@ -302,7 +302,7 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
         above = force(middle) > load
         return xp.where(above, low, middle), xp.where(above, middle, high)
 
-    low, high = fori_loop(0, 11, halve, (xp.full_like(load, -60.0), xp.minimum(top, 40.0)))
+    low, high = fori_loop(0, 13, halve, (xp.full_like(load, -140.0), top))
     return 0.5 * (low + high)
 
 
