@@ -74,6 +74,9 @@ def usual(kind: str) -> str:
     return ", ".join(KINDS[kind][1].split())
 
 
+_LONGEST = 100  # characters of a unit: pint takes minutes for a million
+
+
 @functools.cache
 def _parsed(text: str, kind: str) -> Any:
     """pint's unit, None where the text is none of this kind."""
@@ -100,6 +103,8 @@ def _plain(text: str) -> str:
 
 @functools.cache
 def _pint(text: str) -> Any:
+    if len(text) > _LONGEST:
+        return None
     word = re.sub(r"(?<=[A-Za-zµ])[.-](?=[A-Za-z])", "*", _plain(text).replace("^", "**"))  # N.m, Pa-s
     word = re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", word)  # mm2, s-1
     bare = re.sub(r"\s+", "", word)

@@ -164,9 +164,7 @@ def grid_words(points: int) -> str:
     return f"{points} by {points} cells; half as many and three eighths for the error"
 
 
-def _one(
-    shape: AbstractShape, law: Relaxation, scene: Points, cover: Any, i: int
-) -> tuple[_Found, float]:
+def _one(shape: AbstractShape, law: Relaxation, scene: Points, cover: Any, i: int) -> tuple[_Found, float]:
     """A point on the full grid, and how far mu may be off for the grid: from half of it and from three eighths."""
     value, velocity = scene.value[i], scene.velocity[i]
     size = estimate_sizes(law, SingleLine(shape), scene.control, scene.value[i : i + 1], scene.velocity[i : i + 1])
