@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._runtime import Array, in_float64
+from .._trees import replaced
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.lines import SingleLine
@@ -176,7 +177,7 @@ def _one(shape: AbstractShape, law: Relaxation, scene: Points, cover: Any, i: in
     law = scaled(law, 1 / stiff)
     chain, velocity = to_kelvin(law), velocity / size
     value = value / size if scene.control == "depth" else value / size / size / stiff
-    cover = None if cover is None else cover._replace(thickness=cover.thickness / size)
+    cover = None if cover is None else replaced(cover, thickness=cover.thickness / size)
     round_start = _round(32)
     for lead in LEADS:
         window = np.array([-1.6, 1.6, 1.6])  # anew: one that did not settle may have led astray
