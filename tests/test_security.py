@@ -1,13 +1,17 @@
 """Files made to do harm: nothing is run, nothing is written elsewhere, what would fill the memory is refused."""
 
 import ast
+import json
 import zipfile
 from pathlib import Path
 
 import pytest
 
 import elastomdr as em
+from elastomdr.cli.units import Pressure
+from elastomdr.errors import InputError
 from elastomdr.files import read_bytes, write_files
+from elastomdr.io.units import to_si
 
 SOURCE = Path(em.__file__).parent
 _XML = '<?xml version="1.0" encoding="UTF-8"?>'
@@ -69,6 +73,45 @@ def test_reading_is_bounded(tmp_path):
         read_bytes(path)
     with pytest.raises(em.InputError, match="more than"):
         em.read_dma(path)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1," * 1_500_000, "omega [" + "rad/" * 100_000 + "s],storage [Pa],loss [Pa]\n1,2,3\n2,3,4\n3,4,5\n"],
+    ids=["one line", "one unit"],
+)
+def test_a_text_that_is_one_long_line(tmp_path, text):
+    """Cells of 100 MB, or a unit of 1 MB, kept the reader busy for minutes."""
+    path = tmp_path / "long.csv"
+    path.write_text(text)
+    with pytest.raises(em.InputError):
+        em.read_dma(path)
+
+
+@pytest.mark.parametrize("unit", ["9**9**9**9*Pa", "Pa*(9**9)**9**9", "9^9^9^9 Pa", "Pa**123456789"])
+def test_a_unit_that_would_compute_for_ever(unit):
+    """pint evaluates powers of numbers; no power of a power, and none of three digits, is a unit."""
+    with pytest.raises(InputError):
+        Pressure.convert("1", unit)
+    assert to_si(unit, "modulus") is None
+
+
+def test_a_store_that_asks_to_unpickle_is_refused(tmp_path):
+    def swept():
+        return em.sweep(
+            em.friction, {"velocity": [0.1, 1.0]}, store=tmp_path / "runs.zarr", progress=False,
+            material=em.StandardSolid(1e6, 3e6, 1e-3), shape=em.Paraboloid(0.01), load=1.0,
+        )  # fmt: skip
+
+    swept()
+    path = tmp_path / "runs.zarr" / "state" / ".zarray"
+    about = json.loads(path.read_text())
+    path.write_text(json.dumps({**about, "dtype": "|O", "filters": [{"id": "pickle"}], "compressor": None}))
+    with pytest.raises(em.InputError, match=r"one that em\.sweep has made"):
+        swept()
+    path.write_text(json.dumps({**about, "shape": [10**13]}))  # more than any memory
+    with pytest.raises(em.InputError, match=r"one that em\.sweep has made"):
+        swept()
 
 
 def test_a_link_in_place_of_an_output_is_replaced_and_not_followed(tmp_path):

@@ -99,7 +99,7 @@ def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
         return _with_its_way_back(function, args, kwargs)
     before, _mode.numpy = _mode.numpy, False
     try:
-        with jax.enable_x64(True):
+        with jax.enable_x64(True), np.errstate(all="ignore"):  # as of NumPy's calls: what overflows is found by its NaN
             return jax.tree.map(as_numpy, function(*args, **kwargs))
     finally:
         _mode.numpy = before

@@ -6,6 +6,7 @@ from decimal import Decimal
 from typing import Any, ClassVar, Self
 
 from ..errors import InputError, closest
+from ..io.units import harmless
 
 _LARGEST = 1e100  # in SI units: products of such numbers stay within float64
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
@@ -140,6 +141,8 @@ def _by_pint(number: float, unit: str, kind: type[Quantity]) -> float:
     registry = _registry()
     usual = USUAL.get(kind.unit, {})
     try:
+        if not harmless(unit):
+            raise ValueError("no unit has such powers")
         parsed = registry.parse_units(unit)
     except Exception as error:  # pint lets its tokenizer's errors through, of many types
         known = f" Usual units are {', '.join(usual)}." if usual else ""

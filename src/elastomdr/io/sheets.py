@@ -16,6 +16,8 @@ from ..errors import InputError
 from ..files import read_bytes
 
 _PATIENCE = 60  # seconds for a spreadsheet
+_LONGEST_LINE = 2_000_000  # characters
+_MOST_CELLS = 25_000_000  # of a text: a map of 5000 by 5000 points
 _EXPECTED = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7\u2018\u2019\u201c\u201d\u2013\u2014\u2026\u2022")
 _MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")  # a number, whatever its comma and point mean
 
@@ -57,7 +59,14 @@ def cut(name: str, text: str) -> Sheet:
     """A text as a sheet, cut at the separator that suits most of its lines."""
     text = re.sub("(?<=\\d)[\u00a0\u2009\u202f](?=\\d)", "", text).replace("\u2212", "-")  # blanks between thousands
     lines = text.splitlines()
+    longest = max(map(len, lines), default=0)
+    if longest > _LONGEST_LINE:
+        raise InputError(
+            f"path must be a text with lines of {_LONGEST_LINE:,} characters at most, got {longest:,} in {name!r}."
+        )
     mark = _separator(lines)
+    if text.count(mark) > _MOST_CELLS:
+        raise InputError(f"path must be a text of {_MOST_CELLS:,} cells at most, got {text.count(mark):,} in {name!r}.")
     if mark == " ":
         rows = [Row(i, line.split()) for i, line in enumerate(lines, start=1)]
     else:

@@ -86,8 +86,13 @@ def main_table(sheet: Sheet, fewest: int = 2) -> Table | None:
     return best._replace(rows=rows)
 
 
+_LONGEST = 500  # characters of a title: the time to split one grows as the square
+
+
 def splits(title: str) -> Iterator[tuple[str, str]]:
     """Name and unit of a title such as "G' [MPa]", "f (Hz)", "E' / MPa", "f, Hz", "freq_hz", as it may be meant."""
+    if len(title) > _LONGEST:
+        return
     match = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\[\]()]*)\s*[\])]", title)
     if match:
         yield match[1], match[2]

@@ -74,6 +74,15 @@ def usual(kind: str) -> str:
     return ", ".join(KINDS[kind][1].split())
 
 
+_LONGEST = 100  # characters of a unit: pint takes minutes for a million
+_TOWER = re.compile(r"\*\*[\s(+-]*(\d{3,}|[\w.]+[\s)]*\*\*)")  # an exponent of three digits, or one that has its own
+
+
+def harmless(unit: str) -> bool:
+    """Whether pint may see it: it would compute 9**9**9**9, and read a million characters for minutes."""
+    return len(unit) <= _LONGEST and not _TOWER.search(unit.replace("^", "**"))
+
+
 @functools.cache
 def _parsed(text: str, kind: str) -> Any:
     """pint's unit, None where the text is none of this kind."""
@@ -100,6 +109,8 @@ def _plain(text: str) -> str:
 
 @functools.cache
 def _pint(text: str) -> Any:
+    if not harmless(text):
+        return None
     word = re.sub(r"(?<=[A-Za-zµ])[.-](?=[A-Za-z])", "*", _plain(text).replace("^", "**"))  # N.m, Pa-s
     word = re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", word)  # mm2, s-1
     bare = re.sub(r"\s+", "", word)

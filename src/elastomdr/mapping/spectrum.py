@@ -261,7 +261,7 @@ class Spectrum(AbstractSpectrum):
 
     def __init__(self, q: ArrayLike, c: ArrayLike, *, convention: Convention):
         check_convention(convention)
-        q, c = np.array(q, dtype=np.float64), as_float64("c", c)
+        q, c = np.asarray(as_float64("q", q)), as_float64("c", c)
         if is_traced(c) and not convention.startswith("2d"):
             raise InputError(f"c must be a plain list under JAX's transformations for convention={convention!r}.")
         if c.ndim == 2:

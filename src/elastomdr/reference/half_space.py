@@ -11,11 +11,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._runtime import Array, in_float64
+from .._trees import replaced
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..mapping.lines import SingleLine
 from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
-from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
+from ..material.relaxation import Relaxation, scaled, to_kelvin
 from ..results.curve import Contact, FrictionCurve, HalfSpaceCurve
 from ..results.words import describe
 from ..solve.passage import Control, estimate_sizes
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 MODEL = "half-space in three dimensions, cells of constant pressure (no reduction)"
 _WINDOWS = 8  # windows tried until the contact lies well inside
+_FEWEST = 8  # cells that touch in the first window, below which it is far too wide
 _ENDS = 13.9  # thicknesses of a layer beyond which its surface does not move
 _SAFETY = 2.0  # of the change of mu with the grid, which is of first order where the loss is small, and not smooth
 
@@ -47,6 +49,11 @@ class _Found(NamedTuple):
     area: Float[Array, ""]  # of contact, the staircase of its border corrected as in `solve.half_space` [m^2]
     settled: Array
     inside: Array  # no cell at the border of the window is in contact
+
+    def in_metres(self, unit: float, stiff: float) -> _Found:
+        """Lengths from `unit`, and stresses from `stiff`, into SI units."""
+        lengths = {name: getattr(self, name) * unit for name in ("depth", "edges", "half_width")}
+        return self._replace(force=self.force * unit * unit * stiff, area=self.area * unit * unit, **lengths)
 
 
 _NAN = np.array(np.nan)
@@ -119,8 +126,8 @@ def slide(
         )
     law = foundation.law()
     scene = broadcast(foundation, velocity=velocity, load=load, depth=depth, temperature=temperature, points=points)
-    at, chain = scene.at, to_kelvin(law)
-    found = [_one(shape, law, chain, scene, cover, i) for i in range(scene.velocity.size)]
+    at = scene.at
+    found = [_one(shape, law, scene, cover, i) for i in range(scene.velocity.size)]
     good = np.array([bool(fine.settled) for fine, _ in found])
 
     def field(values: list[Any]) -> Any:
@@ -158,33 +165,41 @@ def grid_words(points: int) -> str:
     return f"{points} by {points} cells; half as many and three eighths for the error"
 
 
-def _one(
-    shape: AbstractShape, law: Relaxation, chain: KelvinChain, scene: Points, cover: Any, i: int
-) -> tuple[_Found, float]:
+def _one(shape: AbstractShape, law: Relaxation, scene: Points, cover: Any, i: int) -> tuple[_Found, float]:
     """A point on the full grid, and how far mu may be off for the grid: from half of it and from three eighths."""
     value, velocity = scene.value[i], scene.velocity[i]
     size = estimate_sizes(law, SingleLine(shape), scene.control, scene.value[i : i + 1], scene.velocity[i : i + 1])
     size = float(np.asarray(size)[0])
+    if not 0 < size < np.inf:
+        return _FAILED, np.nan
+    # Solved with lengths in this size and stresses in the relaxed modulus: the sums over cells hold in any units.
+    stiff = float(law.equilibrium)
+    law = scaled(law, 1 / stiff)
+    chain, velocity = to_kelvin(law), velocity / size
+    value = value / size if scene.control == "depth" else value / size / size / stiff
+    cover = None if cover is None else replaced(cover, thickness=cover.thickness / size)
     round_start = _round(32)
     for lead in LEADS:
-        window = np.array([-1.6 * size, 1.6 * size, 1.6 * size])  # anew: one that did not settle may have led astray
-        solve = functools.partial(_solve, shape, law, chain, scene.control, value, velocity, cover, lead=lead)
+        window = np.array([-1.6, 1.6, 1.6])  # anew: one that did not settle may have led astray
+        solve = functools.partial(_solve, shape, size, law, chain, scene.control, value, velocity, cover, lead=lead)
         rough = solve(window, round_start)
         for _ in range(_WINDOWS):
             if bool(rough.inside):
                 break
             window = 1.5 * window
             rough = solve(window, round_start)
-        if not bool(rough.settled & rough.inside):
+        if not bool(rough.settled & rough.inside) or int(rough.touching.sum()) < _FEWEST:
             continue
-        length = float(rough.edges[3] - rough.edges[2])
-        closer = np.array([rough.edges[2] - 0.1 * length, rough.edges[3] + 0.1 * length, 1.1 * rough.half_width])
+        margin = max(0.1, 1.4 / (scene.cells / 4 - 1.4))  # at least 1.4 cells of the coarser grid
+        beyond = margin * float(rough.edges[3] - rough.edges[2])
+        closer = np.array([rough.edges[2] - beyond, rough.edges[3] + beyond, (1 + margin) * rough.half_width])
         coarse = solve(closer, _seen(rough.touching, window, closer, scene.cells // 2))
         fine = solve(closer, _seen(coarse.touching, closer, closer, scene.cells))
         if bool(coarse.settled & fine.settled & coarse.inside & fine.inside):
             third = solve(closer, _seen(coarse.touching, closer, closer, 3 * scene.cells // 8))
             others = [coarse, third] if bool(third.settled & third.inside) else [coarse]
-            return fine, _SAFETY * max(abs(float(fine.mu - other.mu)) for other in others)
+            error = _SAFETY * max(abs(float(fine.mu - other.mu)) for other in others)
+            return fine.in_metres(size, stiff), error
     return _FAILED, np.nan
 
 
@@ -206,8 +221,12 @@ def _seen(touching: Array, window: Array, closer: Array, count: int) -> Bool[np.
 
 
 @functools.partial(jax.jit, static_argnames=("control",))
-def _solve(shape, law, chain, control: Control, value, velocity, cover, window, start, *, lead: Array) -> _Found:
-    """The contact in a window from window[0] to window[1] along the motion, and window[2] to either side."""
+def _solve(shape, unit, law, chain, control: Control, value, velocity, cover, window, start, *, lead: Array) -> _Found:
+    """The contact in a window from window[0] to window[1] along the motion, and window[2] to either side.
+
+    Lengths are in `unit` [m], but those of the shape, and stresses in the relaxed modulus.
+    """
+    largest = shape.largest_contact / unit
     count = start.shape[0]
     h, width = (window[1] - window[0]) / count, 2 * window[2] / count
     x = window[0] + h * (jnp.arange(count) + 0.5)
@@ -226,13 +245,13 @@ def _solve(shape, law, chain, control: Control, value, velocity, cover, window, 
 
     kernel = of_cells(lead)
     r = jnp.hypot((x - lead * h)[:, None], y[None])
-    height = shape._height(jnp.minimum(r, shape.largest_contact * (1 - 1e-9)))
-    beyond = r >= shape.largest_contact
+    height = shape._height(jnp.minimum(r, largest * (1 - 1e-9)) * unit) / unit
+    beyond = r >= largest
     height = jnp.where(beyond, 1e3 * (window[1] - window[0]), height)
     on = grid(kernel.displacement, law, velocity, (h, width), lead, cover)
     solution = settle(on, height, start, control, value / (h * width) if control == "load" else value)
     p = solution.pressure
-    whole = ~jnp.any((p > 0) & (r > shape.largest_contact - jnp.hypot(h, width)))  # not at the end of the body
+    whole = ~jnp.any((p > 0) & (r > largest - jnp.hypot(h, width)))  # not at the end of the body
     force = jnp.sum(p) * h * width
     slope = jax.lax.cond(lead == 0, lambda: kernel.slope, lambda: of_cells(0.0).slope)  # from centre to centre
     mu = work_against(slope, p) * h * width / force

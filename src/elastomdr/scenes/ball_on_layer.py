@@ -40,6 +40,7 @@ _ORDERS = (14, 20, 28, 40, 56)  # of the polynomials, tried in turn
 _TRACED = 28
 _SHARE = 0.5  # of what the lower order changes, that is left of it in the higher one
 _FLOOR = 1e-3  # relative error beyond which a point has failed whatever `rtol` asks
+_NONE = 1e-13  # friction that rounding of the pressures leaves
 _AT_ONCE = 256
 _WIDEST = 16.0  # a/h of the elastic curve
 _TRACED_REACH = 16.0  # contact width over thickness that is served under a transformation of JAX
@@ -133,6 +134,8 @@ def ball_on_layer(
         mu, error, bound = mu * factor, error * factor * (1 + off.sensitivity), bound * factor
     sunk = found.depth >= thick
     good = found.good & ~sunk
+    if not points.traced and np.any(lines.on.chain.compliances):
+        good = good & (mu > _NONE)
     if not points.traced:
         _say(good, sunk, thick, rtol)
 
@@ -255,7 +258,9 @@ def _solve(lines: _Lines, velocity: Array, load: Array, weights: Array | None = 
             if weights is not None and before is not None and velocity.size <= _AT_ONCE:
                 sums = np.abs(weights) * np.abs(result.mu)  # how much of an average is due to each line
                 counts = np.nanmax(sums / np.nansum(sums, axis=1, keepdims=True), axis=0)[left]
-            again = np.flatnonzero(error[left] * counts > 0.2 * lines.rtol)
+            lost = np.abs(found.mu) < _NONE
+            error[left[lost]] = 1.0  # no order finds more
+            again = np.flatnonzero((error[left] * counts > 0.2 * lines.rtol) & ~lost)
             left, before = left[again], found.mu[again]
             edges = tuple(
                 np.where(found.converged[again], e[again], radius[left]) for e in (found.leading, found.trailing)

@@ -247,7 +247,7 @@ def _once(
         pull = xp.maximum(pull, -least_gap(flat, solution, high, deep))
     good = there & xp.isfinite(solution.mu) & (pull < _NEGATIVE) & remembered(flat, half)
     # a pressure that pulls by a small share over a small part of the contact: that share of mu
-    error = off + (pull + _ROUNDING) * xp.abs(solution.mu)
+    error = off + (pull + _ROUNDING) * xp.abs(solution.mu) + 1e-15 * half / flat.radius
     return _Found(
         solution.mu, error, solution.load, deep, solution.shift + half, solution.shift - half, good
     )  # fmt: skip

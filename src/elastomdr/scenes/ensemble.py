@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..mapping.direction import SharedGrid, directions, interpolation_error, quadrature_error, shared_grid
 from ..mapping.rough_line import RoughLine
 from ..mapping.synthesis import PERIODS, synthesise
-from ..solve.periodic import Line
+from ..solve.periodic import ROUNDING, Line
 from .mean import Mean
 
 AVERAGE = 1e-5  # least relative error asked of the direction average: contacts that come and go leave kinks in mu(v)
@@ -140,16 +140,20 @@ def coarse_at(error: Any, mu: Any) -> Any:
     return ~(error <= SAMPLING * abs(mu))
 
 
-def on_enough_samples(ask: Ask, found: Mean, count: int, solve: Callable[[Ask, int], Mean]) -> tuple[Mean, np.ndarray]:
+def on_enough_samples(
+    ask: Ask, found: Mean, line: RoughLine, relaxed: float, solve: Callable[[Ask, int], Mean]
+) -> tuple[Mean, np.ndarray]:
     """Points whose sampling error is above `SAMPLING` times mu, solved again on four times the samples, and so on.
 
-    `found` is the answer on `count` samples, `solve(ask, count)` that on others. Returns the answer, and on how many
-    samples each point has it. The error that stays is the caller's to judge.
+    `found` is the answer on `line` or on lines like it, `solve(ask, count)` that on as many samples. Returns the
+    answer, and on how many samples each point has it. The error that stays is the caller's to judge.
     """
+    count = line.count
     used = np.full(found.mu.shape, count)
+    helped = ~_beyond_all_samples(ask, found, line, relaxed)
     while count * 4 <= _MOST:
         count *= 4
-        coarse = np.flatnonzero(found.good & coarse_at(found.error, found.mu))
+        coarse = np.flatnonzero(found.good & helped & coarse_at(found.error, found.mu))
         if not coarse.size:
             break
         finer = solve(ask._replace(velocity=ask.velocity[coarse], value=ask.value[coarse]), count)
@@ -160,6 +164,22 @@ def on_enough_samples(ask: Ask, found: Mean, count: int, solve: Callable[[Ask, i
         used[at] = count
         found = jax.tree.map(partial(_put, at, better), found, finer)
     return found, used
+
+
+def _beyond_all_samples(ask: Ask, found: Mean, line: RoughLine, relaxed: float) -> np.ndarray:
+    """Points that no sampling will answer, of the order of a million samples each: those whose mu is below what
+    rounding leaves, and those whose contact is less than five samples wide on the finest line.
+
+    The contact is that of relaxed rubber on the parabola through the highest sample and its neighbours.
+    """
+    height, spacing = np.asarray(line.height), float(line.spacing)
+    slope = np.sqrt(np.mean(np.diff(height) ** 2)) / spacing
+    top = int(np.argmax(height))
+    bend = (2 * height[top] - height[top - 1] - height[(top + 1) % height.size]) / spacing**2
+    deep = 2 * ask.value if ask.control == "depth" else (3 * np.sqrt(bend) * ask.value / (2 * relaxed)) ** (2 / 3)
+    with np.errstate(divide="ignore"):
+        narrow = np.sqrt(deep / bend) < 2.5 * spacing * line.count / _MOST
+    return narrow | (ROUNDING * slope > SAMPLING * np.abs(found.mu))
 
 
 def _put(at: Array, which: Array, field: Array, finer: Array) -> np.ndarray:

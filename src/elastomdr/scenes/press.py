@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 _USUAL = Line(seeds=8, periods=16)
 _FINE = 16  # samples of the shortest wave, where none are given
 _OFF, _LEVELS, _RATIO = 0.35, (0.01, 0.2), 64  # bound against 3D, where p J/rms slope and q_high/q_low lie in the range
+_FEWEST = 3  # samples that touch in sliding, below which there is no stiffness
 _STEP = 0.02  # relative change of load, up and down, for the stiffness in sliding
 
 
@@ -220,7 +221,7 @@ def _lines(surface: Any, model: Line) -> list[RoughLine]:
 
 def _at_rest(points: _Points, lines: list[RoughLine], length: Any) -> _Found:
     load = points.carried * points.compliance * length
-    approaches, gaps, conductances = [], [], []
+    approaches, gaps, conductances, touching = [], [], [], []
     for line in lines:
         if not is_traced(line):
             require("surface", np.ptp(line.height), "rough, with heights that differ", lambda x: x > 0)
@@ -229,7 +230,8 @@ def _at_rest(points: _Points, lines: list[RoughLine], length: Any) -> _Found:
         approaches.append(on.mean - at.gap)
         gaps.append(at.gap)
         conductances.append(_conductance(at.share, length))
-    return _mean(approaches, gaps, conductances, None, 1 / points.compliance * points.vertical, points)
+        touching.append(at.share * line.height.size >= 1)
+    return _mean(approaches, gaps, conductances, None, 1 / points.compliance * points.vertical, points, touching)
 
 
 def _conductance(share: Any, length: Any) -> Any:
@@ -252,22 +254,26 @@ def _steady(points: _Points, lines: list[RoughLine], length: float, foundation: 
     loads = np.concatenate([load, load * (1 - _STEP), load * (1 + _STEP)])
     jobs = [Job(np.asarray(line.height), float(line.spacing), np.tile(reduced, 3), loads, "load") for line in lines]
     relaxed = float(foundation.equilibrium)
-    approaches, gaps, conductances, stiffnesses = [], [], [], []
+    approaches, gaps, conductances, stiffnesses, touching = [], [], [], [], []
     for line, own in zip(lines, solve_lines(jobs, foundation.law(), float(rtol)), strict=True):
         height = np.asarray(line.height)
-        middle, less, more = (own.depth - own.load / relaxed).reshape(3, -1)
+        # In full contact the difference of depth and load, both large, is rounding.
+        closed = height.max() - height.mean()
+        middle, less, more = np.where(own.share == 1, closed, own.depth - own.load / relaxed).reshape(3, -1)
+        touching.append((own.share[: load.size] * height.size >= _FEWEST).reshape(points.shape))
         approaches.append(middle.reshape(points.shape))
-        gaps.append((height.max() - height.mean() - middle).reshape(points.shape))
+        gaps.append((closed - middle).reshape(points.shape))
         conductances.append(np.asarray(_conductance(own.share[: load.size], length)).reshape(points.shape))
         rise = (own.load.reshape(3, -1)[2] - own.load.reshape(3, -1)[1]) / length
         stiffnesses.append((rise / (more - less)).reshape(points.shape) * points.vertical)
-    return _mean(approaches, gaps, conductances, stiffnesses, None, points)
+    return _mean(approaches, gaps, conductances, stiffnesses, None, points, touching)
 
 
 def _mean(
     approaches: list[Any], gaps: list[Any], conductances: list[Any], stiffnesses: list[Any] | None, modulus: Any,
-    points: _Points,
+    points: _Points, touching: list[Any],
 ) -> _Found:  # fmt: skip
+    """`touching` says where each line touches in enough samples."""
     approach, gap, conductance = (xp.stack(each) for each in (approaches, gaps, conductances))
     mean = xp.mean(conductance, axis=0)
     stiffness = 0.5 * modulus * mean if stiffnesses is None else xp.mean(xp.stack(stiffnesses), axis=0)
@@ -278,7 +284,7 @@ def _mean(
             error = error / mean
     else:
         error, far = xp.full(points.shape, np.nan), xp.full(points.shape, np.nan)
-    good = xp.isfinite(xp.mean(approach, axis=0))
+    good = xp.isfinite(xp.mean(approach, axis=0)) & xp.all(xp.stack(touching), axis=0)
     return _Found(xp.mean(approach, axis=0), xp.mean(gap, axis=0), stiffness, mean, error, far, good)
 
 

@@ -75,7 +75,7 @@ def rough_friction(
         found = mean(ask, lines)
         if coarse or model.samples is not None:
             return found
-        found, used = on_enough_samples(ask, found, lines[0].count, finer)
+        found, used = on_enough_samples(ask, found, lines[0], float(law.equilibrium), finer)
         largest[0] = max(largest[0], int(used.max()))
         return found
 

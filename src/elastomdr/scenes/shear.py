@@ -297,5 +297,5 @@ def _elastic_depth(shape: AbstractShape, per_area: bool, measure: Any) -> Any:
         below = displaced(xp.exp(middle)) < measure
         return xp.where(below, middle, low), xp.where(below, high, middle)
 
-    ends = (xp.asarray(-60.0), xp.asarray(10.0))
-    return xp.exp(fixed(fori_loop(0, 40, halve, ends)[1]))
+    ends = (xp.asarray(-140.0), xp.asarray(140.0))
+    return xp.exp(fixed(fori_loop(0, 42, halve, ends)[1]))

@@ -25,6 +25,7 @@ from ..mapping.shapes import FlatPunch
 from ..material.relaxation import Relaxation
 
 _HALVINGS = 80
+_WIDEST = 1e100  # contact [m]
 _ROUNDING = 1e-12
 _DOUBLE = 1e-14
 
@@ -229,8 +230,8 @@ def _depth_under(sticky: Sticky, a: Array, load: Array) -> Array:
 def _rising(level: Any, sticky: Sticky, value: Array, least: Array) -> Array:
     """The largest a with level(a) = value on a branch that rises with a: halvings of log a, then a Newton step."""
     fixed, goal, least = jax.lax.stop_gradient((sticky, jnp.asarray(value), least))
-    top = jnp.log(jnp.minimum(fixed.disc.largest, 1e9))
-    low = jnp.broadcast_to(jnp.log(jnp.maximum(least, 1e-30)), goal.shape)
+    top = jnp.log(jnp.minimum(fixed.disc.largest, _WIDEST))
+    low = jnp.broadcast_to(jnp.log(jnp.maximum(least, 1 / _WIDEST)), goal.shape)
 
     def halve(_: Any, ends: tuple) -> tuple:
         low, high = ends

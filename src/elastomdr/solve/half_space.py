@@ -61,7 +61,7 @@ def waves(modulus: Callable[[Any], Any], velocity: float, shape: tuple[int, int]
     k[0, 0] = 1.0
     inverse = 0.5 * k * value[:, None]
     kernel = 1 / inverse
-    kernel[0, 0] = 0.0
+    kernel[0, 0] = inverse[0, 0] = 0.0  # the mean is given: only the rest counts
     twice = np.full(ky.size, 2.0)
     twice[0] = 1.0
     if ny % 2 == 0:
@@ -88,6 +88,9 @@ def solve(
     `double` settled in 64.
     """
     on = waves(modulus, velocity, heights.shape, sides)
+    full = _in_full_contact(on, heights, pressure)
+    if full is not None:
+        return full
     if start is None:
         if min(heights.shape) <= _COARSEST or any(n % 2 for n in heights.shape):
             start = xp.where(heights >= np.median(np.asarray(heights)), pressure, 0.0)
@@ -101,6 +104,16 @@ def solve(
         return found
     last = _settle(on, heights, pressure, found.pressure, np.float64, np.complex128, xp)
     return last._replace(products=last.products + found.products)
+
+
+def _in_full_contact(on: Waves, heights: Any, mean: float) -> Found | None:
+    """The solution where it is positive everywhere, from the heights' own waves; else None."""
+    spread = np.fft.rfft2(np.asarray(heights, dtype=np.float64)) * on.inverse
+    pressed = mean + np.fft.irfft2(spread, s=heights.shape)
+    if not pressed.min() > 0:
+        return None
+    stress = float((on.loss * np.abs(spread / heights.size) ** 2).sum())
+    return Found(stress, 1.0, 0.0, pressed, True, 1)
 
 
 def _settle(on: Waves, heights: Any, mean: float, start: Any, real: Any, complex_: Any, xp: Any) -> Found:
@@ -158,7 +171,8 @@ def _settle(on: Waves, heights: Any, mean: float, start: Any, real: Any, complex
         loose = 1e-2 * min(1.0, 10 * changed / size) * 0.1**waited  # what is left of the solve may keep cells changing
         tolerance = tight if changed <= max(few, 2, count / 5000) else max(tight, loose)
     spread = transform.forth(pressed) / size
-    stress = float((xp.asarray(on.loss, dtype=real) * mean * xp.abs(spread) ** 2).sum()) * mean
+    most = float(on.loss.max()) or 1.0  # 32 bits hold no loss of 1e-45
+    stress = float((xp.asarray(on.loss / most, dtype=real) * xp.abs(spread) ** 2).sum()) * most * mean * mean
     return Found(stress, _area(xp, pressed > 0), -level * scale, pressed * mean, settled, products)
 
 

@@ -163,7 +163,8 @@ def _line(on: Sliding, velocity: Array, a: Array, b: Array) -> _Line:
     x = xp.concatenate([behind, ahead], axis=1)
     share = xp.concatenate([0.5 * b[:, None] * rule.weight, 0.5 * a[:, None] * rule.weight], axis=1)
     z, dz = _waves(on.reach)
-    loss = on.deficit(xp.asarray(z)[None], z[None] * (velocity[:, None] / h))  # (points, z)
+    omega = xp.clip(z[None] * (velocity[:, None] / h), 1e-99, 1e99)  # what materials take; beyond, all is at rest
+    loss = on.deficit(xp.asarray(z)[None], omega)  # (points, z)
     wave = xp.exp(1j * (x / h)[..., None] * z)
     smooth = ((wave * (xp.conj(loss) * dz)[:, None]) @ xp.swapaxes(xp.conj(wave), 1, 2)).real
     full = local - smooth * (share / (math.pi * h))[:, None]

@@ -89,6 +89,11 @@ def friction(
             if last is not None and pressure[last] != pressure[i]:
                 start = None
             v, p = float(velocity[i]), float(pressure[i])
+            done += 1
+            if progress is not None:
+                progress(done, count * len(seeds))
+            if not enough[i] >= 1:
+                continue  # no answer, whatever the solution; far below that there may be no contact in 32 bits
             found = solve(modulus, heights, sides, velocity=v, pressure=p, start=start, double=rtol < 1e-4)
             coarse = solve(modulus, heights[::2, ::2], sides, velocity=v, pressure=p, double=False)
             start, last = (found.pressure if found.settled else None), i
@@ -97,9 +102,6 @@ def friction(
                 mu[j, i], area[j, i] = found.stress / p * full[i] / own, found.area
                 off[j, i] = _OF_HALF * abs(found.stress - coarse.stress) / p if coarse.settled else np.nan
                 missed[j, i] = _OF_HALF * abs(found.area - coarse.area) if coarse.settled else np.nan
-            done += 1
-            if progress is not None:
-                progress(done, count * len(seeds))
     scatter, scattered = (
         np.std(x, axis=0, ddof=1) / np.sqrt(len(seeds)) if len(seeds) > 1 else np.full(count, np.nan)
         for x in (mu, area)

@@ -302,7 +302,9 @@ def _first_guess(p: Passage, load: Array, top: Array) -> Array:
         above = force(middle) > load
         return xp.where(above, low, middle), xp.where(above, middle, high)
 
-    low, high = fori_loop(0, 11, halve, (xp.full_like(load, -60.0), xp.minimum(top, 40.0)))
+    small, large = xp.full_like(load, -60.0), xp.minimum(top, 40.0)  # 1e-26 to 1e17 m, as a rule
+    ends = xp.where(force(small) > load, -260.0, small), xp.where(force(large) < load, top, large)
+    low, high = fori_loop(0, 11, halve, ends)
     return 0.5 * (low + high)
 
 

@@ -37,7 +37,7 @@ _MANY = 32  # lanes of a load from which they make batches of their own
 _LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
 _FEW = 2.5  # over the square of how many samples touch: relative error of 99 % of light contacts on drawn lines
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
-_ROUNDING = 16 * np.finfo(float).eps  # of the work of elements, over their load and slope
+ROUNDING = 16 * np.finfo(float).eps  # of the work of elements, over their load and slope
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
 
 
@@ -103,7 +103,7 @@ def solve_lines(
     def run(task: tuple[Job, np.ndarray, np.ndarray]) -> Line:
         job, rise, batch = task
         velocity, value, spacing = job.velocity[batch], job.value[batch], float(job.spacing)
-        with jax.enable_x64(True):  # the setting belongs to the thread
+        with jax.enable_x64(True), np.errstate(all="ignore"):  # the settings belong to the thread
             key = "" if store is None else _key(rise, law, velocity, value, (spacing, job.control, rtol, skip))
             kept = None if store is None else store.get(key)
             if kept is None:
@@ -184,7 +184,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     touching = np.where(touching < 3, 1.0, touching)
     error = np.maximum(error, _FEW / touching**2 * np.abs(mu))
     good = good & np.isfinite(fine.mu) & np.isfinite(error)
-    error = error + _ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
+    error = error + ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)
     return Line._make((*(np.where(good, x, np.nan) for x in answer), sweeps, good)), found
 

@@ -38,8 +38,6 @@ class Store:
         identity = grid.identity(__version__)
         if path.exists() and not (path / ".zgroup").is_file() and (not path.is_dir() or any(path.iterdir())):
             raise _not_ours(path)
-        for left in path.rglob("*.partial"):  # of a process that was killed while it wrote
-            left.unlink(missing_ok=True)
         # Metadata collected by an earlier run may be older than what has been written since.
         self._group: Any = zarr.open_group(path, mode="a", zarr_format=2, use_consolidated=False)
         made_of = self._group.attrs.get(_MADE_OF)
@@ -51,13 +49,21 @@ class Store:
             raise InputError(
                 f"store {str(path)!r} was made with other inputs: {text}. Give another store, or remove this one."
             )
+        for left in path.rglob("*.partial"):  # of a process that was killed while it wrote
+            left.unlink(missing_ok=True)
         # To look an array up reads its metadata again.
-        found = {name: self._group[name] for name in _named(path, ".zarray")}
+        try:
+            found = {name: self._group[name] for name in _named(path, ".zarray")}
+        except (ValueError, TypeError, KeyError) as error:  # a codec or a type that no sweep has written
+            raise _not_ours(path) from error
         self._arrays = {name: array for name, array in found.items() if _DIMENSIONS in array.attrs}
         if _STATE not in self._arrays:
             for axis in grid.axes:
                 self._array(axis.name, (axis.name,), axis.labels, axis.about)[...] = axis.labels
             self._arrays[_STATE] = self._array(_STATE, *self._points(np.dtype("u1")), _ABOUT_STATE)
+        for array in self._arrays.values():
+            if array.shape != grid.shape and array.name.lstrip("/") not in {axis.name for axis in grid.axes}:
+                raise _not_ours(path)
         state = np.asarray(self._arrays[_STATE][...])
         self.state = np.array([state[tuple(place.start for place in chunk)] for chunk in self._chunks])
         self._models = set(str(self._group.attrs.get(_MODEL, "")).split(" | ")) - {""}
