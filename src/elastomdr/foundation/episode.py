@@ -174,12 +174,13 @@ def _parting(law: Relaxation, u: Array, f: Array, v: Any, rest: Array, touched: 
     def advance(carry: tuple) -> tuple:
         t, low, high, ended, count = carry
         q, rate = _pull(law, u, f, v, t)
-        low, high = xp.where(q > 0, t, low), xp.where(q > 0, high, t)
+        rising = (rate > 0) & (q > -_BLUR * size)  # an element that has just met the surface begins at zero
+        low, high = xp.where((q > 0) | rising, t, low), xp.where((q > 0) | rising, high, t)
         following = t - q / xp.where(rate < 0, rate, -1.0)
         inside = (following > low) & (following < high) & (rate < 0) & (count % _NEWTON < _NEWTON - 1)
         following = xp.where(inside, following, 0.5 * (low + high))
         close = (xp.abs(following - t) <= 4 * _ROUNDING * rest) | (high <= low * (1 + 4 * _ROUNDING))
-        done = ended | close | (xp.abs(q) <= 2 * _ROUNDING * size)
+        done = ended | close | ((xp.abs(q) <= 2 * _ROUNDING * size) & ~rising)
         return xp.where(done, t, following), low, high, done, count + 1
 
     straight = rest * xp.clip(begin / xp.where(lost, begin - end, 1.0), 0.0, 1.0)
