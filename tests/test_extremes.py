@@ -99,3 +99,16 @@ def test_a_pressed_surface_in_motion_at_both_ends():
     assert np.isinf(found.stiffness).all()
     with pytest.warns(em.ConvergenceWarning):
         assert np.isnan(em.press(LOSSY, road(), pressure=1e-30, velocity=1.0).stiffness)
+
+
+def test_coefficient_of_a_steep_body_in_metres() -> None:
+    """(1 mm)^(1-n) is 1e117 for r^40; the same body in another unit of length has the same friction."""
+    rubber = em.Foundation(1e6, [9e6], [1e-3])
+    near, far = (
+        em.friction(rubber, em.PowerLaw(40, s * (1e-3 * s) ** -40 * 1e-4), velocity=s * 1e-2, load=s**2 * 1e-3)
+        for s in (1.0, 1e-3)
+    )
+    assert near.converged
+    assert near.mu == pytest.approx(far.mu, rel=1e-9)
+    with pytest.raises(em.InputError, match="coefficient must be positive, between 1e-100 and 1e100"):
+        em.PowerLaw(2, 1e120)

@@ -122,10 +122,8 @@ def _of_sweep(scene: Drawn, material: Any, shape: Any) -> dict[str, Any]:
         rtol=1e-10,
         model=em.Line(),
     )
-    ratios = (
-        got.depth[at] / line.depth, got.contact.leading[at] / line.contact.leading,
-        got.contact.trailing[at] / line.contact.trailing,
-    )  # fmt: skip
+    edges = (got.contact.trailing[at] - line.contact.trailing) / line.contact.leading
+    ratios = got.depth[at] / line.depth, got.contact.leading[at] / line.contact.leading, 1 + edges
     found = {"mu": got.mu[at], "error": got.error[at], "normal": load, "converged": got.converged[at]}
     off = np.max([np.abs(ratio - 1) for ratio in ratios], axis=0)
     return found | {"average": _average(material, shape, scene.velocity, load), "off": off}

@@ -11,7 +11,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar
 
 from .._arrays import on_jax, xp
-from .._runtime import Array, as_float64, numpy_unless_traced, plain, positive, scalar, written
+from .._runtime import Array, as_float64, numpy_unless_traced, plain, positive, require, scalar, written
 from .._trees import Tree, fill, static
 
 if TYPE_CHECKING:
@@ -164,7 +164,9 @@ class PowerLaw(AbstractShape):
     def __init__(self, exponent: Number, coefficient: Number):
         fill(self, exponent=plain("exponent", exponent), coefficient=scalar("coefficient", coefficient))
         positive("exponent", self.exponent)
-        positive("coefficient", self.coefficient)
+        decades = min(300, int(100 * max(1.0, self.exponent - 1)))  # a steep body of 1 mm has (1 mm)^(1-n)
+        text = f"positive, between 1e-{decades} and 1e{decades} m^(1-n)"
+        require("coefficient", self.coefficient, text, lambda c: (c > 10.0**-decades) & (c < 10.0**decades))
 
     @property
     def _kappa(self) -> float:
