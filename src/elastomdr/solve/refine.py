@@ -2,9 +2,9 @@
 
 Elements and steps are halved together. The scheme is of second order, so the limit is extrapolated from the last two
 levels, and what is left falls by about 8 per level where the edges of contact are resolved (`solve.carried`).
-What is stated as the error of a limit is its change against the limit of one level less, or that of the marches
-themselves if it is smaller. A difference may vanish by chance: so it is not taken smaller than those at the
-neighbouring instants, nor than an eighth of the one before.
+What is stated as the error of a limit is its change against the limit of one level less, and of the first that of the
+marches themselves. A difference may vanish by chance: so it is not taken smaller than those at the neighbouring
+instants, nor than an eighth of the one before.
 """
 
 from collections.abc import Callable
@@ -64,7 +64,7 @@ def refine(
         changes = [numpy.abs(b - a) for a, b in pairs]
         seen = (mu, limit.depth, limit.normal)
         if before is not None:
-            changes = [numpy.fmin(c, numpy.abs(b - a)) for c, a, b in zip(changes, before, seen, strict=True)]
+            changes = [numpy.abs(b - a) for a, b in zip(before, seen, strict=True)]
         error = _spread(numpy, numpy.fmax(changes[0], last))
         scale = numpy.maximum(
             numpy.nanmax(numpy.where(numpy.isfinite(mu), numpy.abs(mu), 0.0)), _SYMMETRIC * slope + _ROUNDING
