@@ -4,8 +4,9 @@ Elements at equal distances, u linear over a step h, e_k = exp(-h/tau_k), phi_k 
 sum E_k phi_k: without contact u+ = u_free = u - (E_inf u + sum e_k f_k)/S, in contact q+ = S (d - g - u_free), and d
 so that the line, q between two elements linear and cut where it is zero, carries the load. Steps shrink geometrically
 towards both ends of each interval (where a load vanishes a dashpot alone decides the depth, in a moment), in a fixed
-way, so that halving steps and elements together divides the error by four; two such limits and their difference are
-what is returned. Nothing is shared with elastomdr.
+way, so that halving steps and elements together divides the error by four where contact only grows, and by two or so
+where it is lost and regained; the limit and twice its last change are what is returned. Nothing is shared with
+elastomdr.
 """
 
 import itertools
@@ -15,15 +16,17 @@ import numpy as np
 from slow_elements import Line
 from slow_route import Law
 
-_LEVELS = ((160, 24), (320, 48), (640, 96), (1280, 192))  # elements and steps in an interval
+_LEVELS = ((320, 48), (640, 96), (1280, 192), (2560, 384))  # elements and steps in an interval
 
 
-def depths(law: Law, line: Line, time: np.ndarray, load: np.ndarray, reach: float) -> tuple[np.ndarray, float]:
+def depths(
+    law: Law, line: Line, time: np.ndarray, load: np.ndarray, reach: float, finer: bool = False
+) -> tuple[np.ndarray, float]:
     """Depth [m] at every instant, and its own error over the largest."""
-    found = [_march(law, line, time, load, reach, *level) for level in _LEVELS]
+    found = [_march(law, line, time, load, reach, *level) for level in (_LEVELS[1:] if finer else _LEVELS[:3])]
     limits = [(4 * b - a) / 3 for a, b in itertools.pairwise(found)]
     largest = np.abs(limits[-1]).max()
-    return limits[-1], float(np.abs(limits[-1] - limits[-2]).max() / largest)
+    return limits[-1], float(2 * np.abs(limits[-1] - limits[-2]).max() / largest)
 
 
 def _march(law: Law, line: Line, time: np.ndarray, load: np.ndarray, reach: float, count: int, steps: int) -> Any:

@@ -69,17 +69,25 @@ def _indent_load(batch: Batch, found: dict[str, Any]) -> list[Verdict]:
     out, line = [], _line(batch)
     for i, (t, p) in enumerate(zip(batch.inputs["time"], batch.inputs["load"], strict=True)):
         deepest = np.nanmax(np.append(found["depth"][i], -np.inf))
-        try:
-            if not deepest > 0:
-                raise ArithmeticError
-            # The elements only have to reach far enough: 1.3 times the radius of the deepest instant said.
-            truth, own = depths(batch.laws[0], line, t, p, 1.3 * float(line.reach(deepest)))
-        except ArithmeticError:
-            truth, own = np.full(t.size, np.nan), np.inf
-        scale = np.abs(truth).max()
-        rows = (found[name][i] for name in ("error", "converged"))
-        out += said(found["depth"][i], truth, *rows, scale, own, batch.rtol)
+        for finer in (False, True):
+            try:
+                if not deepest > 0:
+                    raise ArithmeticError
+                # The elements only have to reach far enough: 1.3 times the radius of the deepest instant said.
+                truth, own = depths(batch.laws[0], line, t, p, 1.3 * float(line.reach(deepest)), finer)
+            except ArithmeticError:
+                truth, own = np.full(t.size, np.nan), np.inf
+            rows = (found[name][i] for name in ("error", "converged"))
+            verdicts = said(found["depth"][i], truth, *rows, np.abs(truth).max(), own, batch.rtol)
+            if _plain(verdicts):
+                break
+        out += verdicts
     return out
+
+
+def _plain(verdicts: list[Verdict]) -> bool:
+    """Whether a finer judge is not needed."""
+    return all(v[0] == "flagged" or (v[0] == "right" and v[2] <= 1) for v in verdicts)
 
 
 def _impact(batch: Batch, found: dict[str, Any]) -> list[Verdict]:
@@ -152,10 +160,16 @@ def _shear(batch: Batch, found: dict[str, Any]) -> list[Verdict]:
         )
     else:
         route = (normal, sideways, given["friction"], batch.size, given["depth"][0], given["time"])
-        (coarse, _), (middle, _), (fine, own) = (
-            sheared_slowly(*route, given["displacement"], n) for n in (150, 300, 600)
-        )
-        truth = (4 * fine - middle) / 3
-        own += float(np.abs(truth - (4 * middle - coarse) / 3).max() / np.abs(truth).max())
+        for finest in (600, 1200):
+            (coarse, _), (middle, _), (fine, own) = (
+                sheared_slowly(*route, given["displacement"], finest // part) for part in (4, 2, 1)
+            )
+            truth = (4 * fine - middle) / 3
+            own += float(np.abs(truth - (4 * middle - coarse) / 3).max() / np.abs(truth).max())
+            scale = np.abs(truth).max()
+            verdicts = said(found["force"], truth, found["error"] / scale, found["converged"], scale, own, batch.rtol)
+            if _plain(verdicts):
+                break
+        return verdicts
     scale = np.abs(truth).max()
     return said(found["force"], truth, found["error"] / scale, found["converged"], scale, own, batch.rtol)

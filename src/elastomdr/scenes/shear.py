@@ -29,6 +29,7 @@ from ..material.relaxation import Relaxation, to_kelvin
 from ..material.validity import shared
 from ..results.history import Shear
 from ..results.words import brief, describe
+from ..solve.refine import beside
 from ..solve.rule import gauss
 from ..solve.shear import History, Scene, Sheared, line, panels, shear_history
 from .ages import history_beyond
@@ -156,7 +157,8 @@ def shear(
         # What is left of a force that has faded is the difference of what was carried before.
         force = fixed(abs(found.force)) if is_traced(found) else abs(found.force)
         largest = _so_far(force)
-        error = (1 if elastic else 2) * abs(found.force - coarse.force) + found.missed + _ROUNDING * largest
+        change = abs(found.force - coarse.force) if elastic else 2 * beside(abs(found.force - coarse.force))
+        error = change + found.missed + _ROUNDING * largest
     instants = found.force.shape[0]
     chosen = np.append(0, np.arange(between, instants, between)[1 - time.shape[0] :])
     found, error = type(found)(*(x[chosen] for x in found)), error[chosen]

@@ -16,6 +16,7 @@ from .creep import Creep, creep, levels_for
 from .history import edges, edges_of_growth, indent_between_smooth, padded
 from .many import batch, indent_all, over_histories
 from .panels import LAYERS, cuts
+from .refine import beside
 
 if TYPE_CHECKING:
     from .steps import Edges, Marched
@@ -210,8 +211,9 @@ def _stepped(
 
     Two limits that agree, and an energy balance that closes, end the series, which is extrapolated once more; what was
     left of their difference in the finer one is about a sixteenth, a third of it counts as the error; of limits that go
-    on by a steady ratio (`steady_ratio`) the whole difference. It ends also where nothing will come of it, since every
-    march takes four times as long as the one before. Under jit or vmap, where nothing can be looked at, three marches
+    on by a steady ratio (`steady_ratio`) the whole difference. It may vanish by chance at an instant, so it is not
+    taken smaller than at its neighbours. The series ends also where nothing will come of it, since every march takes
+    four times as long as the one before. Under jit or vmap, where nothing can be looked at, three marches
     are made.
     """
     from .steps import early_steps, extrapolated, limit, steady_ratio, unaccounted
@@ -253,9 +255,8 @@ def _stepped(
     fits = xp.where(last.fits, 1.0, xp.nan)
     heat = nan_unless(unaccounted(last) <= rtol, last.heat)
     parts = (last.depth, last.force, xp.maximum(last.radius, 0.0), last.work, last.stored, last.locked, heat)
-    return tuple(
-        a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error / 3 + _ROUNDING)
-    )
+    error = beside(error / 3, 1) + _ROUNDING
+    return tuple(a if is_traced(a) else np.asarray(a) for a in (*(part * fits for part in parts), error))
 
 
 def _hopeless(misses: list[float], left: int) -> bool:

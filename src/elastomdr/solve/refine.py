@@ -65,7 +65,7 @@ def refine(
         seen = (mu, limit.depth, limit.normal)
         if before is not None:
             changes = [numpy.abs(b - a) for a, b in zip(before, seen, strict=True)]
-        error = _spread(numpy, numpy.fmax(changes[0], last))
+        error = beside(numpy.fmax(changes[0], last))
         scale = numpy.maximum(
             numpy.nanmax(numpy.where(numpy.isfinite(mu), numpy.abs(mu), 0.0)), _SYMMETRIC * slope + _ROUNDING
         )
@@ -106,10 +106,11 @@ def _ratio(numpy: Any, forces: Forces, contact: Any = None) -> Any:
     return numpy.where(touching, forces.drag / safe, numpy.nan)
 
 
-def _spread(numpy: Any, error: Any) -> Any:
-    """The largest of each error and those of two neighbours on either side."""
-    padded = numpy.concatenate([error[:1], error[:1], error, error[-1:], error[-1:]])
-    largest = error
-    for shift in range(5):
-        largest = numpy.fmax(largest, padded[shift : shift + error.shape[0]])
+def beside(error: Any, reach: int = 2) -> Any:
+    """The largest of each error and those of `reach` neighbouring instants (the last axis) on either side."""
+    numpy = xp if is_traced(error) else np
+    instants, largest = error.shape[-1], error
+    at = np.arange(instants)
+    for shift in range(-reach, reach + 1):
+        largest = numpy.fmax(largest, error[..., np.clip(at + shift, 0, instants - 1)])
     return largest

@@ -286,11 +286,11 @@ def _measured(grid: Grid, state: State, seen: tuple, by_load: bool) -> tuple:
 
 
 def _missed(parts: Array) -> Array:
-    """Bound on the error of the midpoint rule whose terms are `parts`: of the total variation of their slope, with that
-    at the axis and at the outer end."""
+    """Bound on the error of the midpoint rule whose terms are `parts`, of the total variation of their slope, with that
+    at the axis and at the outer end: of a jump within an element half is missed, of a bend half as much as this."""
     change = xp.diff(fixed(parts))
     ends = xp.abs(change[:1]) + xp.abs(change[-1:]) if change.size else xp.zeros(1)
-    return 0.125 * (xp.sum(xp.abs(xp.diff(change))) + ends[0])
+    return 0.25 * (xp.sum(xp.abs(xp.diff(change))) + ends[0])
 
 
 def _edge(grid: Grid, value: Array) -> Array:
