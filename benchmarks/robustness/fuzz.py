@@ -113,8 +113,8 @@ def only_checked(computed: int) -> Iterator[None]:
     scenes = elastomdr.scenes
     stops = (
         (scenes.steady, "make_plan"), (scenes.rough, "solve_lines"), (scenes.slide, "contact_sizes"),
-        (scenes.cylinder, "_refined"), (scenes.drive, "refine"), (scenes.indent, "indent_under"), (scenes.indent, "indent_with_adhesion"),
-        (pipeline, "master_curve"),
+        (scenes.cylinder, "_refined"), (scenes.drive, "refine"), (scenes.indent, "indent_under"),
+        (scenes.indent, "indent_with_adhesion"), (pipeline, "master_curve"),
     )  # fmt: skip
     places: list[tuple[Any, str, Any]] = []
 
