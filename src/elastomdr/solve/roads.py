@@ -147,9 +147,9 @@ def tables(modulus: Any, low: float, high: float, step: float = _STEP, parted: b
     frequency = np.exp(step * np.arange(first - lags + 2, first + count + 1))
     value = modulus(frequency)
     xp = namespace(value)
-    window = np.arange(count)[:, None] + (lags - 1) - np.arange(lags)
-    drag, stiffness = value.imag[window] @ weighted, (xp.abs(value) ** 2)[window] @ plain
-    return Tables(first, drag, stiffness, (value.imag**2)[window] @ plain / stiffness if parted else None)
+    drag, stiffness = (xp.convolve(*pair, "valid") for pair in ((value.imag, weighted), (xp.abs(value) ** 2, plain)))
+    lost = xp.convolve(value.imag**2, plain, "valid") / stiffness if parted else None
+    return Tables(first, drag, stiffness, lost)
 
 
 def direct(modulus: Any, w: Any, parted: bool = False) -> tuple[Any, Any, Any]:
