@@ -97,6 +97,19 @@ def test_error_is_that_of_finer_cells():
     assert (fine.error <= 1e-8 * fine.mu).all()
 
 
+@pytest.mark.parametrize("model", ["multiscale", "persson"])
+def test_a_point_does_not_depend_on_those_beside_it(model):
+    """Cells, tables and their refinement: also with temperatures, and with heat, which takes tables of its own."""
+    warm = em.Prony(1e6, [3e6, 8e6, 2e7], [1e-4, 1e-3, 1e-2], shift=em.WLF(8.86, 101.6, 293.15))
+    given = {"velocity": [1e-4, 0.013, 9.0], "temperature": [283.0, 293.15, 340.0], "pressure": [2e4, 3e5, 4e6]}
+    for heat in (None, em.Heat(0.3, 2e6)):
+        together = em.friction(warm, ROAD, model=model, heat=heat, **given)
+        for i in range(3):
+            alone = em.friction(warm, ROAD, model=model, heat=heat, **{key: given[key][i] for key in given})
+            for name in ("mu", "area_ratio", "model_error"):
+                assert getattr(together, name)[i] == pytest.approx(getattr(alone, name), rel=1e-12, abs=0)
+
+
 def test_bound_covers_and_widens():
     area = np.array([0.9, 0.1, 0.01])
     inside = multiscale.bound(em.Multiscale(), area, 64.0, 100.0)

@@ -194,3 +194,12 @@ def test_spectra(titles, factor, advice, given, write):
     with pytest.raises(em.InputError, match=re.escape(advice)):
         em.read_spectrum(path, convention="2d")
     np.testing.assert_allclose(em.read_spectrum(path, convention="2d", **given).q_high, 1e5)
+
+
+def test_a_message_lists_the_first_of_many_columns(tmp_path):
+    """As of a file whose line ends were lost: one row of hundreds of columns."""
+    path = tmp_path / "wide.csv"
+    path.write_text("x" * 900 + "".join(f",c{i}" for i in range(399)) + "\n" + ",".join("1" * 400))
+    with pytest.raises(em.InputError, match="24: c22, and 376 more") as said:
+        em.read_dma(path)
+    assert len(str(said.value)) < 900

@@ -102,6 +102,7 @@ def _measured() -> Iterator[tuple[str, bytes]]:
 @contextlib.contextmanager
 def only_checked(computed: int) -> Iterator[None]:
     """Stops public calls where they would begin to compute, but for the first `computed` scenes of each kind."""
+    import elastomdr.scenes.cylinder
     import elastomdr.scenes.drive
     import elastomdr.scenes.indent
     import elastomdr.scenes.rough
@@ -112,8 +113,8 @@ def only_checked(computed: int) -> Iterator[None]:
     scenes = elastomdr.scenes
     stops = (
         (scenes.steady, "make_plan"), (scenes.rough, "solve_lines"), (scenes.slide, "contact_sizes"),
-        (scenes.drive, "refine"), (scenes.indent, "indent_under"), (scenes.indent, "indent_with_adhesion"),
-        (pipeline, "master_curve"),
+        (scenes.cylinder, "_refined"), (scenes.drive, "refine"), (scenes.indent, "indent_under"),
+        (scenes.indent, "indent_with_adhesion"), (pipeline, "master_curve"),
     )  # fmt: skip
     places: list[tuple[Any, str, Any]] = []
 

@@ -66,6 +66,14 @@ def members(leader: int) -> list[psutil.Process]:
         return []
 
 
+def schedules(process: psutil.Process) -> bool | None:
+    """Whether it is the scheduler; None of one that has ended."""
+    try:
+        return SCHEDULER in " ".join(process.cmdline())
+    except psutil.NoSuchProcess:
+        return None
+
+
 def states(store: Path) -> np.ndarray:
     """What is marked as done; nothing where there is no store yet."""
     import zarr
@@ -93,11 +101,13 @@ def one(seed: int, number: int, place: Path) -> tuple:
         while going.poll() is None and time.monotonic() < begin + LIMIT and (states(store) == 1).sum() <= wanted:
             time.sleep(0.05)
         started = members(going.pid)
-        if going.poll() is None and kind in ("worker", "scheduler") and started:
-            of_kind = [each for each in started if (SCHEDULER in " ".join(each.cmdline())) == (kind == "scheduler")]
-            of_kind[int(random.integers(len(of_kind)))].kill()
-            kills.append(kind)
-            kind = "nothing" if kind == "worker" else "scheduler"  # the sweep goes on by itself, or says what was lost
+        if going.poll() is None and kind in ("worker", "scheduler"):
+            of_kind = [each for each in started if schedules(each) == (kind == "scheduler")]
+            if of_kind:
+                of_kind[int(random.integers(len(of_kind)))].kill()
+                kills.append(kind)
+            if kind == "worker" or not of_kind:  # the sweep goes on by itself, or has closed its cluster already
+                kind = "nothing"
         elif going.poll() is None and kind != "nothing":
             for each in [*started] * (kind == "all") + [psutil.Process(going.pid)]:
                 with contextlib.suppress(psutil.NoSuchProcess):

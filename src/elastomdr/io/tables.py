@@ -86,6 +86,7 @@ def main_table(sheet: Sheet, fewest: int = 2) -> Table | None:
     return best._replace(rows=rows)
 
 
+_LISTED, _SHOWN = 24, 60  # columns in a message, and characters of the title of each
 _LONGEST = 500  # characters of a title: the time to split one grows as the square
 
 
@@ -112,8 +113,14 @@ def clean(title: str) -> str:
 
 
 def listed(heads: Sequence[Head]) -> str:
-    """The columns of a table by number and title, for messages."""
-    return ", ".join(f"{head.place + 1}: {head.title or 'no title'}" for head in heads)
+    """The columns of a table by number and title, for messages; the first of them where there are many."""
+    shown = [f"{head.place + 1}: {_short(head.title) or 'no title'}" for head in heads[:_LISTED]]
+    rest = [f"and {len(heads) - _LISTED} more"] if len(heads) > _LISTED else []
+    return ", ".join([*shown, *rest])
+
+
+def _short(title: str) -> str:
+    return title if len(title) <= _SHOWN else f"{title[: _SHOWN - 3]}..."
 
 
 def _table(sheet: Sheet, above: list[Row], rows: list[Row], before: Table | None) -> Table:

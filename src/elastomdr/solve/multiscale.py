@@ -35,7 +35,7 @@ from .roads import (
 )
 
 _BATCH = 64  # points that are held in memory at once
-_FINEST = 16 * PER_DECADE
+_FINEST = 32 * PER_DECADE
 _TRACED = 24  # cells per decade where JAX traces a value
 _BEYOND = 30.0  # how far beyond q_high the waves of contact edges are followed
 _LINEAR = Local()

@@ -43,7 +43,7 @@ class Nodes(NamedTuple):
 class Tables(NamedTuple):
     """Integrals over the angle on an even grid of log w."""
 
-    start: Any  # log of the first frequency
+    first: int  # the first frequency's number: its log in steps
     drag: Any  # int cos Im E* dphi [Pa]
     stiffness: Any  # int |E*|^2 dphi [Pa^2]
     lost: Any = None  # int (Im E*)^2 dphi over `stiffness`, where moduli soften
@@ -137,18 +137,19 @@ def _kernels(step: float) -> tuple[np.ndarray, np.ndarray]:
 def tables(modulus: Any, low: float, high: float, step: float = _STEP, parted: bool = False) -> Tables:
     """Tables for frequencies q v from `low` to `high` [rad/s]; `modulus(omega)` is E* [Pa], complex.
 
+    Their logs are whole multiples of the step, so that a point reads the same frequencies whatever stands beside it.
     With `parted` also how much of the stiffness is loss.
     """
     weighted, plain = _kernels(step)
-    start = np.log(low) - 2 * step
-    count = int(np.ceil((np.log(high) - start) / step)) + 3
+    first = int(np.floor(np.log(low) / step)) - 2
+    count = int(np.ceil(np.log(high) / step)) - first + 3
     lags = weighted.size
-    frequency = np.exp(start + step * np.arange(1 - lags + 1, count + 1))
+    frequency = np.exp(step * np.arange(first - lags + 2, first + count + 1))
     value = modulus(frequency)
     xp = namespace(value)
-    window = np.arange(count)[:, None] + (lags - 1) - np.arange(lags)
-    drag, stiffness = value.imag[window] @ weighted, (xp.abs(value) ** 2)[window] @ plain
-    return Tables(start, drag, stiffness, (value.imag**2)[window] @ plain / stiffness if parted else None)
+    drag, stiffness = (xp.convolve(*pair, "valid") for pair in ((value.imag, weighted), (xp.abs(value) ** 2, plain)))
+    lost = xp.convolve(value.imag**2, plain, "valid") / stiffness if parted else None
+    return Tables(first, drag, stiffness, lost)
 
 
 def direct(modulus: Any, w: Any, parted: bool = False) -> tuple[Any, Any, Any]:
@@ -164,9 +165,9 @@ def direct(modulus: Any, w: Any, parted: bool = False) -> tuple[Any, Any, Any]:
 def read(table: Tables, values: Any, log_w: Any, step: float = _STEP) -> Any:
     """A table's values at log w, by cubics through four points of their logarithm."""
     xp = namespace(values, log_w)
-    place = (log_w - table.start) / step
-    left = xp.clip(xp.floor(place).astype(int), 1, values.shape[0] - 3)
-    s = place - left
+    place = log_w / step
+    left = xp.clip(xp.floor(place).astype(int) - table.first, 1, values.shape[0] - 3)
+    s = place - (left + table.first)
     y = xp.log(xp.maximum(values, 1e-300))
     return xp.exp(
         -s * (s - 1) * (s - 2) / 6 * y[left - 1] + (s + 1) * (s - 1) * (s - 2) / 2 * y[left]
