@@ -97,6 +97,19 @@ def test_error_is_that_of_finer_cells():
     assert (fine.error <= 1e-8 * fine.mu).all()
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.ExtrapolationWarning")  # strains beyond the sweep
+def test_a_sweep_of_strain_narrower_than_a_cell():
+    """Between its two points finer cells changed nothing, as if all had settled: 5e-4 of mu, 1000 times the error."""
+    payne = em.Softening([0.0107, 0.0135], [0.97, 0.39], [0.52, 1.9])
+    rubber = em.Prony(3e5, [8e2, 8e3], [1e-9, 0.5], softening=payne)
+    road = em.Spectrum([206.0, 221.0, 5593.0], [1.7e-13, 1.7e-13, 1.2e-17], convention="2d")
+    rough, fine = (
+        em.friction(rubber, road, velocity=0.26, pressure=1600.0, strain_share=0.86, rtol=rtol) for rtol in (1e-3, 1e-8)
+    )
+    assert fine.converged
+    assert abs(rough.mu - fine.mu) <= rough.error
+
+
 @pytest.mark.parametrize("model", ["multiscale", "persson"])
 def test_a_point_does_not_depend_on_those_beside_it(model):
     """Cells, tables and their refinement: also with temperatures, and with heat, which takes tables of its own."""

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 PER_DECADE = 32  # cells of log q that a solution begins with
+_COARSEST = PER_DECADE // 4  # and those of the coarser of two that it is compared with
 _SMALLEST = 26  # how many factors of 2 the smallest cell, next to q_low, is below those that are even
 _STEP = np.log(10.0) / 32  # of log frequency in the tables of a material
 _REACH = 21.0  # how far below a frequency in log the average over the angles looks
@@ -66,7 +67,7 @@ def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes
         end = log_q[i] + (log_q[i + 1] - log_q[i]) * share
         if xp is np and len(bends):
             at = np.log(bends)
-            end = np.union1d(end, at[(at > end[0]) & (at < end[-1])])
+            end = _cut(end, at[(at > end[0]) & (at < end[-1])], max(1, per_decade // _COARSEST))
         ends.append(end)
         steep = (log_c[i + 1] - log_c[i]) / (log_q[i + 1] - log_q[i])
         level.append(xp.broadcast_to(log_c[i] - steep * log_q[i], (end.size - 1,)))
@@ -78,6 +79,18 @@ def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes
         xp.exp(x), xp.broadcast_to((0.5 * (high - low))[:, None], x.shape), xp.exp((4 + slope) * x + level),
         xp.exp(log_q[-1]), xp.exp(4 * log_q[-1] + log_c[-1]),
     )  # fmt: skip
+
+
+def _cut(end: np.ndarray, at: np.ndarray, parts: int) -> np.ndarray:
+    """Ends of cells that end at the places `at` as well, the cells about these in `parts`.
+
+    Between two bends that are nearer than a cell is wide nothing would change with finer cells, as if all had settled.
+    """
+    end = np.union1d(end, at)
+    each = np.where(np.isin(end[:-1], at) | np.isin(end[1:], at), parts, 1)
+    cell = np.repeat(np.arange(each.size), each)
+    place = np.arange(cell.size) - (np.cumsum(each) - each)[cell]
+    return np.append(end[cell] + np.diff(end)[cell] * place / each[cell], end[-1])
 
 
 def _graded(count: int, per_decade: int) -> np.ndarray:
