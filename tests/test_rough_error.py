@@ -71,3 +71,13 @@ def test_contacts_of_few_samples_have_an_error_that_covers():
         covered += list((np.abs(some.mu - many.mu) <= some.error + many.error)[good])
     assert len(covered) > 150
     assert np.mean(covered) > 0.97
+
+
+def test_contact_that_ends_within_a_step():
+    """A dashpot far quicker than a step: the work of the step in which contact ends was of first order, off by 8e-4."""
+    x = np.arange(256) * 2 * np.pi / 1e3 / 256
+    rubber, line = em.Foundation(1e6, [], [], viscosity=1e3), em.RoughLine(x, 1e-5 * np.cos(1e3 * x))
+    exact, _ = dashpot_on_a_cosine(1e6, 1e3, 1e3, 1e-5, 1e-5, 0.77e-5)
+    for samples in (1024, 4096):
+        got = em.friction(rubber, line, velocity=1e-5, depth=0.77e-5, model=em.Line(samples=samples))
+        np.testing.assert_allclose(got.mu, exact, rtol=1e-5)

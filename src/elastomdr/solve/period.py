@@ -14,9 +14,9 @@ a_k = (1 - e_k)/z_k, for u straight over the step,
 
     int q du = du [E_inf (u + u+)/2 + du (eta/h + sum E_k (1 - a_k)/z_k) + sum a_k f_k],
 
-none in a step that is free from end to end, and what bends add where contact begins (`solve.periodic_state`). A branch
-that is forgotten within a step, e_k = 0, has f_k = E_k tau_k du-/h from the step before: with eta holding its
-E_k tau_k, it adds E_k tau_k^2 (du- - du)/h^2 in the brackets.
+none in a step that is free from end to end, and what bends add where contact begins or ends
+(`solve.periodic_state`). A branch that is forgotten within a step, e_k = 0, has f_k = E_k tau_k du-/h from the step
+before: with eta holding its E_k tau_k, it adds E_k tau_k^2 (du- - du)/h^2 in the brackets.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 _FORGOTTEN = 1e-200
+PUSHED = 1e-300  # the highest point touches as the period begins; how hard is not known yet
 _UNROLL = 4  # steps in one turn of the compiled loop
 
 
@@ -78,7 +79,7 @@ class Swept(NamedTuple):
     load: Float[Array, " lanes"]  # sum of q
     sums: Float[Array, "slow lanes"]  # sum of f_k, of the slow branches
     touching: Float[Array, " lanes"]  # number of samples in contact
-    struck: Float[Array, " lanes"]  # sum of (height of u over the line before)(depth below u_free after) [m^2]
+    struck: Float[Array, " lanes"]  # of (height of u over the line)(depth below u_free), before and after [m^2]
     begun: Float[Array, " lanes"]  # number of contacts; these two if exact
 
 
@@ -129,22 +130,23 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
     gain, held, stays = scale * by.gain, by.held / scale, 1 - by.relaxed * by.give
 
     def one(i, state):
-        f, u, du, free, work, load, sums, touching, struck, begun = state
+        f, u, du, push, work, load, sums, touching, struck, begun = state
         kept = keep * f
         loose = stays * u - kept.sum(axis=0)
         w = rise[(i + 1) * stride] + depth
         new = jnp.maximum(loose, w)
         last, du = du, new - u
-        q = (new - loose) / by.give
+        free, last_push, push = push <= 0, push, new - loose
+        q = push / by.give
         mean = q
         if exact:
             mean = 0.5 * by.relaxed * (u + new) + by.drag * du + by.late * (last - du) + (held * f).sum(axis=0)
             mean = jnp.where(free & (q <= 0), 0.0, mean)
-            struck = struck + (u - (rise[i * stride] + depth)) * (new - loose)
+            struck = struck + (u - (rise[i * stride] + depth)) * push + (new - w) * last_push
             begun = begun + (free & (q > 0))
         work = work + mean * du
         f = kept + gain * du
-        return f, new, du, q <= 0, work, load + q, sums + f[:slow], touching + (q > 0), struck, begun
+        return f, new, du, push, work, load + q, sums + f[:slow], touching + (q > 0), struck, begun
 
     def steps(first, last, state):
         def several(i, state):
@@ -158,18 +160,20 @@ def _sweep(rise, count, stride, depth, branches, by: Coefficients, free: Stretch
 
     def on(free, carry):
         """Passes the stretches that nothing touches, and then takes the steps of the next."""
-        first, (f, u, du, free_, work, load, sums, *counts) = carry
+        first, (f, u, du, push, work, load, sums, *counts) = carry
         y = jnp.concatenate([(by.relaxed * u)[None], f / scale])
-        j, y, summed = recover(free, first, y, depth, length, slow)
+        above = jnp.where(push > 0, jnp.inf, depth)  # a step in which contact ends takes work: none is passed
+        j, y, summed = recover(free, first, y, above, length, slow)
         passed = j > first
         fall = -(y[0] + (by.seen * y[1:]).sum(axis=0)) * by.give  # du of the next free step, that of the last nearly
-        state = scale * y[1:], y[0] / by.relaxed, jnp.where(passed, fall, du), free_ | passed, work, load
+        state = scale * y[1:], y[0] / by.relaxed, jnp.where(passed, fall, du), jnp.where(passed, 0.0, push), work, load
         state = *state, sums + scale[:slow] * summed, *counts
         return j + 1, steps(length * j, jnp.minimum(length * (j + 1), count), state)
 
     nothing = jnp.zeros_like(depth)
+    pushed = jnp.full_like(depth, PUSHED)
     none = jnp.zeros_like(branches[:slow])
-    state: Any = (scale * branches, depth, nothing, nothing > 0, nothing, nothing, none, nothing, nothing, nothing)
+    state: Any = (scale * branches, depth, nothing, pushed, nothing, nothing, none, nothing, nothing, nothing)
     if free is None:
         state = steps(0, count, state)
     else:

@@ -35,7 +35,7 @@ _FEWEST = 256  # samples of the coarsest period, unless the line itself has few
 _FEWEST_LANES = 8  # in a batch, where there are as many
 _MANY = 32  # lanes of a load from which they make batches of their own
 _LANES = 64  # at most, in a batch: wider sums over branches XLA would hand to a library that no kernel can call
-_FEW = 2.5  # over the square of how many samples touch: relative error of 99 % of light contacts on drawn lines
+_FEW = 2.5  # over the square of a contact's samples: relative error of 99 % of light contacts on drawn lines
 LIGHT = 0.3  # share of contact up to which free stretches are looked for
 ROUNDING = 16 * np.finfo(float).eps  # of the work of elements, over their load and slope
 _CYCLES = 8  # waves in a period that decide which branches are slow, for the first guess only
@@ -182,7 +182,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     mu, error = _limit(mus, full)
     touching = np.where(full, np.inf, np.round(fine.share * n))  # samples
     touching = np.where(touching < 3, 1.0, touching)
-    error = np.maximum(error, _FEW / touching**2 * np.abs(mu))
+    error = np.maximum(error, _FEW * (fine.contacts / touching) ** 2 * np.abs(mu))
     good = good & np.isfinite(fine.mu) & np.isfinite(error)
     error = error + ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)

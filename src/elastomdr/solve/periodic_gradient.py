@@ -22,6 +22,7 @@ import numpy as np
 from .._runtime import Array, argmax, nan_unless
 from ..material.relaxation import Relaxation
 from .lump import slowest_first
+from .period import PUSHED
 from .periodic import solve_states
 from .periodic_state import LASTING, SLOW
 from .recovery import rates_apart, weights
@@ -119,22 +120,24 @@ def _period(y: Float[Array, "m lanes"], rise, spacing, law: Relaxation, velocity
     depth = y[-1]
 
     def one(state, w):
-        f, u, before, free, work, load, sums, counts = state
+        f, u, before, last_push, work, load, sums, counts = state
         loose = u - (law.equilibrium * u + (seen * f).sum(axis=0)) * give
         w = w + depth
         new = jnp.maximum(loose, w)
-        du, q = new - u, (new - loose) / give
+        du, push, free = new - u, new - loose, last_push <= 0
+        q = push / give
         mean = 0.5 * law.equilibrium * (u + new) + drag * du + (held * f).sum(axis=0)
         work = work + jnp.where(free & (q <= 0), 0.0, mean * du)
-        counts = counts + jnp.stack([(u - before) * (new - loose), free & (q > 0), q > 0])
+        counts = counts + jnp.stack([(u - before) * push + (new - w) * last_push, free & (q > 0), q > 0])
         f = keep * f + gain * du
-        return (f, new, w, q <= 0, work, load + q, sums + f, counts), None
+        return (f, new, w, push, work, load + q, sums + f, counts), None
 
     chunk = _CHUNK if n % _CHUNK == 0 else 1
     chunks = jnp.roll(rise, -1).reshape(-1, chunk)
     several = jax.checkpoint(lambda state, w: jax.lax.scan(one, state, w))
     nothing = jnp.zeros_like(depth)
-    start = (y[:-1], depth, depth, nothing > 0, nothing, nothing, jnp.zeros_like(y[:-1]), jnp.zeros((3, *depth.shape)))
+    pushed = jnp.full_like(depth, PUSHED)
+    start = (y[:-1], depth, depth, pushed, nothing, nothing, jnp.zeros_like(y[:-1]), jnp.zeros((3, *depth.shape)))
     (f, u, _, _, work, load, sums, counts), _ = jax.lax.scan(several, start, chunks)
     struck, begun, touching = counts
     duration = jax.lax.stop_gradient(touching / jnp.maximum(begun, 1)) * step

@@ -79,6 +79,7 @@ class Found(NamedTuple):
     mu: Float[np.ndarray, " lanes"]
     load: Float[np.ndarray, " lanes"]
     share: Float[np.ndarray, " lanes"]
+    contacts: Float[np.ndarray, " lanes"]  # in a period
     residual: Float[np.ndarray, " lanes"]
 
 
@@ -165,16 +166,18 @@ def finish(level: Level, state: State) -> Found:
     An element that is met within a step was free in the step's first part, theta h, while u was taken to be straight.
     A dashpot has taken eta J^2 theta (1 - theta) h more work then, J the jump of u' and J^2 theta (1 - theta) h^2 what
     `struck` sums, and a branch that relaxes while the contact lasts likewise, with E_k phi2(h/tau_k) for eta/h: the
-    impulse of its force does not depend on the bend, and all of it moves with the line. For a branch that outlasts the
-    contact the straight path has the work right, as it has for a spring.
+    impulse of its force does not depend on the bend, and all of it moves with the line. An element that is lost within
+    a step bends as much: the same holds, with the push before, J theta h, and the gap after, J (1 - theta) h. For a
+    branch that outlasts the contact the straight path has the work right, as it has for a spring.
     """
     r, end = _residual(level, state.branches, state.depth, np.ones(state.depth.size, bool), exact=True)
     count = level.rise.size // level.stride
     load, touching = np.asarray(end.load), np.asarray(end.touching)
-    duration = touching / np.maximum(end.begun, 1) * level.step
+    contacts = np.maximum(end.begun, 1)
+    duration = touching / contacts * level.step
     by, outlasts = level.by, 1 / (1 + (duration / (LASTING * level.times)) ** 2)
     end = end._replace(work=end.work + (by.drag - by.late - (by.each * outlasts).sum(axis=0)) * end.struck)
-    return Found(_mu(level, end), load / count, touching / count, np.abs(r).max(axis=1))
+    return Found(_mu(level, end), load / count, touching / count, contacts, np.abs(r).max(axis=1))
 
 
 def jacobian(level: Level, state: State, every: np.ndarray) -> Float[np.ndarray, "lanes unknowns unknowns"]:
