@@ -18,6 +18,7 @@ log q, which end at the points of the spectrum, where it may bend, and get short
 """
 
 import functools
+import itertools
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,8 +67,8 @@ def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes
         share = _graded(count, per_decade) if i == 0 else np.linspace(0.0, 1.0, count + 1)
         end = log_q[i] + (log_q[i + 1] - log_q[i]) * share
         if xp is np and len(bends):
-            at = np.log(bends)
-            end = _cut(end, at[(at > end[0]) & (at < end[-1])], max(1, per_decade // _COARSEST))
+            at = _with_between(np.sort(np.log(bends)), per_decade)
+            end = np.union1d(end, at[(at > end[0]) & (at < end[-1])])
         ends.append(end)
         steep = (log_c[i + 1] - log_c[i]) / (log_q[i + 1] - log_q[i])
         level.append(xp.broadcast_to(log_c[i] - steep * log_q[i], (end.size - 1,)))
@@ -81,16 +82,14 @@ def nodes(spectrum: Any, per_decade: int = PER_DECADE, bends: Any = ()) -> Nodes
     )  # fmt: skip
 
 
-def _cut(end: np.ndarray, at: np.ndarray, parts: int) -> np.ndarray:
-    """Ends of cells that end at the places `at` as well, the cells about these in `parts`.
+def _with_between(at: np.ndarray, per_decade: int) -> np.ndarray:
+    """Bends at log q, and between those nearer than a quarter of a decade so many places that cells do get finer there.
 
-    Between two bends that are nearer than a cell is wide nothing would change with finer cells, as if all had settled.
+    Between two within a cell nothing would change with finer cells, as if all had settled.
     """
-    end = np.union1d(end, at)
-    each = np.where(np.isin(end[:-1], at) | np.isin(end[1:], at), parts, 1)
-    cell = np.repeat(np.arange(each.size), each)
-    place = np.arange(cell.size) - (np.cumsum(each) - each)[cell]
-    return np.append(end[cell] + np.diff(end)[cell] * place / each[cell], end[-1])
+    count = 2 * per_decade // _COARSEST
+    near = [pair for pair in itertools.pairwise(at) if pair[1] - pair[0] < 0.25 * np.log(10.0)]
+    return np.unique(np.concatenate([at, *(np.linspace(*pair, count + 1) for pair in near)]))
 
 
 def _graded(count: int, per_decade: int) -> np.ndarray:
