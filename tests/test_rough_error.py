@@ -1,6 +1,7 @@
 """mu of a rough line and its stated error where the force jumps at the edges of contacts, against a closed form."""
 
 import numpy as np
+import pytest
 from scipy.optimize import brentq
 
 import elastomdr as em
@@ -81,3 +82,15 @@ def test_contact_that_ends_within_a_step():
     for samples in (1024, 4096):
         got = em.friction(rubber, line, velocity=1e-5, depth=0.77e-5, model=em.Line(samples=samples))
         np.testing.assert_allclose(got.mu, exact, rtol=1e-5)
+
+
+@pytest.mark.parametrize("samples", [256, 1024])
+def test_error_where_rubber_gives_way_within_a_step(samples):
+    """eta/E over the step from 4e-4 to 5: in between the bend of a step is neither closed form nor resolved."""
+    x = np.arange(samples) * 2 * np.pi / 1e3 / samples
+    rubber, line = em.Foundation(1e6, [], [], viscosity=1e3), em.RoughLine(x, 1e-5 * np.cos(1e3 * x))
+    velocity = np.geomspace(1e-5, 3e-2, 8)
+    found = em.friction(rubber, line, velocity=velocity, depth=0.77e-5, model=em.Line(samples=samples))
+    exact = np.array([dashpot_on_a_cosine(1e6, 1e3, 1e3, 1e-5, v, 0.77e-5)[0] for v in velocity])
+    assert (np.abs(found.mu - exact) <= found.error).all()
+    assert (found.error < 5e-3 * found.mu).all()

@@ -182,7 +182,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
     mu, error = _limit(mus, full)
     touching = np.where(full, np.inf, np.round(fine.share * n))  # samples
     touching = np.where(touching < 3, 1.0, touching)
-    error = np.maximum(error, _FEW * (fine.contacts / touching) ** 2 * np.abs(mu))
+    error = np.maximum(error, _FEW * (fine.contacts / touching) ** 2 * np.abs(mu)) + fine.unsure
     good = good & np.isfinite(fine.mu) & np.isfinite(error)
     error = error + ROUNDING * np.sqrt(np.mean(np.diff(rise, append=rise[0]) ** 2)) / spacing
     answer = (mu, fine.load, found.depth, fine.share, error, cost, fine.residual)

@@ -81,6 +81,7 @@ class Found(NamedTuple):
     share: Float[np.ndarray, " lanes"]
     contacts: Float[np.ndarray, " lanes"]  # in a period
     residual: Float[np.ndarray, " lanes"]
+    unsure: Float[np.ndarray, " lanes"]  # of mu, from bends within a step
 
 
 def level_of(rise, spacing, stride: int, step, law: Lanes, load, stiffness, control, skip: bool) -> Level:
@@ -176,8 +177,15 @@ def finish(level: Level, state: State) -> Found:
     contacts = np.maximum(end.begun, 1)
     duration = touching / contacts * level.step
     by, outlasts = level.by, 1 / (1 + (duration / (LASTING * level.times)) ** 2)
-    end = end._replace(work=end.work + (by.drag - by.late - (by.each * outlasts).sum(axis=0)) * end.struck)
-    return Found(_mu(level, end), load / count, touching / count, contacts, np.abs(r).max(axis=1))
+    stiff = by.drag - by.late - (by.each * outlasts).sum(axis=0)
+    bent = stiff * np.asarray(end.struck)
+    # Where rubber gives way within a step contact ends the earlier by that time, where it takes many steps no bend is
+    # left: in between twice the smaller of both shares covers what the closed form of a dashpot shows.
+    quick = by.relaxed / np.where(stiff > 0, stiff, np.inf)
+    share = np.minimum(quick, 1 / np.maximum(quick, 1e-300))
+    unsure = np.abs(_mu(level, end._replace(work=2 * share * bent)))
+    end = end._replace(work=end.work + bent)
+    return Found(_mu(level, end), load / count, touching / count, contacts, np.abs(r).max(axis=1), unsure)
 
 
 def jacobian(level: Level, state: State, every: np.ndarray) -> Float[np.ndarray, "lanes unknowns unknowns"]:
