@@ -66,8 +66,9 @@ def run(
         load = value if deep is None else np.where(deep.converged, deep.normal_force, 1.0)
         averaged, solved = _shared if plan.shared else _direct, []
         mu, skew, error, sampling, good, own, sunk = averaged(plan, law, lines, load, velocity, rtol, 0, solved)
+        room = max(rtol - plan.condensation.cost - _ROUNDING, 0.5 * rtol)  # both are added below
         for level in range(1, _LEVELS + 1):
-            left = good & ~(error <= rtol * mu) & (sampling <= rtol * mu)
+            left = good & ~(error <= room * mu) & (sampling <= rtol * mu)
             if not left.any():
                 break
             again = averaged(plan, law, lines, load[left], velocity[left], rtol, level, solved)
