@@ -1,7 +1,7 @@
 """Every search for wrong answers, one after the other: `python benchmarks/robustness/all.py [--minutes M]`.
 
 Without `--minutes` each is run whole, which takes two hours on two cores. Its figures go into `results/robustness/`,
-and a table of all into `results/robustness/all.json`; `--only` repeats one there and leaves the others. With
+and a table of all records there into `results/robustness/all.json`; `--only` repeats one, `--report` none. With
 `--minutes` each gets its share (how many scenes, files and sweeps follows from what is left of the time), and none is
 kept. The exit status is 1 if anything was wrong and not flagged, crashed, or is not covered.
 """
@@ -39,14 +39,13 @@ def main() -> int:
     options.add_argument("--minutes", type=float, default=None, help="about how long it may take; default: all whole")
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--only", action="append", choices=[part[0] for part in PARTS], help="default: all")
+    options.add_argument("--report", action="store_true", help="sum up the records that there are")
     chosen = options.parse_args()
-    parts = [part for part in PARTS if not chosen.only or part[0] in chosen.only]
-    kept, complete = RESULTS / "robustness" / "all.json", chosen.minutes is None
-    wanted = "whole" if complete else f"in about {chosen.minutes:g} minutes"
-    record = heading("Every search for wrong answers", wanted, f"seed {chosen.seed}")
-    before = json.loads(kept.read_text()) if chosen.only and complete and kept.exists() else {}
-    rows = {row["search"]: row for row in before.get("parts", [])}
-    end = time.perf_counter() + 60 * (chosen.minutes or 0)
+    parts = [part for part in PARTS if not chosen.report and (not chosen.only or part[0] in chosen.only)]
+    complete = chosen.minutes is None
+    wanted = "the records" if chosen.report else "whole" if complete else f"in about {chosen.minutes:g} minutes"
+    record = heading("Every search for wrong answers", wanted, *([f"seed {chosen.seed}"] if parts else []))
+    end, crashed = time.perf_counter() + 60 * (chosen.minutes or 0), []
     with tempfile.TemporaryDirectory() as other:
         place = RESULTS if complete else Path(other)
         for i, (name, option, whole, least, _) in enumerate(parts):
@@ -63,26 +62,26 @@ def main() -> int:
             if name.startswith(("stress", "fuzz", "sweeps")):
                 command += ["--seed", str(chosen.seed)]
             print(f"\n== {' '.join(command[1:])} ==", flush=True)
-            result = place / "robustness" / f"{name}.json"
-            result.unlink(missing_ok=True)
-            begin = time.perf_counter()
+            (place / "robustness" / f"{name}.json").unlink(missing_ok=True)
             status = subprocess.run(command, env=os.environ | {"BENCHMARK_RESULTS": str(place)}).returncode
-            found = json.loads(result.read_text()) if result.exists() else {}
-            verdicts = found.get("verdicts", found.get("figures", []))
-            missed = [one["name"] for one in verdicts if not one["met"]] if verdicts else ["no verdict"]
-            rows[name] = {
-                "search": name, "size": size or "whole", "seed": chosen.seed, "[s]": time.perf_counter() - begin,
-                "status": status, "missed": "; ".join(missed) or "-",
-            }  # fmt: skip
-            if complete:
-                save("robustness/all", record | {"parts": list(rows.values())})
-    record["parts"] = table(list(rows[parts[0][0]]), [list(row.values()) for row in rows.values()])
+            crashed += [name] if status else []
+        names = [part[0] for part in (PARTS if complete else parts)]
+        rows = [(name, *_missed(place / "robustness" / f"{name}.json")) for name in names]
+    record["parts"] = table(("search", "inputs", "missed"), rows)
     print()
-    failed = [name for name, row in rows.items() if row["status"] or row["missed"] != "-"]
+    failed = {name for name, _, missed in rows if missed != "-"} | set(crashed)
     record["verdicts"] = [verdict("searches with a verdict that is missed, or that failed", len(failed), 0)]
     if complete:
         save("robustness/all", record)
     return 1 if failed else 0
+
+
+def _missed(kept: Path) -> tuple[str, str]:
+    """What a record was made of, and which of its verdicts are missed."""
+    found = json.loads(kept.read_text()) if kept.exists() else {}
+    verdicts = found.get("verdicts", found.get("figures", []))
+    missed = [f"{one['name']}: {one['measured']:.3g} ({one['target']})" for one in verdicts if not one["met"]]
+    return "; ".join(found.get("inputs", [])[:1]), "; ".join(missed if verdicts else ["no record"]) or "-"
 
 
 if __name__ == "__main__":
