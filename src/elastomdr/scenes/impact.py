@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are filled up to, so that few are compiled
 _PASSAGE = 4.0  # frequency times duration of the passage that `material/validity.py` speaks of
 HALF_SPACE = "MDR, exact for the half-space: approach and rebound (Ting's solution), quasi-static rubber, no adhesion"
-LAYER = "thin layer of independent elements, exact for the layer; quasi-static rubber, no adhesion"
+LAYER = "independent springs, exact for them (rubber of that thickness: em.layer); quasi-static rubber, no adhesion"
 FINITE = "rubber of finite thickness on a rigid base, exact: approach and rebound; quasi-static rubber, no adhesion"
 
 

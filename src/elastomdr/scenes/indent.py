@@ -40,11 +40,12 @@ from .several import over_materials
 if TYPE_CHECKING:
     from .._types import ArrayLike, Indenter, Materials, Number
 
+_SHOWN = 0.1  # relative error from which a number is not handed out under a transformation either
 HALF_SPACE = "MDR line (exact for the half-space: normal contact, small slopes, no friction)"
 RULE = (
     "MDR line with adhesion: an edge lets go by its glassy energy q^2/(2 E_0) (a rule, for contact that only recedes)"
 )
-LAYER = "thin layer of independent elements (exact for the layer)"
+LAYER = "independent springs (exact for them; rubber of that thickness: em.layer)"
 FINITE = "rubber of finite thickness on a rigid base (exact: normal contact, small slopes, no friction)"
 
 
@@ -79,7 +80,8 @@ def indent(
 
     Returns:
         An `em.Indentation`. Instants that did not converge, and loads that adhesion cannot carry, are NaN with
-        `converged=False`; one `ConvergenceWarning` counts them.
+        `converged=False`; one `ConvergenceWarning` counts them. Under `jax.jit`, `vmap` and `grad` the steps under a
+        load that falls are fixed: what they give is handed out, with its `error`, and `converged` says if that is met.
 
     Raises:
         InputError: for instants that do not ascend, for neither depth nor load, and for a step of depth on a
@@ -142,8 +144,11 @@ def indent(
         foundation.range, numpy.broadcast_to(course.time, found.depth.shape), ruled, kelvin, factor, stacklevel=3
     )
 
+    # Under a transformation the steps are fixed: what they give is handed out, with its error.
+    shown = found.converged | (found.error <= _SHOWN) if traced else found.converged
+
     def known(field: Any) -> Any:
-        return nan_unless(found.converged, field)
+        return nan_unless(shown, field)
 
     return Indentation(
         time=numpy.broadcast_to(course.time, found.depth.shape),

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from .._types import ArrayLike, Indenter, Materials
 
 HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin)"
-LAYER = "thin layer of independent elements with Coulomb friction"
+LAYER = "independent springs with Coulomb friction"
 _EARLY = 18  # instants put between the first two: down to 1e-12 of the time between them
 _EDGES = 1e-11  # of the largest force: the edges between which elements are summed are not known to rounding
 _ROUNDING = 1e-14
