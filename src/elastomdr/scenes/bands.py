@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _DIRECTIONS = 1e-2  # relative error of the direction average: bands are for figures
 _MARGIN = 10.0  # by which the bands go beyond the cutoffs; what lies further out is in those at the ends
-_CLOSED = 1e-2  # relative distance of the sum of the bands from friction, to which they are then scaled
+_CLOSED = 3e-2  # relative distance of the sum of the bands from friction, to which they are scaled; part of `error`
 
 
 @over_materials
