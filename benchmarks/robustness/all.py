@@ -1,6 +1,6 @@
 """Every search for wrong answers, one after the other: `python benchmarks/robustness/all.py [--minutes M]`.
 
-Without `--minutes` each is run whole, which takes two hours on two cores. Its figures go into `results/robustness/`,
+Without `--minutes` each is run whole, which takes over an hour on two cores. Its figures go into `results/robustness/`,
 and a table of all records there into `results/robustness/all.json`; `--only` repeats one, `--report` none. With
 `--minutes` each gets its share (how many scenes, files and sweeps follows from what is left of the time), and none is
 kept. The exit status is 1 if anything was wrong and not flagged, crashed, or is not covered.
