@@ -306,6 +306,10 @@ def _set_up(
     foundation = surface_foundation(material)
     scene = rough_scene(foundation, surface, velocity=velocity, pressure=pressure, temperature=temperature, rtol=rtol)
     check_heat(heat, temperature, scene.traced or is_traced(heat), not isinstance(model, HalfSpace))
+    if not scene.traced:  # averages over directions look far below a frequency
+        low, high = 1e-89 / float(surface.q_low), 1e97 / float(surface.q_high)
+        text = f"between {low:.0e} and {high:.0e} m/s on this surface, times the shift factor"
+        require("velocity", scene.reduced, text, lambda v: (v > low) & (v < high))
     return foundation, scene
 
 
