@@ -1,5 +1,6 @@
 """mu of a rough line and its stated error where the force jumps at the edges of contacts, against a closed form."""
 
+import jax
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -7,7 +8,10 @@ from scipy.optimize import brentq
 import elastomdr as em
 from elastomdr.mapping.synthesis import synthesise
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve.periodic import solve_line
+from elastomdr.solve.lump import lanes
+from elastomdr.solve.period import coefficients
+from elastomdr.solve.periodic import _limit, solve_line
+from elastomdr.solve.stretches import recover, stretches
 
 
 def dashpot_on_a_cosine(stiff: float, eta: float, k: float, height: float, velocity: float, depth: float):
@@ -94,3 +98,47 @@ def test_error_where_rubber_gives_way_within_a_step(samples):
     exact = np.array([dashpot_on_a_cosine(1e6, 1e3, 1e3, 1e-5, v, 0.77e-5)[0] for v in velocity])
     assert (np.abs(found.mu - exact) <= found.error).all()
     assert (found.error < 5e-3 * found.mu).all()
+
+
+BROAD = np.geomspace(1e-10, 1e4, 20)  # relaxation times [s]
+TREAD = em.Foundation(2e6, 3e6 * (BROAD / 1e-10) ** -0.1, BROAD)
+
+
+def test_a_broad_spectrum_on_a_long_line_converges():
+    """20 branches over 14 decades: forces in contact passed through the modes of free recovery, and mu was NaN.
+
+    mu is that of `benchmarks/robustness/rough_march.py`, from event to event, on four times the samples.
+    """
+    surface = em.SelfAffine(0.8, rms_slope=0.3, q_low=2e3, q_high=2e5)
+    line = synthesise(surface, 2, 4, 16384)
+    velocity = np.geomspace(1e-6, 100, 8)[:7]
+    found = solve_line(line.height, float(line.spacing), TREAD.law(), velocity, np.full(7, 0.6), "load", 1e-6)
+    assert found.converged.all()
+    assert (found.error < 0.01 * found.mu).all()
+    truth = [0.0139054, 0.0161710, 0.0186927, 0.0212329, 0.0236236, 0.0261357, 0.0283870]
+    assert (np.abs(found.mu - truth) <= found.error).all()
+
+
+def test_no_stretch_passed_leaves_the_state_as_it_is():
+    """Branches much shorter than a step are lost in the modes of free recovery: in contact they must not be touched."""
+    with jax.enable_x64(True):
+        by = coefficients(lanes(TREAD.law(), 1), np.array([1e-4]))
+        free = stretches(np.zeros(64), 4, by.seen, by.lost, by.gain, by.give, by.relaxed)
+        y = np.append(1.0, by.gain[:, 0])[:, None]  # forces of a motion at constant speed
+        passed, after, _ = recover(jax.device_put(free), np.array(0), y, np.array([np.inf]), 16, 2)
+        assert int(passed) == 0
+        np.testing.assert_array_equal(after, y)
+
+
+def test_a_coarse_level_that_was_not_solved_costs_no_point():
+    """mu of every 64th, 16th, 4th and each sample, of second order: without one of the coarse ones the error covers."""
+    mus = [np.array([1.0 + 1e-4 * 16.0**level]) for level in (3, 2, 1, 0)]
+    bare = np.array([False])
+    _, every = _limit(list(mus), bare)
+    for missing in range(3):
+        some = [mu if level != missing else np.array([np.nan]) for level, mu in enumerate(mus)]
+        mu, error = _limit(some, bare)
+        assert mu == mus[-1]
+        assert every * (1 - 1e-9) <= error < 0.02
+    _, error = _limit([*(np.array([np.nan]) for _ in range(3)), mus[-1]], bare)
+    assert np.isnan(error)

@@ -88,10 +88,11 @@ class RoughLine(Tree):
         return self.height.std()
 
     @property
-    @in_float64
+    @numpy_unless_traced
     def rms_slope(self) -> Array:
         """Root of the mean square slope of the spline at its points."""
-        slope = spline(spline_coefficients(xp.asarray(self.height)), xp.zeros(()))[1] / self.spacing
+        coefficients = spline_coefficients(xp.asarray(self.height))
+        slope = (xp.roll(coefficients, -1) - xp.roll(coefficients, 1)) / (2 * self.spacing)
         return xp.sqrt(xp.mean(slope**2))
 
     def plot(self, axes: Sequence[Axes] | None = None) -> tuple[Axes, Axes]:
@@ -100,14 +101,15 @@ class RoughLine(Tree):
 
         return draw_surface(self, axes=axes)
 
-    @in_float64
+    @numpy_unless_traced
     def finer(self, factor: int) -> "RoughLine":
         """The same spline through `factor` times as many points."""
         return line_of_heights(self._finer(factor), self.spacing / factor)
 
     def _finer(self, factor: int) -> Float[Array, " m"]:
         coefficients = spline_coefficients(xp.asarray(self.height))
-        parts = [spline(coefficients, xp.asarray(j / factor))[0] for j in range(factor)]
+        near = xp.stack([xp.roll(coefficients, 1 - m) for m in range(4)])
+        parts = [_cubic(near, xp.asarray(j / factor)) for j in range(factor)]
         return xp.stack(parts, axis=1).reshape(-1)
 
 

@@ -162,7 +162,7 @@ def _batch(rise, spacing, law, velocity, value, control, rtol, skip) -> tuple[Li
         carried, cost = lanes(law, velocity.size), np.zeros(velocity.size)
     state, load, stiffness, share = first_guess(rise, carried, n * step, value, control)
     strides = strides_of(n)
-    sweeps, mus, full = np.zeros(velocity.size), [np.full(velocity.size, np.nan)], np.ones(velocity.size, bool)
+    sweeps, mus, full = np.zeros(velocity.size), [], np.ones(velocity.size, bool)
     fine = found = good = None
     for stride in strides:
         level = level_of(rise, spacing, stride, step, carried, load, stiffness, control, skip and share.max() < LIGHT)
@@ -203,9 +203,14 @@ def _limit(mus: list[np.ndarray], full: np.ndarray) -> tuple[np.ndarray, np.ndar
     between two samples the edges of contacts lie: the last value stands. Its error is half of the last change, where
     a 15th would be a fall as it should be: contacts of a few samples fall more slowly. As that change is small by
     accident now and then, the one before it counts in proportion.
+
+    A coarse level that was not solved (NaN) is left out: the next one is compared with the one before, a larger change.
     """
-    fine, changes = mus[-1], [np.abs(b - a) for a, b in itertools.pairwise(mus[1:])][::-1]
-    bounds = [change / (2 * 16.0**level) for level, change in enumerate(changes)]
+    for coarser, finer in itertools.pairwise(range(len(mus) - 1)):
+        mus[finer] = np.where(np.isnan(mus[finer]), mus[coarser], mus[finer])
+    fine, changes = mus[-1], [np.abs(b - a) for a, b in itertools.pairwise(mus)][::-1]
+    known = [changes[0], *(np.nan_to_num(change) for change in changes[1:])]
+    bounds = [change / (2 * 16.0**level) for level, change in enumerate(known)]
     error = np.where(full, changes[0] / 3, np.max(bounds, axis=0))
     if len(changes) > 1:
         change, before = fine - mus[-2], mus[-2] - mus[-3]
