@@ -16,10 +16,13 @@ import elastomdr as em
 from elastomdr.app.scene import Done, compute, toml
 from elastomdr.app.security import Folder, Guard, safe
 from elastomdr.app.texts import from_text, leaf, to_text
+from elastomdr.cli.kinds import decoded
 from elastomdr.cli.main import main
 from elastomdr.cli.schema import keys_of
 from elastomdr.cli.steady import SurfaceContact, SurfaceFriction
 from elastomdr.cli.surface import Measured
+
+from .simulated import simulated, until
 
 SAMPLE = Path(__file__).parents[1] / "examples" / "data"
 SPAN = {"from": "1e-3 m/s", "to": "1 m/s", "points": 4}
@@ -44,6 +47,10 @@ def test_texts_of_fields():
     assert typed(SurfaceContact, "gamma", "a half") == "a half"
     assert typed(Measured, "pixel_size", "2 um") == "2 um"
     assert typed(SurfaceContact, "pressure", "  ") is None
+    for text in ("0.3", "1.5e3", ".5"):  # no 0 with the unit ".3": what is missing is the unit
+        assert typed(SurfaceContact, "pressure", text) == text
+    assert typed(SurfaceContact, "pressure", "0.1, 0.3") == ["0.1", "0.3"]
+    assert typed(SurfaceContact, "pressure", "0.1, 0.3MPa") == ["0.1 MPa", "0.3MPa"]
 
 
 def asked(guard, path, *, host="127.0.0.1:80", kind="http", method="GET", chunks=(b"",), headers=(), wait=0.0):
@@ -86,6 +93,20 @@ def test_guard():
     assert asked(guard, "/secret/", host="example.org") == 403  # a foreign name that resolves to this machine
     assert asked(guard, "/secret/ws", kind="websocket") == "websocket.accept"
     assert asked(guard, "/ws", kind="websocket") == "websocket.close"
+    for origin in (
+        b"https://example.org",
+        b"null",
+        b"http://127.0.0.1:81",
+        b"https://127.0.0.1:80",
+        b"http://localhost:80",
+    ):
+        other = [(b"origin", origin)]  # of a page that has come to know the address
+        assert asked(guard, "/secret/ws", kind="websocket", headers=other) == "websocket.close"
+        assert asked(guard, "/secret/ws", headers=other) == 403  # polling
+        assert asked(guard, "/secret/ws", method="POST", headers=other) == 403
+    own = [(b"Origin", b"http://127.0.0.1:80")]
+    assert asked(guard, "/secret/ws", kind="websocket", headers=own) == "websocket.accept"
+    assert asked(guard, "/secret/ws", method="POST", headers=own) == 200
     assert asked(guard, "/secret/up", method="POST", chunks=[b"a" * 60, b"b" * 40]) == 200
     assert asked(guard, "/secret/up", method="POST", chunks=[b"a" * 60, b"b" * 60]) == 413  # no length was announced
     assert asked(guard, "/secret/up", method="POST", headers=[(b"content-length", b"101")]) == 413
@@ -219,37 +240,6 @@ def test_scene_reproduces_the_page(tmp_path):
         compute("friction", scene(surface={"shape": "file", "file": "../x.csv"}), folder)
 
 
-def simulated(tmp_path, act):
-    """Runs `act(user, page, again)` with a simulated user on the page; `again` opens the same or another session."""
-    from nicegui import background_tasks
-    from nicegui.testing.user_simulation import user_simulation
-
-    from elastomdr.app.page import page
-    from elastomdr.app.session import Sessions
-
-    sessions, pages = Sessions(tmp_path), []
-
-    async def all_of_it():
-        async with user_simulation(root=lambda: pages.append(page(sessions))) as user:
-
-            async def opened(address="/"):
-                await user.open(address)
-                return pages[-1]
-
-            await act(user, await opened(), opened)
-            for task in list(background_tasks.running_tasks):
-                task.cancel()
-
-    asyncio.run(all_of_it())
-
-
-async def until(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        await asyncio.sleep(0.02)
-
-
 @needs_nicegui
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_every_screen(tmp_path):
@@ -286,7 +276,7 @@ def test_every_screen(tmp_path):
         form.set("[contact] pressure", "0.3")
         user.find("Compute friction").click()
         await until(lambda: form.widgets["[contact] pressure"].error)
-        assert "0.3 MPa" in form.widgets["[contact] pressure"].error
+        assert form.widgets["[contact] pressure"].error.endswith('Did you mean "0.3 MPa"?')
         assert not session.done
         form.set("[contact] pressure", "0.3 MPa")
         form.set("temperature", "20 degC")
@@ -298,7 +288,8 @@ def test_every_screen(tmp_path):
         user.find("Use sample measurement").click()
         await until(lambda: page.friction._picture.shown)
         result = session.done["friction"].result
-        assert result.mu.shape == (3,)
+        assert result.mu.shape == (3, 3)
+        assert page.friction.form.widgets["temperature"].value == "0 degC, 20 degC, 60 degC"  # as it was measured
         assert (result.adhesion > 0).all()
         page.friction.form.set("[contact] pressure", "0.1 MPa, 0.3 MPa")
         user.find(kind=ui.input, content="pressure").trigger("keydown.enter")  # computes, as the button does
@@ -317,12 +308,21 @@ def test_every_screen(tmp_path):
             "n",
             "±",
         ]  # of an illustrative one it is not known
-        page.rolling._other_kind(SimpleNamespace(value="traction"))
+        await page.rolling._other_kind(SimpleNamespace(value="traction"))
         page.rolling.form.set("[contact] slip", "0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 0.9")
-        page.rolling.form.set("[contact] load", "4 kN")
-        page.rolling.form.set("[contact] velocity", "1 m/s")
         await page.rolling.compute()
-        assert session.done["rolling"].content["friction"] == "friction-friction.csv"  # of the friction screen
+        slipped = session.done["rolling"]
+        assert slipped.content["friction"] == "tread-friction.csv"
+        assert slipped.content["material"] == session.done["friction"].content["material"] == "dma.toml"
+        assert slipped.result.converged.all()
+        law = em.load_friction(session.folder.path / "tread-friction.csv")
+        assert law.temperature == pytest.approx([293.15])
+        dry = em.load_material(session.folder.path / "dma.toml")
+        road = decoded("friction", session.done["friction"].content).arguments(session.folder.path)["shape"]
+        adhesion = decoded("friction", session.done["friction"].content).arguments(session.folder.path)["adhesion"]
+        again = em.friction(dry, road, pressure=law.pressure[1], velocity=law.velocity[5], temperature=293.15,
+                            adhesion=adhesion)  # fmt: skip
+        assert law.mu[0, 1, 5] == pytest.approx(float(again.mu), rel=1e-4)
 
         user.find("Export").click()
         await user.should_see("elastomdr traction rolling.toml --out out")
@@ -351,6 +351,40 @@ def test_every_screen(tmp_path):
     simulated(tmp_path, act)
 
 
+async def results_belong_to_what_is_filled_in(page):
+    """What has been computed goes with an error or another kind, and is marked after a change."""
+    for stage in (page.friction, page.rolling):
+        assert stage._picture.shown
+        assert not stage._old.visible
+        pressed = "[contact] pressure" if stage is page.friction else "[contact] load"
+        kept = stage.form.widgets[pressed].value
+        stage.form.set(pressed, "0.3")
+        assert stage._old.visible
+        stage.form.set(pressed, kept)
+        assert not stage._old.visible
+        stage.form.set(pressed, "0.3")
+        await stage.compute()
+        assert stage.form.widgets[pressed].error
+        assert not stage._picture.shown
+        assert not stage._words._label.visible
+        assert not stage._old.visible
+        stage.form.set(pressed, kept)
+        await stage._show_again()  # as when the page is loaded again
+        assert stage._picture.shown
+    page.road.form.set("[surface] hurst", "0.7")
+    page._look()  # as a change of the screen does
+    assert page.friction._old.visible
+    assert not page.rolling._old.visible
+    await page.rolling._other_kind(SimpleNamespace(value="traction"))
+    assert not page.rolling._picture.shown
+    page.rolling.form.set("friction", "absent.csv")
+    await page.rolling.compute()
+    assert "dropped here" in page.rolling.form._alert.text
+    assert not page.rolling._picture.shown
+    await page.rolling._other_kind(SimpleNamespace(value="rolling"))
+    assert page.rolling._picture.shown
+
+
 BAD = {"binary.csv": bytes(range(256)) * 40, "words.csv": b"no,numbers\nat,all\n", "x.xlsx": b"PK\3\4"}
 
 
@@ -364,11 +398,14 @@ def test_bad_files_and_two_sessions_at_once(tmp_path):
         assert one._session.folder.path != other._session.folder.path
 
         await one.rubber._sample()
+        assert all(picture.shown for picture in one.rubber._pictures.values())
         kept = json.dumps(one._session.scenes)
         for name, content in BAD.items():
             await one.rubber._dropped([one._session.folder.keep(name, content)])
             said = one.rubber.form.widgets["data"].error
             assert said, name
+            assert not any(picture.shown for picture in one.rubber._pictures.values())  # of the file before
+            assert not one.rubber._words._label.visible
         assert json.dumps(one._session.scenes) == kept
         assert list(one._session.fits) == ["dma.toml"]
         export = SAMPLE / "dma-q800.txt"  # does not say whether it was sheared or pulled
@@ -382,6 +419,8 @@ def test_bad_files_and_two_sessions_at_once(tmp_path):
         for name in ("binary.csv", "words.csv"):
             await one.road._dropped([name])
             await until(lambda: any(getattr(w, "error", None) for w in one.road.form.widgets.values()))
+            assert not one.road._picture.shown
+            assert not one.road._words._label.visible
 
         other.friction.form.set("[contact] velocity", "1 mm/s, 1 cm/s")
         await asyncio.gather(other.friction.compute(), one.rubber._sample(), other.rolling.compute())
@@ -391,6 +430,7 @@ def test_bad_files_and_two_sessions_at_once(tmp_path):
         assert not one._session.done
         assert not other._session.fits
         assert other._session.scenes["friction"]["material"] == "epdm-70"
+        await results_belong_to_what_is_filled_in(other)
 
     simulated(tmp_path, act)
 

@@ -26,6 +26,7 @@ CUT = """[...document.querySelectorAll('.q-tab-panel:not([style*="none"]) *')].f
     && e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.words, .frame, .scroll')).length"""
 
 LONG = "[...document.querySelectorAll('.q-field--error .q-field__messages')].filter(e => e.offsetParent)"
+ALERTS = "[...document.querySelectorAll('.alert')].filter(e => e.offsetParent)"
 BELOW = f"{LONG}[0].closest('.field').parentElement.nextElementSibling"
 
 
@@ -64,6 +65,9 @@ def test_only_who_has_the_address(address):
     assert status(f"{address}_nicegui_ws/socket.io/?EIO=4&transport=polling") == 200
     assert status(address, headers={"Host": "example.org"}) == 403
     assert status(f"{origin}/{token[::-1]}/") == 403
+    polling = f"{address}_nicegui_ws/socket.io/?EIO=4&transport=polling"
+    assert status(polling, headers={"Origin": "https://example.org"}) == 403
+    assert status(polling, headers={"Origin": origin}) == 200
 
 
 def _answers(address):
@@ -80,8 +84,11 @@ def test_from_files_to_friction(address, tmp_path):
     browser = Browser()
     try:
         browser.open(address)
+        (tmp_path / "none.csv").touch()
+        browser.drop(".q-tab-panel", tmp_path / "none.csv")
+        browser.until(f"{ALERTS}.some(e => e.innerText.includes('is empty'))")
         browser.drop(".q-tab-panel", SAMPLE / "dma.csv")
-        browser.until(f"{SHOWN} >= 3")
+        browser.until(f"{SHOWN} >= 3 && !{ALERTS}.length")
         browser.click("Road")
         browser.until(f"{SHOWN} == 1")
         browser.drop(".q-tab-panel:not([style*='none'])", SAMPLE / "road.csv")

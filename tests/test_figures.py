@@ -192,8 +192,8 @@ def test_measured_points_take_the_colour_of_their_temperature():
     measured = {"velocity": [1e-3, 1e-2, 1e-1], "mu": [0.1, 0.7, 0.2], "temperature": [273.15, 294.0, 350.0]}
     ax = drawn(friction_curve(temperature=KELVIN[:, None]), measured=measured)
     labels = {line.get_label(): line for line in ax.get_lines() if str(line.get_label()).startswith("measured")}
-    assert set(labels) == {"measured, 0 °C", "measured, 20 °C", "measured"}
-    assert labels["measured"].get_xdata()[0] == 0.1
+    assert set(labels) == {"measured, 0 °C", "measured, 20 °C", "measured, 76.85 °C (no curve)"}
+    assert labels["measured, 76.85 °C (no curve)"].get_xdata()[0] == 0.1
     assert ax.get_ylim()[1] > 0.7
     curves = [line for line in ax.get_lines() if len(line.get_xdata()) > 1]
     assert labels["measured, 20 °C"].get_color() is not labels["measured, 0 °C"].get_color()
@@ -202,6 +202,18 @@ def test_measured_points_take_the_colour_of_their_temperature():
     lines = drawn(friction_curve(temperature=KELVIN[:, None]), measured=grid).get_lines()
     points = {str(line.get_label()): list(line.get_ydata()) for line in lines}
     assert (points["measured, 0 °C"], points["measured, 20 °C"]) == ([0.1, 0.2], [0.3, 0.4])
+    warm = 333.15 + np.array([0.0, 20.4, 0.6, 19.6, -0.6])
+    elsewhere = {"velocity": np.full(5, 1e-2), "mu": 0.1 * np.arange(1, 6), "temperature": warm}
+    lines = drawn(friction_curve(temperature=KELVIN[:, None]), measured=elsewhere).get_lines()
+    points = {str(line.get_label()): list(line.get_ydata()) for line in lines}
+    np.testing.assert_allclose(points["measured, 60 °C (no curve)"], [0.1, 0.3, 0.5])
+    np.testing.assert_allclose(points["measured, 80 °C (no curve)"], [0.2, 0.4])
+    many = elsewhere | {"velocity": np.full(9, 1e-2), "mu": np.ones(9), "temperature": 320.15 + 10 * np.arange(9)}
+    assert legend(drawn(friction_curve(temperature=KELVIN[:, None]), measured=many))[-1] == (
+        "measured, 47 °C to 127 °C (no curve)"
+    )
+    bare = {"velocity": [1e-2], "mu": [0.1]}
+    assert legend(drawn(friction_curve(temperature=KELVIN[:, None]), measured=bare))[-1] == "measured"
     for bad in ({"velocity": [1.0]}, {"velocity": [1.0], "mu": [1.0, 2.0]}, {"velocity": [-1.0], "mu": [1.0]}, 3.0):
         with pytest.raises(em.InputError, match="measured"):
             friction_curve().plot(measured=bad)

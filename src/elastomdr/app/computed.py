@@ -1,21 +1,28 @@
 """Screens that compute a scene: friction, comparison of compounds, rolling."""
 
 import copy
+import warnings
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from nicegui import ui
 
+import elastomdr as em
+
 from ..cli.kinds import KINDS
 from ..cli.steady import SurfaceComparison, SurfaceFriction
+from ..cli.units import Temperature
 from ..cli.wheel import WheelTraction
 from ..errors import InputError
+from ..results.plotting import SAME_TEMPERATURE, grouped
 from .form import Form
 from .sample import SAMPLE
-from .scene import CancelledError, Done, compute
+from .scene import CancelledError, Done, compute, without_empty
 from .session import COMPUTING, DRAWING, Session
-from .stage import BUTTON, Notes, Picture, Words, drop, material_names, worked
+from .stage import BUTTON, Notes, Picture, Words, drop, mark_of_age, material_names, worked
+from .tread import COMPUTED, compute_on_road
 
 _FRICTION = ("temperature", "[contact] pressure", "[contact] velocity", "measured", "heat", "adhesion")
 _ROLLING = ("temperature", "layer", "[contact] load", "[contact] velocity", "[contact] slip", "[layer] thickness",
@@ -24,7 +31,11 @@ _TABLES = {kind.mark if kind.mark != "indenter" else "rolling": kind for kind in
 _TABLES |= {"compare": SurfaceComparison, "traction": WheelTraction}
 _LABELS = {"rolling": "Rolling resistance", "warming": "Temperature of a wheel", "conveyor": "Power of a belt conveyor",
            "traction": "Slip curve of a tyre (.tir)"}  # fmt: skip
-_LAW = "friction-friction.csv"  # the table of the friction screen, which a slip curve takes
+_ABOUT = {
+    "traction": f'Friction "{COMPUTED}" is that of this rubber on the road of the friction screen, with its heat and '
+    "adhesion, where the wheel needs it. A number or the name of a table does as well."
+}
+_MOST_CURVES = 8  # temperatures up to which those of dropped measurements are added
 
 
 class Screen(NamedTuple):
@@ -63,8 +74,8 @@ class ComputedStage:
             with ui.element("div").classes("left"):
                 ui.label(screen.lead).classes("lead")
                 if screen.key == "friction":
-                    drop(session, "Measured friction, drawn over the curve", self._dropped)
-                    ui.button("Use sample measurement", on_click=self._sample).props(f"{BUTTON} outline")
+                    sample = "Use sample measurement", self._sample
+                    drop(session, "Measured friction, drawn over the curve", self._dropped, sample)
                 if screen.key == "rolling":
                     ui.select(_LABELS, value=self._key, label="what").classes("field").on_value_change(self._other_kind)
                 self._place = ui.element("div")
@@ -76,11 +87,11 @@ class ComputedStage:
             with ui.element("div").classes("right"):
                 self._busy = ui.linear_progress(show_value=False).props("indeterminate")
                 self._busy.visible = False
-                self._notes, self._picture = Notes(), Picture(f"{screen.key}: the computed curves")
+                self._old, self._notes = mark_of_age(), Notes()
+                self._picture = Picture(f"{screen.key}: the computed curves")
                 self._table = ui.element("div")
                 self._words = Words()
-        if (done := session.done.get(screen.key)) is not None:
-            ui.timer(0.05, lambda: self._show(done), once=True)
+        ui.timer(0.05, self._show_again, once=True)
 
     def content(self) -> dict[str, Any]:
         """The scene as it is filled in."""
@@ -93,6 +104,11 @@ class ComputedStage:
     def refresh(self) -> None:
         """Offers materials and files that have come meanwhile, and shows what others have changed."""
         self._draw_form()
+        self.look()
+
+    def look(self) -> None:
+        """Says so where a result is shown that is not of what is filled in, here or on other screens."""
+        self._old.visible = self._picture.shown and self._done() is None
 
     def _draw_form(self) -> None:
         table = _TABLES.get(self._key, SurfaceFriction)
@@ -104,24 +120,52 @@ class ComputedStage:
         self._place.clear()
         with self._place:
             if self._key not in session.scenes:
-                session.scenes[self._key] = _example(self._key, _LAW if _LAW in session.folder.names() else 1.0)
+                session.scenes[self._key] = _example(self._key, session.scenes["friction"]["material"])
+            if self._key in _ABOUT:
+                ui.label(_ABOUT[self._key]).classes("about")
             own = session.scenes[self._key]
             only = screen.only or tuple(key for key in table.__struct_fields__ if key != "title")
-            self.form = Form(table, own, only=only, first=screen.first, choices=choices, entered=self.compute)
+            self.form = Form(
+                table, own, only=only, first=screen.first, choices=choices, entered=self.compute,
+                changed=lambda name: self.look(),
+            )  # fmt: skip
 
-    def _other_kind(self, event: Any) -> None:
+    async def _other_kind(self, event: Any) -> None:
+        self._stopped()
+        self._clear()
         self._key = event.value
         self._session.rolling = event.value
         self._draw_form()
+        await self._show_again()
 
     async def _sample(self) -> None:
         name = self._session.folder.keep("friction.csv", SAMPLE.joinpath("friction.csv").read_bytes())
         await self._dropped([name])
 
     async def _dropped(self, names: list[str]) -> None:
-        self._session.scenes[self._key]["measured"] = names[0]
+        own = self._session.scenes[self._key]
+        own["measured"] = names[0]
+        own["temperature"] = await worked(DRAWING, _with_measured, own, self._session.folder.path / names[0])
         self._draw_form()
         await self.compute()
+
+    def _done(self) -> Done | None:
+        """What has been computed of what is filled in."""
+        done = self._session.done.get(self._screen.key)
+        same = done is not None and without_empty(done.asked) == without_empty(self.content())
+        return done if same else None
+
+    async def _show_again(self) -> None:
+        if (done := self._done()) is not None:
+            await self._show(done)
+
+    def _clear(self) -> None:
+        """Takes away what has been computed of something else."""
+        self._old.visible = False
+        self._notes.show(())
+        self._picture.show(None)
+        self._table.clear()
+        self._words.show("")
 
     def _stopped(self) -> None:
         self._run += 1
@@ -137,6 +181,7 @@ class ComputedStage:
             return
         self._session.touch()
         self.form.clear_errors()
+        self._clear()
         self._busy.visible = self._stop.visible = True
         self._button.disable()
         self._run += 1
@@ -148,12 +193,9 @@ class ComputedStage:
 
         try:
             content = copy.deepcopy(self.content())
-            verb = "traction" if self._key == "traction" else self._screen.verb
-            done = await worked(COMPUTING, compute, verb, content, self._session.folder, progress)
+            done = await worked(COMPUTING, self._computed, content, progress)
             if run != self._run:
                 return
-            if self._key == "friction":
-                self._session.folder.keep(_LAW, done.csv(), anew=True)
             self._session.done[self._screen.key] = done
             self._changed()
             await self._show(done)
@@ -166,13 +208,25 @@ class ComputedStage:
             if run == self._run:
                 self._release()
 
+    def _computed(self, content: dict[str, Any], progress: Callable[[int, int], None]) -> Done:
+        folder = self._session.folder
+        if self._key != "traction":
+            return compute(self._screen.verb, content, folder, progress)
+        if content.get("friction") != COMPUTED:
+            return compute("traction", content, folder)
+        return compute_on_road(content, copy.deepcopy(self._session.scenes["friction"]), folder, progress)
+
     async def _show(self, done: Done) -> None:
+        run = self._run
         figure = await worked(DRAWING, done.figure)
+        if run != self._run:
+            return
         self._notes.show(done.warnings)
-        self._words.show(done.result.summary())
+        self._words.show("\n".join(filter(None, (done.result.summary(), done.more))))
         if self._screen.key == "compare":
             self._rank(done.result)
         self._picture.show(figure)
+        self.look()
 
     def _rank(self, ranking: Any) -> None:
         """The rubbers, the one with most friction first, with what is significant of the order."""
@@ -187,15 +241,37 @@ class ComputedStage:
             ui.table(rows=rows, columns=columns)
 
 
-def _example(key: str, friction: Any = 1.0) -> dict[str, Any]:
-    """What the forms of the seldom kinds of rolling show at first."""
-    material = "tread-passenger-synthetic"
+def _with_measured(content: dict[str, Any], path: Path) -> Any:
+    """The temperatures of a scene and, where they are few, those of measured points which have no curve."""
+    given = content.get("temperature")
+    texts = given if isinstance(given, list) else [given]
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", em.fit.FitWarning)
+            kelvin = em.read_friction(path).points.get("temperature")
+        computed = [float(Temperature.read(text)) for text in texts]
+    except InputError:
+        return given  # computing says what is wrong
+    if kelvin is None:
+        return given
+    missing = [each for each in grouped(kelvin) if all(abs(each - one) > SAME_TEMPERATURE for one in computed)]
+    if not missing or len(computed) + len(missing) > _MOST_CURVES:
+        return given
+    every = {**dict(zip(computed, texts, strict=True)), **{each: f"{each - 273.15:.4g} degC" for each in missing}}
+    return [every[each] for each in sorted(every)]
+
+
+def _example(key: str, rubber: Any) -> dict[str, Any]:
+    """What the forms of the seldom kinds of rolling show at first; `rubber` is that of the friction screen."""
+    rubber = rubber[0] if isinstance(rubber, list) else rubber
+    fitted = rubber.endswith(".toml")  # on this page
+    material = rubber if fitted or key == "traction" else "tread-passenger-synthetic"
     velocity = {"from": "0.5 m/s", "to": "5 m/s", "points": 10}
     if key == "traction":
         return {
             "material": material,
             "temperature": "20 degC",
-            "friction": friction,
+            "friction": COMPUTED,
             "indenter": {"shape": "cylinder", "radius": "300 mm", "length": "160 mm"},
             "structure": {"stiffness": "80 MPa/m"},
             "layer": {"thickness": "8 mm"},
@@ -209,15 +285,15 @@ def _example(key: str, friction: Any = 1.0) -> dict[str, Any]:
         return {
             "material": material,
             "indenter": {"shape": "cylinder", "radius": "100 mm", "length": "50 mm"},
-            "layer": {"thickness": "15 mm", "bonded": False},
+            "layer": {"thickness": "15 mm"},
             "contact": {"load": "800 N", "velocity": ["1 m/s", "2 m/s", "4 m/s"]},
             "warming": {"ambient": "-10 degC", "conductance": "1.2 W/K"},
         }
     return {
-        "material": "epdm-70",
+        "material": rubber if fitted else "epdm-70",
         "temperature": "10 degC",
         "indenter": {"shape": "cylinder", "radius": "79.5 mm", "length": "400 mm"},
-        "layer": {"thickness": "6 mm", "bonded": False},
+        "layer": {"thickness": "6 mm"},
         "contact": {"velocity": velocity},
         "conveyor": {"spacing": "1.2 m", "belt": "28 kg/m", "goods": "120 kg/m", "return_spacing": "3 m"},
     }

@@ -18,6 +18,7 @@ def page(sessions: Sessions) -> "Page":
     """Builds the page of the session that its address names, or of a new one."""
     request = ui.context.client.request
     session = sessions.get(request.query_params.get("session") if request is not None else None)
+    session.shown_by(ui.context.client)
     ui.add_css(_STYLE.read_text(encoding="utf-8"))
     ui.colors(primary="#1f5a94")
     ui.run_javascript(f"history.replaceState(null, '', '?session={session.name}')")
@@ -44,14 +45,20 @@ class Page:
             with ui.tab_panel("Compare"):
                 self.compare = ComputedStage(session, COMPARE, self._computed, self._on_road)
             with ui.tab_panel("Rolling"):
-                self.rolling = ComputedStage(session, ROLLING, self._computed, lambda message: False)
+                self.rolling = ComputedStage(session, ROLLING, self._computed, self._on_road)
             with ui.tab_panel("Export"):
                 self.export = ExportStage(session)
+        self._tabs.on_value_change(self._look)
+
+    def _look(self) -> None:
+        for stage in (self.friction, self.compare, self.rolling):
+            stage.look()
 
     def _new_rubber(self, name: str) -> None:
         """A fitted or dropped material is the one that the other screens take."""
         scenes = self._session.scenes
-        scenes["friction"]["material"] = scenes["rolling"]["material"] = name
+        for key in scenes.keys() - {"compare"}:
+            scenes[key]["material"] = name
         compared = scenes["compare"]["material"]
         scenes["compare"]["material"] = [name, *(other for other in compared if other != name)]
         for stage in (self.friction, self.compare, self.rolling):

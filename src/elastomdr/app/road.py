@@ -18,7 +18,7 @@ from .sample import SAMPLE
 from .scene import image
 from .security import Folder
 from .session import DRAWING, Session
-from .stage import BUTTON, Notes, Picture, Words, drop, worked
+from .stage import Notes, Picture, Words, drop, worked
 
 _NAMES = ("[surface] longest", "[surface] shortest")
 _FIRST = (*_NAMES, "[surface] rms_slope", "[surface] rms_height", "[surface] file", "[surface] convention")
@@ -41,8 +41,7 @@ class RoadStage:
         with ui.element("div").classes("stage"):
             with ui.element("div").classes("left"):
                 ui.label("Drop a power spectrum or a measured topography, or give self-affine numbers.").classes("lead")
-                drop(session, "Spectrum or topography", self._dropped)
-                ui.button("Use sample road", on_click=self._sample).props(f"{BUTTON} outline")
+                drop(session, "Spectrum or topography", self._dropped, ("Use sample road", self._sample))
                 self.form = Form(
                     Road, self._content, first=_FIRST, choices={"[surface] file": self._files}, changed=self._typed,
                     entered=self.redraw,
@@ -97,9 +96,16 @@ class RoadStage:
                 self.form.clear_errors()
                 self._show(seen)
             except InputError as error:
+                self._clear()
                 self.form.show_error(str(error))
             finally:
                 self._drawn = now
+
+    def _clear(self) -> None:
+        """Takes away what there was to see of another surface."""
+        self._picture.show(None)
+        self._words.show("")
+        self._notes.show(())
 
     def _show(self, seen: dict[str, Any]) -> None:
         self._picture.show(seen["svg"])

@@ -1,5 +1,6 @@
 """From a DMA file to a material: what was read as what, master curve, shifts, spectrum, residuals."""
 
+import copy
 import re
 import shlex
 import warnings
@@ -19,7 +20,7 @@ from .form import Form
 from .sample import SAMPLE
 from .scene import image
 from .session import COMPUTING, DRAWING, Session
-from .stage import BUTTON, Notes, Picture, Words, drop, worked
+from .stage import BUTTON, Notes, Picture, Words, drop, mark_of_age, worked
 
 _UNITS = ("frequency_unit", "modulus_unit", "temperature_unit", "time_unit")
 _INNER = r"(?:[^()]|\([^()]*\))*"
@@ -87,6 +88,7 @@ class Fitted:
     warnings: tuple[str, ...]
     figures: dict[str, bytes] = field(repr=False)
     fit: Any = field(repr=False)
+    asked: dict[str, Any] = field(repr=False)  # as it was filled in
 
 
 class RubberStage:
@@ -94,19 +96,21 @@ class RubberStage:
 
     def __init__(self, session: Session, changed: Any):
         self._session, self._changed = session, changed
+        self._shown: dict[str, Any] = {}  # what was asked of the fit that is shown
         session.rubber.setdefault("data", [])
         with ui.element("div").classes("stage"):
             with ui.element("div").classes("left"):
                 ui.label("Drop measured isotherms (DMA): text, spreadsheet or an instrument's export.").classes("lead")
-                drop(session, "DMA files", self._dropped, multiple=True)
-                ui.button("Use sample DMA", on_click=self._sample).props(f"{BUTTON} outline")
+                drop(session, "DMA files", self._dropped, ("Use sample DMA", self._sample), multiple=True)
                 choices = {"data": self._files}
-                self.form = Form(Fit, session.rubber, first=_FIRST, choices=choices, entered=self.fit)
+                self.form = Form(
+                    Fit, session.rubber, first=_FIRST, choices=choices, entered=self.fit, changed=self._compare
+                )
                 self._button = ui.button("Fit material", on_click=self.fit).props(BUTTON)
             with ui.element("div").classes("right"):
                 self._busy = ui.linear_progress(show_value=False).props("indeterminate")
                 self._busy.visible = False
-                self._notes = Notes()
+                self._old, self._notes = mark_of_age(), Notes()
                 self._pictures = {
                     key: Picture(about)
                     for key, about in (
@@ -116,8 +120,9 @@ class RubberStage:
                     )
                 }
                 self._words = Words()
-        if session.fits:
-            self._show(list(session.fits.values())[-1])
+        last = list(session.fits.values())[-1:]
+        if last and last[0].asked == session.rubber:
+            self._show(last[0])
 
     def _files(self) -> list[str]:
         return [name for name in self._session.folder.names() if not name.endswith(".toml")]
@@ -131,7 +136,12 @@ class RubberStage:
     async def _dropped(self, names: list[str]) -> None:
         materials = [name for name in names if name.endswith(".toml")]
         for name in materials:
-            em.load_material(str(self._session.folder.path / name))
+            path = self._session.folder.path / name
+            try:
+                em.load_material(str(path))
+            except InputError:
+                path.unlink()  # would be offered as a rubber
+                raise
             self._changed(name)
         data = [name for name in names if name not in materials]
         if not data:
@@ -144,10 +154,11 @@ class RubberStage:
         """Reads the files and fits a material, or says beside a field what is wrong with it."""
         self._session.touch()
         self.form.clear_errors()
+        self._clear()
         self._busy.visible = True
         self._button.disable()
         try:
-            fitted = await worked(COMPUTING, calculate, dict(self._session.rubber), self._session)
+            fitted = await worked(COMPUTING, calculate, copy.deepcopy(self._session.rubber), self._session)
             fitted.figures = await worked(DRAWING, figures, fitted.fit)
         except InputError as error:
             self.form.show_error(_for_form(str(error)))
@@ -161,7 +172,22 @@ class RubberStage:
         self._show(fitted)
         self._changed(fitted.name)
 
+    def _compare(self, name: str) -> None:
+        """Says so where a fit is shown that is not of what is filled in."""
+        self._old.visible = bool(self._shown) and self._shown != self._session.rubber
+
+    def _clear(self) -> None:
+        """Takes away what there was to see of another fit."""
+        self._shown = {}
+        self._old.visible = False
+        self._notes.show(())
+        self._words.show("")
+        for picture in self._pictures.values():
+            picture.show(None)
+
     def _show(self, fitted: Fitted) -> None:
+        self._shown = fitted.asked
+        self._compare("")
         self._notes.show(fitted.warnings)
         for key, picture in self._pictures.items():
             picture.show(fitted.figures.get(key))
@@ -201,7 +227,7 @@ def calculate(content: dict[str, Any], session: Session) -> Fitted:
         em.save_material(found.material, session.folder.path / name, info=found.info())
     rows = (f"row left out: {row}" for row in dma.bad_rows)
     said = tuple(in_fields(text) for text in (*found.warnings, *rows))
-    return Fitted(name, asked.command(), found.summary(), said, {}, found)
+    return Fitted(name, asked.command(), found.summary(), said, {}, found, content)
 
 
 def figures(fit: Any) -> dict[str, bytes]:

@@ -38,6 +38,8 @@ class Done:
     result: Any
     warnings: tuple[str, ...]
     drawn: dict[str, Any] = field(repr=False)
+    asked: dict[str, Any] = field(repr=False)  # as it was filled in
+    more: str = ""  # what is said below the summary
 
     def figure(self, kind: str = "svg") -> bytes:
         """The figure as an SVG or PNG image."""
@@ -69,7 +71,7 @@ def toml(verb: str, content: dict[str, Any], stem: str, notes: tuple[str, ...] =
         *(f"# {note}" for note in notes),
         f"# written by elastomdr {__version__}",
     ]
-    filled = _without_empty(content)
+    filled = without_empty(content)
     lines = [f"{key} = {_as_toml(value)}" for key, value in filled.items() if not isinstance(value, dict)]
     for name, table in filled.items():
         if isinstance(table, dict):
@@ -104,7 +106,7 @@ def compute(
     verb: str, content: dict[str, Any], folder: Folder, progress: Callable[[int, int], None] | None = None
 ) -> Done:
     """Computes a scene as the command line does. Raises `InputError` that begins with the key at fault."""
-    content = json.loads(json.dumps(_without_empty(content)))  # what is typed meanwhile does not matter
+    content = json.loads(json.dumps(without_empty(content)))  # what is typed meanwhile does not matter
     scene = decoded(verb, content)
     folder.check(files_of(content))
     with warnings.catch_warnings(record=True) as caught:
@@ -117,7 +119,7 @@ def compute(
             result = getattr(em, scene.called())(**arguments, **more)
         except InputError as error:
             if "within the friction law" in str(error):
-                raise InputError(f"friction: {error} Compute friction on its screen for values around this.") from error
+                raise InputError(f'friction: {error} "computed" has it computed where the wheel needs it.') from error
             raise
         if verb == "compare":
             if not result.materials:
@@ -126,7 +128,7 @@ def compute(
                 result = result.ranking(**scene.compare.place())  # type: ignore[attr-defined]
     ours = (em.ConvergenceWarning, em.ExtrapolationWarning, em.ModelWarning)
     texts = tuple(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, ours)))
-    return Done(verb, content, result, texts, drawn)
+    return Done(verb, content, result, texts, drawn, content)
 
 
 def image(axes: Any, kind: str = "svg") -> bytes:
@@ -157,6 +159,6 @@ def _as_toml(value: Any) -> str:
     return tomli_w.dumps({"x": value}).removeprefix("x = ").rstrip("\n")
 
 
-def _without_empty(content: dict[str, Any]) -> dict[str, Any]:
+def without_empty(content: dict[str, Any]) -> dict[str, Any]:
     """Without [numerics] as long as nothing stands in it."""
     return {key: value for key, value in content.items() if key != "numerics" or value}

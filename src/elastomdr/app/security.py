@@ -23,8 +23,8 @@ class Guard:
     """An ASGI application before the page's own: lets through what has the token as the first part of its address.
 
     The address of every request, of every file and of the WebSocket begins with the token. A request that names another
-    host than this machine is refused (a foreign page that resolves its own name to 127.0.0.1), and so is a body that is
-    too large or takes too long.
+    host than this machine is refused (a foreign page that resolves its own name to 127.0.0.1), and so is one that a
+    browser makes for a page of another origin, and a body that is too large or takes too long.
     """
 
     def __init__(self, app: Any, token: str, *, bytes_: int = MOST_BYTES + _EXTRA, seconds: float = MOST_SECONDS):
@@ -44,9 +44,12 @@ class Guard:
 
     def _known(self, scope: Any) -> bool:
         first = scope["path"].split("/")[1:2]
-        host = _header(scope, b"host").decode("latin-1").rsplit(":", 1)[0]
+        host = _header(scope, b"host").lower()
         good = bool(first) and hmac.compare_digest(first[0].encode("utf-8", "replace"), self._token)
-        return good and host in ("127.0.0.1", "localhost")
+        here = host.rsplit(b":", 1)[0] in (b"127.0.0.1", b"localhost")
+        # A browser names the origin with each WebSocket, with each POST and with what another page asks for.
+        origin = _header(scope, b"origin").lower()
+        return good and here and origin in (b"", b"http://" + host)
 
     async def _bounded(self, scope: Any, receive: Any, send: Any) -> None:
         import asyncio
@@ -106,7 +109,7 @@ class Folder:
         Another file of the same name stays, as a scene may read it, and the new one is numbered; `anew` replaces it.
         """
         if not content:
-            raise InputError(f"{name!r} is empty.")
+            raise InputError(f"{name!r} is empty (0 bytes): export or copy it again.")
         if len(content) > MOST_BYTES:
             raise InputError(_too_large())
         here = safe(name)

@@ -10,7 +10,7 @@ from typing import Any
 from .scene import Done
 from .security import Folder
 
-_MOST = 20  # sessions that are kept
+_MOST = 20  # sessions that are kept although no page shows them
 # One thread computes, so that what is warned of belongs to what is computed; another one draws meanwhile.
 COMPUTING = ThreadPoolExecutor(1, "compute")
 DRAWING = ThreadPoolExecutor(1, "draw")
@@ -28,11 +28,17 @@ class Session:
     fits: dict[str, Any] = field(default_factory=dict)  # by the name of the material's file
     notes: dict[str, str] = field(default_factory=dict)  # material's file to the command that makes it
     rolling: str = "rolling"  # which kind of rolling is filled in
+    pages: set[str] = field(default_factory=set)  # clients of NiceGUI that show it
     used: float = 0.0
 
     def touch(self) -> None:
         """Notes that it is in use; of too many sessions those go that were left alone longest."""
         self.used = time.monotonic()
+
+    def shown_by(self, client: Any) -> None:
+        """Stays as long as NiceGUI keeps this client: until a minute after its connection has ended."""
+        self.pages.add(client.id)
+        client.on_delete(lambda: self.pages.discard(client.id))
 
 
 class Sessions:
@@ -48,11 +54,16 @@ class Sessions:
         if session is None:
             name = secrets.token_hex(8)
             session = self._known[name] = Session(name, Folder(self._place / name), scenes=_start())
-            for old in sorted(self._known.values(), key=lambda each: -each.used)[_MOST:]:
-                if old is not session:
-                    self._known.pop(old.name).folder.remove()
+            self._remove_the_oldest(session)
         session.touch()
         return session
+
+    def _remove_the_oldest(self, new: Session) -> None:
+        """Removes sessions that no page shows, so that not too many of them are kept."""
+        left = [each for each in self._known.values() if not each.pages and each is not new]
+        left.sort(key=lambda each: each.used, reverse=True)
+        for old in left[_MOST:]:
+            self._known.pop(old.name).folder.remove()
 
 
 def _start() -> dict[str, dict[str, Any]]:
@@ -72,7 +83,7 @@ def _start() -> dict[str, dict[str, Any]]:
             "material": "epdm-70",
             "temperature": ["0 degC", "20 degC", "40 degC"],
             "indenter": roll,
-            "layer": {"thickness": "6 mm", "bonded": False},
+            "layer": {"thickness": "6 mm"},
             "contact": {
                 "load": ["0.3 kN", "1 kN"],
                 "velocity": {"from": "0.5 m/s", "to": "10 m/s", "points": 16},

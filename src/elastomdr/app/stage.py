@@ -30,25 +30,42 @@ def material_names(session: Session) -> dict[str, str]:
 
 
 def drop(
-    session: Session, label: str, taken: Callable[[list[str]], Awaitable[None]], *, multiple: bool = False
-) -> ui.upload:
-    """A place to drop files on; `taken` is called with the names that they have in the session's folder."""
+    session: Session,
+    label: str,
+    taken: Callable[[list[str]], Awaitable[None]],
+    sample: tuple[str, Callable[[], Awaitable[None]]],
+    *,
+    multiple: bool = False,
+) -> None:
+    """A place to drop files on, and a button for a sample.
+
+    `taken` is called with the names that the files have in the session's folder. What cannot be taken is said above.
+    """
     failed = ui.label().classes("alert").props("role=alert")
     failed.visible = False
 
     def refuse(text: str) -> None:
         failed.text, failed.visible = text, True
 
-    async def arrived(event: events.MultiUploadEventArguments) -> None:
+    async def take(work: Awaitable[None]) -> None:
         session.touch()
         failed.visible = False
         try:
-            names = [session.folder.keep(file.name, await file.read()) for file in event.files]
-            await taken(names)
+            await work
         except InputError as error:
-            refuse(str(error))
-        finally:
-            upload.reset()
+            refuse(f"{error} Nothing has been changed.")
+        except OSError as error:
+            refuse(f"The file could not be kept: {error.strerror or error}.")
+
+    async def kept(files: Sequence[Any]) -> None:
+        await taken([session.folder.keep(file.name, await file.read()) for file in files])
+
+    async def arrived(event: events.MultiUploadEventArguments) -> None:
+        await take(kept(event.files))
+        upload.reset()
+
+    async def sampled() -> None:
+        await take(sample[1]())
 
     upload = ui.upload(
         label=label,
@@ -60,7 +77,14 @@ def drop(
     )
     upload.classes("drop").props(f'flat bordered aria-label="{label}"')
     upload.on("failed", lambda: refuse("The file did not arrive: too large, or too slow."), args=[])
-    return upload
+    ui.button(sample[0], on_click=sampled).props(f"{BUTTON} outline")
+
+
+def mark_of_age() -> ui.label:
+    """A line, hidden at first, which says that what is shown is not of what is filled in."""
+    mark = ui.label("What is shown was computed before the last change.").classes("note")
+    mark.visible = False
+    return mark
 
 
 class Picture:

@@ -9,7 +9,8 @@ from ..cli.units import Quantity
 
 _SPAN = re.compile(r"(.+?)\s+to\s+(.+?)\s*[,;]\s*(\d+)(?:\s*points?)?", re.IGNORECASE)
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
-_UNIT = re.compile(rf"{_NUMBER.pattern}\s*(\D.*)")
+# The number is taken whole (possessive): "0.3" is no 0 with the unit ".3".
+_UNIT = re.compile(rf"(?>{_NUMBER.pattern})\s*((?:1/)?[^\d\s].*)")
 
 
 class Leaf(NamedTuple):

@@ -23,7 +23,8 @@ _VISIBLE = 0.004  # part of the figure's height from which an error band can be 
 _LIGHT = 0.16  # opacity of a band
 _LEGEND = 12  # curves of one result that a legend names; of more, it names as many, evenly spread
 _LOG = 20.0  # ratio of the largest to the smallest value from which on an axis may be logarithmic
-_SAME = 2.0  # temperature from a curve up to which a measured point takes its colour [K]
+SAME_TEMPERATURE = 2.0  # distance from a curve's up to which a measured point takes its colour [K]
+_WITHOUT_CURVE = "s^Dv<>"  # markers of measured points by temperature, where nothing was computed
 _FEW = 12.0  # ratio of the ends of a logarithmic axis up to which its ticks are those of a linear one
 _DECADES = 30.0  # largest over middle interval from which instants are taken as spread over decades
 DOTTED = "dotted: beyond the range of the material's data"
@@ -843,7 +844,10 @@ def _draw_parts(sketch: Sketch, line: Line, hysteresis: np.ndarray, colour: Any,
 
 
 def _draw_measured(sketch: Sketch, points: dict[str, np.ndarray], lines: list[Line]) -> None:
-    """Draws points in the colour of the curve at their temperature, in black where there is none."""
+    """Draws points in the colour of the curve at their temperature, in black where there is none.
+
+    Those in black have a marker and a label for each temperature, or one for all where these are many.
+    """
     at, kelvin = points.get("temperature"), sketch.fields.get("temperature")
     style = {"linestyle": "none", "markersize": 2.8 * sketch.style.line, "markeredgewidth": 0.7 * sketch.style.line,
              "markerfacecolor": "white", "zorder": 5}  # fmt: skip
@@ -856,12 +860,29 @@ def _draw_measured(sketch: Sketch, points: dict[str, np.ndarray], lines: list[Li
     if at is not None and kelvin is not None:
         for line in lines:
             own = np.atleast_1d(kelvin[line.curve.at])
-            near = left & (np.abs(at - own[0]) <= _SAME) & (np.ptp(own) == 0)
+            near = left & (np.abs(at - own[0]) <= SAME_TEMPERATURE) & (np.ptp(own) == 0)
             if near.any():
                 mark(near, "o", line.colour, f"measured, {in_words('temperature', float(own[0]))}")
             left &= ~near
-    if left.any():
-        mark(left, "s", INK, "measured")
+    if not left.any():
+        return
+    if at is None:
+        return mark(left, "s", INK, "measured")
+    tail = "" if kelvin is None else " (no curve)"
+    centres = grouped(at[left])
+    if len(centres) > len(_WITHOUT_CURVE):
+        ends = " to ".join(in_words("temperature", each) for each in (centres[0], centres[-1]))
+        return mark(left, "s", INK, f"measured, {ends}{tail}")
+    nearest = np.abs(at[:, None] - centres).argmin(axis=1)
+    for k, (centre, marker) in enumerate(zip(centres, _WITHOUT_CURVE, strict=False)):
+        mark(left & (nearest == k), marker, INK, f"measured, {in_words('temperature', centre)}{tail}")
+
+
+def grouped(kelvin: np.ndarray) -> list[float]:
+    """The means of temperatures that belong together, ascending [K]."""
+    ascending = np.sort(np.ravel(kelvin))
+    runs = np.split(ascending, np.flatnonzero(np.diff(ascending) > SAME_TEMPERATURE) + 1)
+    return [float(run.mean()) for run in runs if run.size]
 
 
 def _logarithmic_if_wide(ax: Any) -> None:
