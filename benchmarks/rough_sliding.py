@@ -4,7 +4,8 @@
 
 64 velocities x 16384 samples x 20 branches over 14 decades of relaxation time, a load given. The C loop (`cc -O3
 -march=native`) does one plain sweep of the same samples, velocities and branches, with nothing but the contact step, on
-one core. Compile time is left out: every call is made once before it is timed.
+one core. Compile time is left out: every call is made once before it is timed. The whole call `em.friction` on a line
+of 16384 points, which it takes four times as finely, is compared with one such sweep over the samples that it takes.
 """
 
 import ctypes
@@ -26,6 +27,8 @@ from elastomdr.solve.period import coefficients
 TIMES = np.geomspace(1e-10, 1e4, 20)  # tau_k [s]
 LAW = em.Foundation(1e6, 1e6 * (TIMES / 1e4) ** -0.15, TIMES)
 VELOCITY = np.geomspace(1e-6, 10, 64)  # v [m/s]
+GLASSY = em.Foundation(2e6, 3e6 * (TIMES / 1e-10) ** -0.1, TIMES)
+FAST = np.geomspace(1e-6, 100, 64)  # v of the whole call [m/s]
 SURFACE = em.SelfAffine(0.8, rms_slope=0.3, q_low=2 * np.pi / 1e-2, q_high=2 * np.pi / 1e-2 * 200)
 SOURCE = """
 #include <math.h>
@@ -50,25 +53,25 @@ void sweep(long n, long lanes, long m, const double *w, const double *d, const d
 """
 
 
-def c_sweep(line: em.RoughLine, depth: np.ndarray) -> float:
+def c_sweep(line: em.RoughLine, depth: np.ndarray, law: em.Foundation, velocity: np.ndarray) -> float:
     """Seconds of processor time of one sweep in C, the least of seven."""
     with tempfile.TemporaryDirectory() as folder:
         source, library = Path(folder) / "sweep.c", Path(folder) / "sweep.so"
         source.write_text(SOURCE)
         subprocess.run(["cc", "-O3", "-march=native", "-shared", "-fPIC", "-o", library, source], check=True)
         run = ctypes.CDLL(str(library)).sweep
-    by = coefficients(lanes(LAW.law(), VELOCITY.size), float(line.spacing) / VELOCITY)
+    by = coefficients(lanes(law.law(), velocity.size), float(line.spacing) / velocity)
     rise = np.ascontiguousarray(periodic.rises(line.height))
-    f, u, total = np.zeros((TIMES.size, VELOCITY.size)), depth.copy(), np.zeros(VELOCITY.size)
+    f, u, total = np.zeros((TIMES.size, velocity.size)), depth.copy(), np.zeros(velocity.size)
 
     def pointer(array: np.ndarray) -> ctypes.c_void_p:
         return ctypes.c_void_p(array.ctypes.data)
 
     def call() -> None:
         run(
-            ctypes.c_long(rise.size), ctypes.c_long(VELOCITY.size), ctypes.c_long(TIMES.size), pointer(rise),
-            pointer(depth), pointer(by.keep), pointer(by.gain), pointer(by.give), ctypes.c_double(1e6), pointer(f),
-            pointer(u), pointer(total),
+            ctypes.c_long(rise.size), ctypes.c_long(velocity.size), ctypes.c_long(TIMES.size), pointer(rise),
+            pointer(depth), pointer(by.keep), pointer(by.gain), pointer(by.give),
+            ctypes.c_double(float(law.equilibrium)), pointer(f), pointer(u), pointer(total),
         )  # fmt: skip
 
     return timed(call, 7).cpu
@@ -103,6 +106,33 @@ def one_core(load: float) -> tuple[float, float]:
     return float(lean), float(full)
 
 
+def whole_call(seed: int) -> tuple[float, ...]:
+    """Points of `em.friction` that converge, the largest error over mu, and processor times [s]: of the call, of one
+    sweep in C over the samples that it takes, and of one over the points of the line."""
+    line = synthesise(SURFACE, seed, 1, 16384)
+
+    def call() -> em.FrictionCurve:
+        return em.friction(GLASSY, line, velocity=FAST, load=0.6, model=em.Line())
+
+    call()
+    curve, _, cpu = timed(call, 7)
+    depth = np.nan_to_num(curve.depth, nan=1e-5)
+    sweeps = [c_sweep(one, depth, GLASSY, FAST) for one in (line.finer(4), line)]
+    return int(curve.converged.sum()), float(np.nanmax(curve.error / curve.mu)), cpu, *sweeps
+
+
+def whole_calls() -> list[tuple]:
+    """Rows of `whole_call` for three lines, in a process of one core."""
+    script = (
+        "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\n"
+        "import rough_sliding as r\n"
+        "for seed in range(3): print(*r.whole_call(seed))"
+    )
+    found = subprocess.run([sys.executable, "-c", script], cwd=Path(__file__).parent, check=True, capture_output=True)
+    rows = [[float(x) for x in row.split()] for row in found.stdout.decode().strip().split("\n")]
+    return [(seed, int(row[0]), *row[1:4], row[2] / row[3], row[2] / row[4]) for seed, row in enumerate(rows)]
+
+
 def main() -> None:
     record = heading("Steady sliding on a rough line", f"{VELOCITY.size} velocities, {TIMES.size} branches, {SURFACE}")
     line = synthesise(SURFACE, 1, 8, 16384)
@@ -120,7 +150,7 @@ def main() -> None:
         run(), run(skip=False)
         found, every = run(), run(skip=False)
         lean, full = one_core(load)
-        plain = c_sweep(line, np.nan_to_num(found.depth, nan=1e-5))
+        plain = c_sweep(line, np.nan_to_num(found.depth, nan=1e-5), LAW, VELOCITY)
         os.sched_setaffinity(0, cores)
         change = float(np.nanmax(np.abs(found.mu / every.mu - 1)))
         rows.append((
@@ -138,6 +168,26 @@ def main() -> None:
         verdict("one core's time over one sweep in C, the worst load", max(row[8] for row in rows), 15.0),
         verdict("gain by skipping at a share of 5 % or less", rows[0][9], 3.0, least=True),
         verdict("change of mu by skipping, the largest", max(row[10] for row in rows), 1e-6),
+    ]
+    calls = whole_calls()
+    columns = (
+        "seed",
+        "converged",
+        "error/mu, largest",
+        "em.friction, one core [s]",
+        "C sweep [s]",
+        "ratio",
+        "over one of the points",
+    )
+    record["whole calls"] = table(columns, calls)
+    record["verdicts"] += [
+        verdict(
+            "points of em.friction that converge, glassy spectrum, the least",
+            min(row[1] for row in calls),
+            64,
+            least=True,
+        ),
+        verdict("em.friction over one sweep in C of the samples it takes", max(row[5] for row in calls), 10.0),
     ]
     four = [synthesise(SURFACE, seed, 32, 65536) for seed in range(4)]
 

@@ -40,9 +40,10 @@ class _Element:
     """One element of rubber, and the heights in the order in which it meets them, from the highest (0) on."""
 
     def __init__(self, law: em.Foundation, rise: np.ndarray, step: float):
-        order = np.argsort(-np.asarray(law.times))
-        self.relaxed, self.moduli = float(law.equilibrium), np.asarray(law.moduli)[order]
-        self.times = np.minimum(np.asarray(law.times)[order], _SLOWEST * step * rise.size)
+        cut = np.minimum(np.asarray(law.times), _SLOWEST * step * rise.size)
+        rising, which = np.unique(cut, return_inverse=True)  # those that are cut are one branch
+        self.relaxed, self.times = float(law.equilibrium), rising[::-1]
+        self.moduli = np.bincount(which, np.asarray(law.moduli))[::-1]
         self.rise, self.step, self.period = np.append(rise, rise[0]), step, step * rise.size
         self.slope = np.diff(self.rise) / step
         self.rates = self._rates()
