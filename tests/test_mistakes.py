@@ -20,6 +20,7 @@ load = "10 N"
 velocity = "1 mm/s"
 """
 ROAD = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=1e5)
+RUBBER, BALL = em.StandardSolid(1e6, 1e6, 1e-2), em.Sphere(5e-3)
 
 
 @pytest.fixture(autouse=True)
@@ -167,3 +168,50 @@ def test_stick_slip_of_a_drive():
         (line,) = (line for line in summary.splitlines() if line.startswith("stick-slip"))
         assert line.split(maxsplit=1)[1].startswith(said)
         assert line.endswith(" N")
+
+
+@pytest.mark.parametrize("given", [{"load": 10.0}, {"depth": 1e-6}], ids=["load", "depth"])
+def test_a_load_on_a_surface_makes_it_a_line(given):
+    rubber = em.StandardSolid(1e6, 1e6, 1e-2)
+    name = next(iter(given))
+    with pytest.warns(em.ModelWarning, match=rf"{name} on a surface is .* line.*give pressure= \[Pa\].*em.Multiscale"):
+        curve = em.friction(rubber, ROAD, velocity=0.01, **given)
+    same = em.friction(rubber, ROAD, velocity=0.01, model=em.Line(), **given)  # asked for: no warning
+    assert curve.mu == same.mu
+    with pytest.warns(em.ModelWarning, match=f"{name} on a surface"):
+        em.plan(rubber, ROAD, velocity=0.01, **given)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: em.friction(RUBBER, BALL, velocities=1.0, load=1.0), r"friction\(\) has no argument 'velocities'"
+         r"\. Did you mean 'velocity'\?"),
+        (lambda: em.Sphere(radus=1.0), r"Sphere\(\) has no argument 'radus'\. Did you mean 'radius'\?"),
+        (lambda: em.Line(seed=1), r"Line\(\) has no argument 'seed'\. Did you mean 'seeds'\?"),
+        (lambda: em.fit.master_curve(None, refrence=1.0), r"'refrence'\. Did you mean 'reference'\?"),
+        (lambda: em.Sphere(zzz=1.0), r"Sphere\(\) has no argument 'zzz'\. Arguments are radius\."),
+    ],
+)  # fmt: skip
+def test_arguments_that_are_not_there(call, message):
+    with pytest.raises(TypeError, match=message):
+        call()
+
+
+def test_names_that_are_not_there():
+    with pytest.raises(AttributeError, match=r"'elastomdr' has no attribute 'Spere'\. Did you mean 'Sphere'\?$"):
+        em.Spere  # noqa: B018
+    with pytest.raises(AttributeError, match=r"'elastomdr\.fit' has no attribute 'materal'\. Did you mean 'material'"):
+        em.fit.materal  # noqa: B018
+
+
+def test_shapes_that_do_not_fit_are_told_by_name():
+    message = r"velocity, load and temperature must broadcast, got velocity of shape \(6,\), load a number, "
+    with pytest.raises(em.InputError, match=message + r"temperature of shape \(3,\)\.$"):
+        em.friction(RUBBER, BALL, velocity=[0.1] * 6, load=1.0, temperature=[290.0, 300.0, 310.0])
+
+
+def test_a_key_that_belongs_elsewhere_and_is_misspelled(capsys):
+    Path("ball.toml").write_text("frictoin = 0.5\n" + SCENE)
+    assert main(["friction", "ball.toml"]) == 2
+    assert "frictoin is not known. Did you mean 'friction'? That key belongs to scenes of" in capsys.readouterr().err

@@ -146,7 +146,7 @@ def test_gradients(name):
 BAD = {
     "time or velocity": {"time": 1.0, "velocity": 1.0},
     "pressure must be positive": {"pressure": -1.0},
-    "pressure, time must broadcast": {"pressure": [1.0, 2.0], "time": [1.0, 2.0, 3.0]},
+    "pressure and time must broadcast": {"pressure": [1.0, 2.0], "time": [1.0, 2.0, 3.0]},
     "conductivity must be a number or a pair": {"conductivity": [1.0, 2.0, 3.0]},
     "without average": {"model": em.Line(average=True)},
     "in em.press": {"model": em.Multiscale()},

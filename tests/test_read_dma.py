@@ -3,6 +3,9 @@
 import warnings
 
 import numpy as np
+import pandas as pd
+import pint_pandas  # noqa: F401  the dtype "pint[MPa]"
+import polars as pl
 import pytest
 
 import elastomdr as em
@@ -420,3 +423,37 @@ def test_arrays_and_joining(tmp_path):
     ):
         with pytest.raises(em.InputError, match=said):
             wrong()
+
+
+TITLES = ("Frequency [Hz]", "Temperature [degC]", "E' [MPa]", "E'' [MPa]")
+SCALE = np.array([1.0, 1.0, 1e-6, 1e-6])
+
+
+def frames():
+    """The same measurement as tables in memory."""
+    values = ROWS * SCALE
+    frame = pd.DataFrame(values, columns=TITLES)
+    names, units = zip(*(title.removesuffix("]").split(" [") for title in TITLES), strict=True)
+    two_rows = pd.DataFrame(values, columns=pd.MultiIndex.from_tuples(zip(names, units, strict=True)))
+    columns = zip(names, units, values.T, strict=True)
+    quantities = pd.DataFrame({name: pd.Series(x, dtype=f"pint[{unit}]") for name, unit, x in columns})
+    return {
+        "pandas": frame,
+        "units in a second row": two_rows,
+        "temperature as index": frame.set_index(TITLES[1]),
+        "pint-pandas": quantities,
+        "polars": pl.DataFrame(dict(zip(TITLES, values.T, strict=True))),
+        "a list": [frame[:6], frame[6:]],
+    }
+
+
+@pytest.mark.parametrize("name", frames())
+def test_tables_in_memory_are_read_like_files(name):
+    check(read(frames()[name]))
+
+
+def test_a_table_in_memory_without_units_asks_as_a_file_does():
+    frame = pd.DataFrame(ROWS, columns=["f", "T", "E'", "E''"])
+    with pytest.raises(em.InputError, match="the table: column 1 'f' has no unit"):
+        em.read_dma(frame)
+    check(read(frame, frequency_unit="Hz", temperature_unit="degC", modulus_unit="Pa"))

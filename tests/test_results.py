@@ -1,6 +1,7 @@
 """Results: tables that other programs read back, figures that say what they show, text that stays true."""
 
 import dataclasses
+import html
 import importlib
 import pkgutil
 import warnings
@@ -400,3 +401,26 @@ def test_every_quantity_has_the_unit_of_what_it_is():
                 assert q.unit == OTHERS.get(f"{cls.__name__}.{f.name}", units[f.name]), (cls, f.name)
                 count += 1
     assert count > 100
+
+
+def test_a_result_a_material_and_a_fit_as_tables_of_a_notebook():
+    curve = dataclasses.replace(friction_curve(), inputs=(("material", "<b>"), *INPUTS[1:]))
+    shown = curve._repr_html_()
+    assert shown.startswith("<table><caption>FrictionCurve</caption>")
+    assert "<b>" not in shown
+    for name, text in curve.findings():
+        assert f">{html.escape(name)}</th>" in shown
+        assert f">{html.escape(text)}</td>" in shown
+    rubber = em.Prony(1e6, np.full(20, 1e6), np.geomspace(1e-9, 1e-2, 20), name="a & b")
+    shown = rubber._repr_html_()
+    for row in ("equilibrium</th>", ">1e+06 Pa</td>", "1e-09 to 0.01 (20 values) s", "a &amp; b", "poisson"):
+        assert row in shown
+    swept = np.geomspace(1e-3, 0.5, 12)
+    fit = em.fit.softening({"strain": swept, "storage": 1e6 + 4e6 / (1 + swept / 0.02), "loss": 1e5 + 0 * swept}).found
+    assert "<caption>Sweeps</caption>" in fit._repr_html_()
+    assert html.escape(fit.summary().splitlines()[-1][-20:]) in fit._repr_html_()
+
+
+def test_a_result_without_numbers_has_its_line_as_a_table():
+    shown = jax.tree.map(lambda _: "traced", friction_curve())._repr_html_()
+    assert "without numbers" in shown

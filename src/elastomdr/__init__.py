@@ -72,7 +72,9 @@ def __getattr__(name: str) -> Any:
     if name in _PACKAGES:
         return importlib.import_module(f".{name}", __name__)
     if name not in _MODULE_OF:
-        raise AttributeError(f"module 'elastomdr' has no attribute {name!r}")
+        from .errors import closest
+
+        raise AttributeError(f"module 'elastomdr' has no attribute {name!r}.{closest(name, __all__)}", name=name)
     value = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)
     globals()[name] = value
     return value

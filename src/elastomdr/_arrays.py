@@ -19,6 +19,7 @@ import numpy as np
 
 from ._compiled import keep_compiled_code
 from ._trees import Tree
+from ._units import arguments_in_si
 
 if TYPE_CHECKING:
     import jax
@@ -58,10 +59,15 @@ def on_numpy() -> bool:
 
 
 def numpy_unless_traced(function: Callable[P, R]) -> Callable[P, R]:
-    """Runs `function` on NumPy, or, if JAX traces one of its arguments, on `jax.numpy` with 64-bit types."""
+    """Runs `function` on NumPy, or, if JAX traces one of its arguments, on `jax.numpy` with 64-bit types.
+
+    Arguments with units come to it as numbers in SI units (`_units.py`).
+    """
+    in_si = arguments_in_si(function)
 
     @functools.wraps(function)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+    def wrapper(*given: P.args, **named: P.kwargs) -> R:
+        args, kwargs = (given, named) if _mode.numpy else in_si(given, named)
         if is_traced(args, kwargs):
             return on_jax(function, *args, **kwargs)
         if _mode.numpy:  # inside of another such call
@@ -80,11 +86,13 @@ def in_float64(function: Callable[P, R]) -> Callable[P, R]:
     """Runs `function` on JAX with 64-bit types enabled and leaves the caller's JAX setting as it was.
 
     Arrays in its answer that are not traced come back as NumPy arrays: JAX's own would be rounded to float32 by the
-    caller's next operation under JAX's default configuration.
+    caller's next operation under JAX's default configuration. Units as in `numpy_unless_traced`.
     """
+    in_si = arguments_in_si(function)
 
     @functools.wraps(function)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+    def wrapper(*given: P.args, **named: P.kwargs) -> R:
+        args, kwargs = in_si(given, named)
         return on_jax(function, *args, **kwargs)
 
     return wrapper

@@ -12,9 +12,10 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from ._arrays import Array, as_numpy, in_float64, is_traced, numpy_unless_traced, xp
+from ._units import in_si, number_in_si
 from .errors import InputError
 
-__all__ = ["Array", "in_float64", "is_traced", "numpy_unless_traced"]
+__all__ = ["Array", "in_float64", "in_si", "is_traced", "numpy_unless_traced"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -115,8 +116,11 @@ def is_array_like(value: Any) -> bool:
 def as_float64(name: str, value: Any) -> Array:
     """Turns `value` into a float64 NumPy array, or a float64 JAX array where it is traced.
 
-    Concrete values become NumPy arrays, since JAX would round them to float32 under its default configuration.
+    Concrete values become NumPy arrays, since JAX would round them to float32 under its default configuration. A value
+    with a unit comes to a public function as a number already (`_units.py`); of what is no argument of one it is
+    converted here.
     """
+    value = number_in_si(name, value)
     if is_traced(value):
         import jax
 
@@ -213,6 +217,21 @@ def alike(least: int, **lists: Any) -> None:
             f"{', '.join(names)} and {last} must be lists of the same length with {least} entries at least, got shapes "
             f"{', '.join(shapes)} and {end}."
         )
+
+
+def broadcast_shape(**arrays: Any) -> tuple[int, ...]:
+    """The shape to which arguments broadcast, those that are not None; raises `InputError` with the shape of each."""
+    shapes = {name: np.shape(array) for name, array in arrays.items() if array is not None}
+    *names, last = shapes
+    listed = f"{', '.join(names)} and {last}" if names else last
+    try:
+        shape = np.broadcast_shapes(*shapes.values())
+    except ValueError as error:
+        words = ", ".join(f"{name} of shape {shape}" if shape else f"{name} a number" for name, shape in shapes.items())
+        raise InputError(f"{listed} must broadcast, got {words}.") from error
+    if 0 in shape:
+        raise InputError(f"{listed} must not be empty, got shape {shape}.")
+    return shape
 
 
 def only_one(**arguments: Any) -> str:

@@ -18,6 +18,9 @@ from collections.abc import Callable, Sequence
 from types import ModuleType
 from typing import Any, TypeVar, dataclass_transform
 
+from ._html import fields_in_words, html_table
+from ._units import constructor_in_si
+
 T = TypeVar("T")
 
 
@@ -30,6 +33,7 @@ def static(**options: Any) -> Any:
 class Tree(abc.ABC):  # noqa: B024
     """Base of frozen dataclasses that are pytrees; a class with an `__init__` of its own sets its fields by `fill`.
 
+    Arguments with units come to `__init__` as numbers in SI units (`_units.py`).
     Two of them are equal only if they are the same object; `same` compares their values.
     """
 
@@ -38,7 +42,12 @@ class Tree(abc.ABC):  # noqa: B024
         init, repr = (not _has_own(cls, name) for name in ("__init__", "__repr__"))
         dataclasses.dataclass(frozen=True, eq=False, init=init, repr=repr)(cls)
         cls._generated = [name for name, made in (("__init__", init), ("__repr__", repr)) if made]  # type: ignore
+        if "__init__" in vars(cls):
+            constructor_in_si(cls)
         pytree(cls)
+
+    def _repr_html_(self) -> str:
+        return html_table(type(self).__name__, fields_in_words(self))
 
 
 def _has_own(cls: type, method: str) -> bool:

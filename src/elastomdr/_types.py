@@ -29,10 +29,17 @@ class HasArray(Protocol):
     def __array__(self) -> np.ndarray: ...
 
 
+class HasUnit(Protocol):
+    """A quantity of pint, one number or an array."""
+
+    def m_as(self, units: Any, /) -> Any: ...
+
+
 Array: TypeAlias = "jax.Array | np.ndarray"  # JAX's where it traces, NumPy's otherwise
 ComplexArray: TypeAlias = "jax.Array | np.ndarray[Any, np.dtype[np.complex128]]"
 Scalar: TypeAlias = "float | jax.Array"  # JAX's where it traces, a Python float otherwise
-Number: TypeAlias = "float | np.number | np.ndarray | jax.Array"  # one; arrays without a shape
+Plain: TypeAlias = "float | np.number | np.ndarray | jax.Array"  # one number; arrays without a shape
+Number: TypeAlias = "Plain | HasUnit"
 ArrayLike: TypeAlias = "Number | HasArray | Sequence[Number] | Sequence[Sequence[Number]] | Sequence[HasArray]"
 
 Kind: TypeAlias = Literal["shear", "tensile"]
@@ -51,6 +58,14 @@ Motion: TypeAlias = Literal["friction", "rolling"]
 Response: TypeAlias = Literal["relaxation", "creep", "storage"]
 LawName: TypeAlias = Literal["auto", "WLF", "Arrhenius", "VFT", "table", "none"]
 Style: TypeAlias = Literal["paper"]  # of a figure
+
+
+class Frame(Protocol):
+    """A table of pandas or polars."""
+
+    @property
+    def columns(self) -> Any: ...
+    def to_numpy(self) -> np.ndarray: ...
 
 
 class Store(Protocol):

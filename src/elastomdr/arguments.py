@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._arrays import xp
-from ._runtime import as_float64, is_traced, only_one, positive
+from ._runtime import as_float64, broadcast_shape, is_traced, only_one, positive
 from .errors import InputError
 from .material.vertical import thermal_factors
 from .results.words import brief
@@ -57,14 +57,7 @@ def steady_scene(foundation: Any, body: Any, *, velocity: Any, temperature: Any,
     positive("velocity", velocity)
     positive(name, value)
     kelvin = None if temperature is None else as_float64("temperature", temperature)
-    arrays = [velocity, value, *([] if kelvin is None else [kelvin])]
-    try:
-        shape = np.broadcast_shapes(*(np.shape(a) for a in arrays))
-    except ValueError as error:
-        shapes = ", ".join(str(np.shape(a)) for a in arrays)
-        raise InputError(f"velocity, {name} and temperature must broadcast, got shapes {shapes}.") from error
-    if 0 in shape:
-        raise InputError(f"velocity, {name} and temperature must not be empty, got shape {shape}.")
+    shape = broadcast_shape(**{"velocity": velocity, name: value, "temperature": kelvin})
     factor, vertical = (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
     if kelvin is not None and not is_traced(velocity, factor):
         _check_shift(kelvin, velocity, factor)

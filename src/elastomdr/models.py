@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from ._units import constructor_in_si
 from .errors import InputError, closest
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ class Model:
     label: ClassVar[str]
 
 
+@constructor_in_si
 @dataclasses.dataclass(frozen=True)
 class Averaged(Model):
     """The MDR line averaged over directions: the default for a smooth body on a half-space.
@@ -37,6 +39,7 @@ class Averaged(Model):
         _flag("corrected", self.corrected)
 
 
+@constructor_in_si
 @dataclasses.dataclass(frozen=True)
 class Line(Model):
     """The line of the Method of Dimensionality Reduction, as in the textbook.
@@ -75,6 +78,7 @@ class Line(Model):
         seeds_of(self.seeds)
 
 
+@constructor_in_si
 @dataclasses.dataclass(frozen=True)
 class Multiscale(Model):
     """Friction of a randomly rough surface in closed integrals: the default for a surface under a pressure.
@@ -85,6 +89,7 @@ class Multiscale(Model):
     label: ClassVar[str] = "multiscale"
 
 
+@constructor_in_si
 @dataclasses.dataclass(frozen=True)
 class Persson(Model):
     """Persson's theory of rubber friction.
@@ -107,6 +112,7 @@ class Persson(Model):
             raise InputError(f"gamma must be a number from 0 to 1, got {self.gamma!r}.")
 
 
+@constructor_in_si
 @dataclasses.dataclass(frozen=True)
 class HalfSpace(Model):
     """The three-dimensional half-space on a grid of cells, without reduction: for smooth bodies and for surfaces.

@@ -6,6 +6,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pandas as pd
+import pint
+import polars as pl
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
@@ -91,3 +93,10 @@ series = em.fit.prony([1.0, 10.0], [1e6, 2e6], [1e5, 2e5], shift=master.wlf)
 assert_type(series.material, Prony)
 em.save_material(series.material, "rubber.toml", info={"description": "black"})
 em.fit.calibrate(rubber, ball, velocity=[0.1, 1.0], measured=np.array([0.1, 0.2]), parameters=["modulus"], load=1.0)
+
+# Units and tables in memory
+unit = pint.UnitRegistry()
+em.friction(em.Prony(1e6, [unit.Quantity(1.0, "MPa")], unit.Quantity(np.array([1.0]), "ms")), em.Sphere(5 * unit.mm),
+            velocity=unit.Quantity(np.array([10.0]), "mm/s"), load=unit.Quantity(10, "mN"))  # fmt: skip
+em.read_dma(pd.DataFrame())
+em.read_dma([pl.DataFrame(), "dma.csv"])

@@ -4,7 +4,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, closest
 from ..files import read_bytes
 from .history import Impact, Indentation, IndentationByPoints
 from .scene import Scene
@@ -67,3 +67,6 @@ def _refuse(verb: str, kind: type[Scene], key: str, table: bool) -> None:
     homes = [home for home, kinds in KINDS.items() if any(key in keys_of(other) for other in kinds)]
     if homes:
         raise InputError(f"{name} belongs to elastomdr {', '.join(homes)}, not to elastomdr {verb}.")
+    elsewhere = {other for kinds in KINDS.values() for one in kinds for other in keys_of(one)}
+    if not closest(key, keys_of(kind)) and (hint := closest(key, sorted(elsewhere))):
+        raise InputError(f"{name} is not known.{hint} That key belongs to scenes of another kind.")

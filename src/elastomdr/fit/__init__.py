@@ -3,6 +3,8 @@
 import importlib
 from typing import Any
 
+from ..errors import closest
+
 _HOMES = {
     ".io.data": ("Dma", "FitWarning", "dma", "relaxation", "join"),
     "master": ("MasterCurve", "master_curve"),
@@ -22,7 +24,7 @@ __all__ = sorted(_MODULE_OF)
 
 def __getattr__(name: str) -> Any:
     if name not in _MODULE_OF:
-        raise AttributeError(f"module 'elastomdr.fit' has no attribute {name!r}")
+        raise AttributeError(f"module 'elastomdr.fit' has no attribute {name!r}.{closest(name, __all__)}", name=name)
     value = getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)
     globals()[name] = value
     return value

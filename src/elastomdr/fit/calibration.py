@@ -19,14 +19,14 @@ from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
 from .._compiled import keep_compiled_code
-from .._runtime import as_float64, positive, require
+from .._runtime import as_float64, in_si, positive, require
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError, ModelWarning, closest
 from ..mapping.spectrum import AbstractSpectrum
 from ..mapping.synthesis import PER_WAVE, line_count
 from ..material.prony import Prony
 from ..material.tabulated import needs_series
 from ..models import Line
-from ..scenes.choice import is_rough, of_rough
+from ..scenes.choice import hint_at_line, is_rough, of_rough
 from ..scenes.line_bound import missed
 from .compiled import with_jacobian
 from .findings import TWO_SIGMA, AbstractFindings
@@ -92,6 +92,7 @@ class Calibration(AbstractFindings):
             yield "warning", text
 
 
+@in_si
 def calibrate(
     material: Prony,
     shape: Indenter | Surface,
@@ -155,6 +156,8 @@ def calibrate(
     scene = dict(scene, velocity=velocity)
     if isinstance(shape, AbstractSpectrum):
         finer = 10.0 ** min(spread[names.index("q_high")], 1.0) if "q_high" in names else 1.0
+        pressed = {name: scene.get(name) for name in ("pressure", "load", "depth")}
+        hint_at_line(scene.get("model"), shape, **pressed)
         model = of_rough(scene.get("model"), shape, scene.get("pressure"))
         if isinstance(model, Line) and model.samples is None:
             model = dataclasses.replace(model, samples=line_count(shape, model.periods, PER_WAVE * finer))

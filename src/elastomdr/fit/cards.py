@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from .._runtime import in_si
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.shift import VFT, WLF, Arrhenius
@@ -61,6 +62,7 @@ def abaqus_card(material: Prony) -> str:
     return "\n".join(lines) + "\n"
 
 
+@in_si
 def ansys_card(material: Prony, number: int = 1) -> str:
     """Mechanical APDL commands MP, TB,PRONY and TB,SHIFT for a material at its reference temperature.
 

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from .._html import html_table
 from .laws import LawFit
 
 PLUS_MINUS = "+- is half a 95 % interval: 1.96 standard deviations"
@@ -28,6 +29,9 @@ class AbstractFindings(abc.ABC):
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}\n{self.summary()}"
+
+    def _repr_html_(self) -> str:
+        return html_table(type(self).__name__, [("intervals", self.intervals), *self.findings()])
 
 
 def of_shifts(

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from .._arrays import one_thread
-from .._runtime import as_float64, in_kelvin, positive, require, scalar
+from .._runtime import as_float64, in_kelvin, in_si, positive, require, scalar
 from ..errors import InputError
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import alike, group
@@ -118,6 +118,7 @@ class FrictionMaster(AbstractFindings):
             yield "warning", text
 
 
+@in_si
 @one_thread()
 def friction_master(
     velocity: ArrayLike,

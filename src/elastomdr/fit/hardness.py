@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._runtime import scalar, significant
+from .._runtime import in_si, scalar, significant
 from .._trees import replaced
 from ..errors import InputError
 from ..material.library import load_material, material_info, save_material
@@ -25,6 +25,7 @@ _TEMPERATURE = 296.15  # and temperature [K] (ISO 48-4)
 _SHIFTED = "moduli scaled from a library spectrum to Shore A by Gent's relation"
 
 
+@in_si
 def from_hardness(shore_a: Number, *, like: str | os.PathLike[str] | Prony = "sbr-gum-like", name: str = "") -> Prony:
     """A material known by its hardness only: the spectrum of another one, scaled to Gent's modulus for Shore A.
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .._arrays import one_thread
-from .._runtime import in_kelvin, not_negative, positive, scalar, significant
+from .._runtime import in_kelvin, in_si, not_negative, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, of_one_strain, strains, without_copies
 from ..material.shift import AbstractShift, Arrhenius
@@ -207,6 +207,7 @@ class MasterCurve(AbstractFindings):
         write_files({Path(path): master_csv(self).encode()})
 
 
+@in_si
 @one_thread()
 def master_curve(
     dma: Dma,

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from .._runtime import as_float64, positive
+from .._runtime import as_float64, in_si, positive
 from .._trees import fill, static
 from ..errors import InputError
 from ..files import write_files
@@ -144,6 +144,7 @@ def _factors(log_strain: np.ndarray, p: np.ndarray) -> np.ndarray:
     return np.stack([np.log1p(-p[0] / (1 + x**-2.0)), np.log1p(2 * p[3] / (x + 1 / x))], -1)
 
 
+@in_si
 def softening(
     strain_sweep: Dma | Mapping[str, ArrayLike], *, form: Literal["kraus", "table"] = "kraus"
 ) -> SofteningFit:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import __version__
+from .._runtime import in_si
 from ..errors import InputError
 from ..io.data import Dma, strains
 from ..material.library import save_material
@@ -189,6 +190,7 @@ class MaterialFit(AbstractFindings):
         return list(paths)
 
 
+@in_si
 def material(
     dma: Dma,
     reference: float | None = None,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._arrays import one_thread
-from .._runtime import positive, scalar, significant
+from .._runtime import in_si, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import KINDS, lists
 from ..material.prony import Prony
@@ -163,6 +163,7 @@ class PronyFit(AbstractFindings):
             yield "warning", text
 
 
+@in_si
 @one_thread()
 def prony(
     omega: ArrayLike | MasterCurve | None = None,

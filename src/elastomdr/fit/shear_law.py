@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from .._runtime import as_float64, plain, positive, require
+from .._runtime import as_float64, in_si, plain, positive, require
 from ..errors import InputError
 from ..files import write_files
 from ..io.data import MeasuredFriction
@@ -131,6 +131,7 @@ class _Points(NamedTuple):
         return h + added, np.stack(slopes, axis=-1)
 
 
+@in_si
 def adhesion(
     curve: FrictionCurve | Mapping[float, FrictionCurve],
     measured: MeasuredFriction | ArrayLike,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 
-from .._runtime import Array, as_float64, is_traced, numpy_unless_traced, positive, scalar
+from .._runtime import Array, as_float64, in_si, is_traced, numpy_unless_traced, positive, scalar
 from .._trees import Tree, fill, replaced, static
 from ..errors import InputError, ModelWarning
 from ..mapping.radok import layer_operator, normal_operator, tangential_operator
@@ -76,11 +76,13 @@ class Foundation(AbstractRelaxation):
         fill(self, thickness=None if thickness is None else scalar("thickness", thickness), slab=None)
 
     @classmethod
+    @in_si
     def kelvin(cls, stiffness: Number, viscosity: Number) -> "Foundation":
         """Kelvin elements: a spring and a dashpot in parallel."""
         return cls(stiffness, np.zeros(0), np.zeros(0), viscosity)
 
     @classmethod
+    @in_si
     def maxwell(cls, stiffness: Number, time: Number) -> "Foundation":
         """Maxwell elements: a spring and a dashpot in series."""
         return cls(0.0, as_float64("stiffness", stiffness)[None], as_float64("time", time)[None])

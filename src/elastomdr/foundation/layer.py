@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import Array, as_float64, numpy_unless_traced, positive, scalar, written
+from .._runtime import Array, as_float64, in_si, numpy_unless_traced, positive, scalar, written
 from .._trees import Tree, fill, static
 from ..errors import InputError
 from ..mapping.radok import normal_operator
@@ -162,6 +162,7 @@ class Layer(Tree):
         return layer_deficit(as_float64("z", z), self.squeeze(omega), self.bonded) / self.modulus(omega)
 
 
+@in_si
 def layer(
     material: Prony | TabulatedModulus, thickness: Number, *, bonded: bool = True, other: Layer | None = None
 ) -> Layer:

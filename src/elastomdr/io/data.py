@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._runtime import as_float64, in_kelvin, positive, scalar
+from .._runtime import as_float64, in_kelvin, in_si, positive, scalar
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -132,6 +132,7 @@ class Dma:
         )
 
 
+@in_si
 def dma(
     omega: ArrayLike,
     storage: ArrayLike,
@@ -152,6 +153,7 @@ def dma(
     return Dma(_temperatures(temperature, omega), omega, g1, g2, _kind(kind), source=source)
 
 
+@in_si
 def relaxation(
     time: ArrayLike, modulus: ArrayLike, temperature: ArrayLike, *, kind: Kind, source: str = "arrays"
 ) -> Dma:

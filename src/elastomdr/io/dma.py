@@ -12,17 +12,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import in_kelvin, plain, positive
+from .._runtime import in_kelvin, in_si, plain, positive
 from ..errors import InputError
 from .columns import Column, Quantity, choose, left_out, measured, missing, named, taken, understand
 from .data import COLDEST, KINDS, Dma, FitWarning, describe_list, in_strain_sweep, join, untold
 from .formats import Format, format_of
-from .sheets import read_sheet
+from .sheets import is_frame, read_sheet, sheet_of_frame
 from .tables import Head, Table
 from .units import to_si, usual
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Kind
+    from .._types import ArrayLike, Frame, Kind
+
+    Source = str | os.PathLike[str] | Frame
 
 _POLYMERS = (1e3, 3e10)  # [Pa], between which the largest modulus of a file lies
 QUANTITIES = (
@@ -126,8 +128,9 @@ class Specimen(NamedTuple):
     storage_only: bool
 
 
+@in_si
 def read_dma(
-    path_or_paths: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    path_or_paths: Source | Sequence[Source],
     *,
     temperature: ArrayLike | None = None,
     kind: Kind | None = None,
@@ -141,14 +144,15 @@ def read_dma(
     ramp: float | None = None,
     storage_only: bool = False,
 ) -> Dma:
-    """Dynamic moduli or relaxation from a file, or from several files of one material.
+    """Dynamic moduli or relaxation from a file or a table in memory, or from several of one material.
 
     The formats are those of `elastomdr.io.formats`: tables in text and spreadsheets, exports of TA Q800, TRIOS,
     Netzsch, RheoCompass and Eplexor, RepTate's files. Isotherms may stand in one table, one below the other, side by
     side, or in columns such as "E' (-40 degC) [MPa]".
 
     Args:
-        path_or_paths: a file, or a list of files.
+        path_or_paths: a file, or a table of pandas or polars, whose titles are understood as those of files are; or a
+            list of these.
         temperature: temperature of all points that have none in the files [K], or one for each isotherm without, in
             their order.
         kind: "shear" or "tensile": what the moduli are, where the file does not say.
@@ -178,14 +182,18 @@ def read_dma(
         raise InputError(f"columns must be a dict such as {{'storage': 'Modulus 1'}}, got {columns!r}.")
     units = checked_units(frequency=frequency_unit, modulus=modulus_unit, temperature=temperature_unit, time=time_unit)
     specimen = _specimen(area, length, ramp, storage_only)
-    paths = [path_or_paths] if isinstance(path_or_paths, (str, os.PathLike)) else path_or_paths
-    if not isinstance(paths, Sequence) or not paths or not all(isinstance(one, (str, os.PathLike)) for one in paths):
-        raise InputError(f"path_or_paths must be a file or a list of files, got {path_or_paths!r}.")
-    twice = {str(one) for one in paths if [str(other) for other in paths].count(str(one)) > 1}
+    paths: Any = [path_or_paths] if _is_source(path_or_paths) else path_or_paths
+    if not isinstance(paths, Sequence) or not paths or not all(map(_is_source, paths)):
+        raise InputError(
+            "path_or_paths must be a file or a list of files, or tables of pandas or polars in their place, got "
+            f"{path_or_paths!r}."
+        )
+    files = [str(one) for one in paths if not is_frame(one)]
+    twice = {name for name in files if files.count(name) > 1}
     if twice:
         raise InputError(f"path_or_paths must name every file once, got {', '.join(sorted(twice))} twice or more.")
     unmet = dict(columns or {})
-    parts = [part for path in paths for part in _read(Path(path), kind, columns, units, unmet, specimen)]
+    parts = [part for path in paths for part in _read(path, kind, columns, units, unmet, specimen)]
     if unmet:
         raise InputError(f"columns must name titles or numbers of columns, got {unmet}, which no file has.")
     if temperature is None:
@@ -194,6 +202,10 @@ def read_dma(
     for text in dma.warnings:
         warnings.warn(text, FitWarning, stacklevel=2)
     return dma
+
+
+def _is_source(value: Any) -> bool:
+    return isinstance(value, (str, os.PathLike)) or is_frame(value)
 
 
 def _specimen(area: Any, length: Any, ramp: Any, storage_only: Any) -> Specimen:
@@ -214,18 +226,18 @@ def checked_units(**given: Any) -> dict[str, str]:
 
 
 def _read(
-    path: Path,
+    source: Any,
     kind: str | None,
     columns: Mapping[str, Any] | None,
     units: dict[str, str],
     unmet: dict[str, Any],
     specimen: Specimen,
 ) -> list[Dma]:
-    """Each table of a file as a measurement; the temperature is NaN where the file has none.
+    """Each table of a file, or one in memory, as a measurement; the temperature is NaN where the file has none.
 
     Roles of `columns` that are found are taken out of `unmet`.
     """
-    sheet = read_sheet(path)
+    sheet = sheet_of_frame(source) if is_frame(source) else read_sheet(source)
     layout = format_of(sheet)
     found = [part for table in layout.tables(sheet) for part in _parts(sheet.name, table, columns)]
     parts: list[Dma] = []

@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -53,6 +53,35 @@ def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     if raw[:4] in (b"\xd0\xcf\x11\xe0", b"PK\x03\x04"):
         return Sheet(name, with_points(_spreadsheet(path, name), ""), [])
     return cut(name, decode(raw, name))
+
+
+def is_frame(value: Any) -> bool:
+    """Whether a value is a table of pandas or polars, or of a package that is like them."""
+    return hasattr(value, "columns") and hasattr(value, "to_numpy")
+
+
+def sheet_of_frame(frame: Any) -> Sheet:
+    """A table in memory as a sheet: its titles, a row for each of their levels, and its cells below.
+
+    Numbers keep all their digits. Units stand in the titles, as in files, or are those of a column of pint.
+    """
+    if any(name is not None for name in getattr(getattr(frame, "index", None), "names", ())):
+        frame = frame.reset_index()  # of pandas: an index with a name is a column
+    levels = [title if isinstance(title, tuple) else (title,) for title in frame.columns]
+    titles = [list(map(str, level)) for level in zip(*levels, strict=True)]
+    for i, kind in enumerate(frame.dtypes):
+        if (unit := getattr(kind, "units", None)) is not None:
+            titles[-1][i] += f" [{unit:~}]"
+    values = frame.to_numpy()
+    cells = titles + [[_frame_cell(value) for value in row] for row in values]
+    return Sheet("the table", [*(Row(i, row) for i, row in enumerate(cells, start=1)), Row(0, [])], [])
+
+
+def _frame_cell(value: Any) -> str:
+    value = getattr(value, "magnitude", value)  # of pint
+    if isinstance(value, (int, float, np.number)):
+        return "" if np.isnan(value) else repr(float(value))
+    return "" if value is None else str(value).strip()
 
 
 def cut(name: str, text: str) -> Sheet:

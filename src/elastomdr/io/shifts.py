@@ -4,6 +4,7 @@ import os
 
 import numpy as np
 
+from .._runtime import in_si
 from ..errors import InputError
 from ..material.shift import ShiftTable
 from .columns import Quantity, read_columns
@@ -16,6 +17,7 @@ QUANTITIES = (
 )  # fmt: skip
 
 
+@in_si
 def read_shifts(
     path: str | os.PathLike[str], *, columns: dict[str, str | int] | None = None, temperature_unit: str | None = None
 ) -> ShiftTable:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._runtime import plain, positive
+from .._runtime import in_si, plain, positive
 from ..errors import InputError
 from ..mapping.measured import MeasuredSpectrum, from_spectrum
 from ..mapping.spectrum import check_convention
@@ -32,6 +32,7 @@ _NAME = r"(?:(?:spatial|wave|number|vector|frequency|angular|q|k|f|n)+[=:,]?)?"
 _COUNTED = {ANGULAR: rf"{_NAME}2pix?1?/lambda", CYCLES: rf"(?!.*angular){_NAME}1/lambda", WAVELENGTH: "(?:lambda)+"}
 
 
+@in_si
 def read_spectrum(
     path: str | os.PathLike[str],
     *,

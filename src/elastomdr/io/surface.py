@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._runtime import plain, positive
+from .._runtime import in_si, plain, positive
 from ..errors import InputError
 from ..files import read_bytes
 from ..mapping.measured import MeasuredSurface
@@ -38,6 +38,7 @@ Path_ = str | os.PathLike[str]
 PixelSize = float | tuple[float, float] | None
 
 
+@in_si
 def read_surface(
     path_or_heights: Path_ | Heights | Sequence[Path_ | Heights],
     *,

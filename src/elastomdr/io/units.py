@@ -64,6 +64,12 @@ def to_si(text: str, kind: str) -> tuple[float, float] | None:
     return (round(one - zero, 12) if zero else one) * turns, zero
 
 
+def quantity_of(values: Any, text: str) -> Any:
+    """Values in a unit that is given as a text, as pint's quantity; None for a text that is no unit."""
+    unit = _pint(str(text))
+    return None if unit is None else registry().Quantity(values, unit)
+
+
 def is_unit(text: str) -> bool:
     """Whether a cell holds a unit and nothing else; an empty one does not."""
     return any(_parsed(text, kind) is not None for kind in KINDS) or any(_alike(text, unit) for unit in _OTHERS)

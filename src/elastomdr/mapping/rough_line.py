@@ -34,6 +34,7 @@ class RoughLine(Tree):
     height: Float[Array, " n"]  # h_i, positive into the rubber [m]
     spacing: Float[Array, ""]  # dx [m]
     label: ClassVar[str] = "rough line"
+    load_unit: ClassVar[str] = "N/m"  # per length of line, as of any rough surface
 
     def __init__(self, x: ArrayLike, height: ArrayLike, *, resample: bool = False):
         x, height = as_float64("x", x), as_float64("height", height)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._runtime import in_si
 from ..errors import InputError
 from ..models import whole_number
 from .spectrum import AbstractSpectrum, as_spectrum
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 _MOST = 2**26  # longest waves along a side
 
 
+@in_si
 def rough_map(
     spectrum: AbstractSpectrum, seed: int = 0, *, periods: int = 2, points: int = 256
 ) -> "tuple[Float[np.ndarray, 'points points'], float]":

@@ -56,6 +56,7 @@ class AbstractSpectrum(Tree):
     q: Float[np.ndarray, " n"]  # wave numbers, ascending [rad/m]
     c: Float[np.ndarray, " n"]  # C, normalised by <h^2> = int C d^2q [m^4]
     label: ClassVar[str]
+    load_unit: ClassVar[str] = "N/m"  # of the lines that stand for it
 
     @property
     def q_low(self) -> Scalar:
@@ -120,20 +121,20 @@ class AbstractSpectrum(Tree):
 
     def ended(self, q_high: Number) -> "Spectrum":
         """The same spectrum up to `q_high` [rad/m]; beyond its last point it goes on as its last power law."""
-        q_high = _plain(scalar("q_high", q_high))
-        require("q_high", q_high, f"above q_low, {self.q_low:g} rad/m", lambda q: q > self.q_low)
+        end: Any = _plain(scalar("q_high", q_high))
+        require("q_high", end, f"above q_low, {self.q_low:g} rad/m", lambda q: q > self.q_low)
         log_q, log_c = np.log(self.q), np.log(self.c)
-        piece = min(int(np.searchsorted(self.q, q_high)), len(log_q) - 1)
+        piece = min(int(np.searchsorted(self.q, end)), len(log_q) - 1)
         slope = (log_c[piece] - log_c[piece - 1]) / (log_q[piece] - log_q[piece - 1])
-        last = np.exp(log_c[piece - 1] + slope * (np.log(q_high) - log_q[piece - 1]))
-        kept = np.asarray(self.q) < q_high * (1 - 1e-12)
-        return Spectrum(np.append(self.q[kept], q_high), np.append(self.c[kept], last), convention="2d")
+        last = np.exp(log_c[piece - 1] + slope * (np.log(end) - log_q[piece - 1]))
+        kept = np.asarray(self.q) < end * (1 - 1e-12)
+        return Spectrum(np.append(self.q[kept], end), np.append(self.c[kept], last), convention="2d")
 
     def raised(self, factor: Number) -> "Spectrum":
         """The same surface with all heights times `factor`."""
-        factor = _plain(scalar("factor", factor))
-        positive("factor", factor)
-        return Spectrum(self.q, self.c * factor**2, convention="2d")
+        times: Any = _plain(scalar("factor", factor))
+        positive("factor", times)
+        return Spectrum(self.q, self.c * times**2, convention="2d")
 
     def draws(self, n: int, *, level: Number = 0.0, cutoff: Number = 0.0, seed: int = 0) -> "list[Spectrum]":
         """The same surface with another C and another upper cutoff, log-normal, for `em.friction` and `em.sweep`.

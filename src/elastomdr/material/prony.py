@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
-from .._runtime import Array, as_float64, is_traced, not_negative, numpy_unless_traced, positive, require, scalar
+from .._runtime import Array, as_float64, in_si, is_traced, not_negative, numpy_unless_traced, positive, require, scalar
 from .._trees import fill, replaced, static
 from ..errors import InputError
 from .relaxation import (
@@ -191,17 +191,20 @@ class Prony(AbstractRelaxation):
         )
 
 
+@in_si
 def KelvinVoigt(modulus: Number, viscosity: Number, **properties: Unpack[Properties]) -> Prony:
     """A spring [Pa] and a dashpot [Pa s] in parallel; keyword arguments as for `Prony`."""
     not_negative("modulus", as_float64("modulus", modulus))
     return Prony(modulus, np.zeros(0), np.zeros(0), viscosity=viscosity, **properties)
 
 
+@in_si
 def Maxwell(modulus: Number, time: Number, **properties: Unpack[DashpotProperties]) -> Prony:
     """A spring [Pa] and a dashpot in series with relaxation time [s]: a liquid; keyword arguments as for `Prony`."""
     return Prony(0.0, *_one_branch(modulus, time), **properties)
 
 
+@in_si
 def StandardSolid(equilibrium: Number, modulus: Number, time: Number, **properties: Unpack[DashpotProperties]) -> Prony:
     """A spring [Pa] beside one Maxwell branch [Pa, s]; keyword arguments as for `Prony`."""
     return Prony(equilibrium, *_one_branch(modulus, time), **properties)

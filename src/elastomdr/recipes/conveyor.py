@@ -19,6 +19,7 @@ from .._arrays import xp
 from .._runtime import (
     Array,
     as_float64,
+    broadcast_shape,
     is_traced,
     nan_unless,
     not_negative,
@@ -125,11 +126,7 @@ def conveyor(
     arrays = {name: as_float64(name, value) for name, value in given.items()}
     for name, value in arrays.items():
         (not_negative if name == "goods" else positive)(name, value)
-    try:
-        shape = np.broadcast_shapes(*(np.shape(x) for x in arrays.values()))
-    except ValueError as error:
-        shapes = ", ".join(f"{name} {np.shape(x)}" for name, x in arrays.items())
-        raise InputError(f"arguments must broadcast, got shapes {shapes}.") from error
+    shape = broadcast_shape(**arrays)
     whole = {name: xp.broadcast_to(value, shape) for name, value in arrays.items()}
     v, mass, load, g = (whole[name] for name in ("velocity", "belt", "goods", "gravity"))
     sides = [

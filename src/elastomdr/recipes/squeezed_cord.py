@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .._arrays import is_traced, numpy_unless_traced, xp
-from .._runtime import as_float64, in_kelvin, not_negative, positive, require
+from .._runtime import as_float64, broadcast_shape, in_kelvin, not_negative, positive, require
 from ..errors import InputError
 from ..mapping.radok import normal_operator
 from ..material.prony import Prony
@@ -106,13 +106,7 @@ def squeezed_cord(
         raise InputError("time must be given for a material without an equilibrium modulus: it relaxes altogether.")
     relative = 1.25 * part**1.5 + 50 * part**6 if formula == "lindley" else _small_strain(part)  # W/(modulus d)
     modulus = young if formula == "lindley" else plane
-    try:
-        shape = np.broadcast_shapes(np.shape(young), np.shape(d), np.shape(relative))
-    except ValueError as error:
-        raise InputError(
-            f"diameter, squeeze, time and temperature must broadcast, got shapes {np.shape(d)}, {np.shape(part)} and, "
-            f"of the modulus, {np.shape(young)}."
-        ) from error
+    shape = broadcast_shape(diameter=d, squeeze=part, time=time, temperature=temperature)
     load, width = modulus * d * relative, d * xp.sqrt(8 / np.pi * relative * modulus / plane)
     given = [
         ("diameter", d, "m"),
@@ -140,12 +134,8 @@ def _modulus(law: Relaxation, material: Prony, time: Any, temperature: Any) -> A
     if time is None:
         return law.equilibrium * vertical
     not_negative("time", time)
-    try:
-        return law.relaxation(time / factor) * vertical
-    except ValueError as error:
-        raise InputError(
-            f"time and temperature must broadcast, got {np.shape(time)} and {np.shape(factor)}."
-        ) from error
+    broadcast_shape(time=time, temperature=temperature)
+    return law.relaxation(time / factor) * vertical
 
 
 def _small_strain(part: Any) -> Any:

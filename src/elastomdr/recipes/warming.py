@@ -21,6 +21,7 @@ from .._runtime import (
     argmax,
     as_float64,
     ascending,
+    broadcast_shape,
     is_traced,
     nan_unless,
     not_negative,
@@ -103,11 +104,7 @@ def warming(
     arrays = {name: as_float64(name, value) for name, value in given.items()}
     for name, value in arrays.items():
         positive(name, value)
-    try:
-        together = np.broadcast_shapes(*(np.shape(x) for x in arrays.values()))
-    except ValueError as error:
-        shapes = ", ".join(f"{name} {np.shape(x)}" for name, x in arrays.items())
-        raise InputError(f"arguments must broadcast, got shapes {shapes}.") from error
+    together = broadcast_shape(**arrays)
     if hottest is None:
         if foundation.range is None or foundation.range.temperature is None:
             raise InputError("hottest must be given [K]: the material does not say up to which temperature it holds.")

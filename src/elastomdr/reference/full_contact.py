@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64, in_float64, in_kelvin, positive
+from .._runtime import Array, as_float64, broadcast_shape, in_float64, in_kelvin, positive
 from ..errors import InputError
 from ..foundation.law import surface_foundation
 from ..mapping.rough_line import RoughLine
@@ -62,11 +62,7 @@ def full_contact_sliding(
         kelvin = as_float64("temperature", temperature)
         in_kelvin("temperature", kelvin)
         factor, vertical = thermal_factors(foundation, kelvin)
-    shapes = [np.shape(v), np.shape(force), np.shape(factor)]
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError as error:
-        raise InputError(f"velocity, load and temperature must broadcast, got shapes {shapes}.") from error
+    broadcast_shape(velocity=v, load=force, temperature=temperature)
     force = force / vertical
     waves = jnp.fft.rfft(jnp.asarray(line.height))[1:]
     k = 2 * jnp.pi * jnp.arange(1, waves.shape[0] + 1) / line.period

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.special import erf
 
-from .._runtime import as_float64, in_float64, plain, positive, require
+from .._runtime import as_float64, broadcast_shape, in_float64, plain, positive, require
 from ..errors import InputError
 from ..foundation.law import surface_foundation
 from ..mapping.spectrum import as_spectrum
@@ -78,6 +78,7 @@ def persson(
     velocity, pressure = as_float64("velocity", velocity), as_float64("pressure", pressure)
     positive("velocity", velocity)
     positive("pressure", pressure)
+    broadcast_shape(velocity=velocity, pressure=pressure, temperature=temperature)
     factor, vertical = np.ones(()), np.ones(())
     if temperature is not None:
         factor, vertical = thermal_factors(foundation, as_float64("temperature", temperature))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64, in_float64, in_kelvin, is_traced, positive
+from .._runtime import Array, as_float64, broadcast_shape, in_float64, in_kelvin, is_traced, positive
 from ..errors import InputError
 from ..foundation.law import Foundation
 from ..mapping.shapes import Cylinder
@@ -73,11 +73,7 @@ def small_damping(
         factor, vertical = thermal_factors(cover, kelvin)
     if not is_traced(cover) and not float(cover.equilibrium) > 0:
         raise InputError("cover must have an equilibrium modulus: one that relaxes altogether does not lose little.")
-    shapes = [np.shape(v), np.shape(force), np.shape(factor)]
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError as error:
-        raise InputError(f"velocity, load and temperature must broadcast, got shapes {shapes}.") from error
+    broadcast_shape(velocity=v, load=force, temperature=temperature)
     force = force / vertical
     diameter = 2 * jnp.asarray(roll.radius)
     scale, speed = 0.75 * diameter * force / jnp.asarray(roll.length), jnp.asarray(v) * factor

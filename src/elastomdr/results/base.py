@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar, data
 import numpy as np
 
 from .. import __version__
+from .._html import html_table
 from .._runtime import as_float64, is_traced, require, significant
 from .._trees import pytree
 from ..errors import InputError
@@ -333,6 +334,11 @@ class Result:
             return f"{type(self).__name__}\n{self.summary()}"
         shapes = sorted({str(np.shape(value)) for value in values if hasattr(value, "dtype")})
         return f"{type(self).__name__}({self.model}; without numbers, shape {' or '.join(shapes) or 'unknown'})"
+
+    def _repr_html_(self) -> str:
+        lines = repr(self).splitlines()
+        rows = self.findings() if len(lines) > 1 else ()  # without numbers there is nothing but that line
+        return html_table(lines[0], rows)
 
     # ------------------------------------------------------------------------------------------ tables and files
 

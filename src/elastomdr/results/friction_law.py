@@ -18,7 +18,7 @@ import numpy as np
 
 from .. import __version__
 from .._arrays import xp
-from .._runtime import Array, as_float64, ascending, is_traced, numpy_unless_traced, positive, require
+from .._runtime import Array, as_float64, ascending, broadcast_shape, is_traced, numpy_unless_traced, positive, require
 from .._trees import Tree, fill
 from ..errors import InputError
 from ..files import csv_text, read_text, write_files
@@ -94,11 +94,7 @@ class FrictionLaw(Tree):
                 )
                 raise InputError(f"{name} must be {text} on it.")
         values = {name: as_float64(name, asked[name]) for name in axes}
-        shapes = [np.shape(value) for value in values.values()]
-        try:
-            shape = np.broadcast_shapes(*shapes)
-        except ValueError as error:
-            raise InputError(f"{', '.join(values)} must broadcast, got shapes {shapes}.") from error
+        shape = broadcast_shape(**values)
         corners, inside = [], xp.ones(shape, bool)
         for name, axis in axes.items():
             low, high = axis[0] * (1 - _SAME), axis[-1] * (1 + _SAME)

@@ -1,8 +1,9 @@
 """Which model a body or a surface is computed with: that of the caller, checked, or the default of the shape."""
 
+import warnings
 from typing import Any, TypeGuard
 
-from ..errors import InputError
+from ..errors import InputError, ModelWarning
 from ..mapping.rough_line import RoughLine
 from ..mapping.spectrum import AbstractSpectrum
 from ..models import Averaged, HalfSpace, Line, Model, Multiscale, as_model
@@ -64,6 +65,26 @@ def of_rough(model: Any, surface: Any, pressure: Any) -> Model:
     if pressure is None:
         raise InputError(f"model must be em.Line() for a surface without a pressure, got {model!r}.")
     return model
+
+
+def hint_at_line(model: Any, surface: Any, **given: Any) -> None:
+    """Warns where a load or depth makes the line the model of a surface that could be computed under a pressure.
+
+    `given` are pressure, load and depth.
+    """
+    if model is not None or isinstance(surface, RoughLine) or given["pressure"] is not None:
+        return
+    name = next((name for name, value in given.items() if value is not None), None)
+    if name is None:
+        return
+    unit = "a force per length of line [N/m]" if name == "load" else "the depth of a line"
+    warnings.warn(
+        f"{name} on a surface is {unit}, and is computed with em.Line(), whose friction may be fifty times too low: "
+        "give pressure= [Pa], the load over the nominal area, for em.Multiscale(), or model=em.Line() where the line "
+        'is meant (in a scene model = "line").',
+        ModelWarning,
+        stacklevel=6,
+    )
 
 
 def of_line(model: Any, call: str) -> Line:

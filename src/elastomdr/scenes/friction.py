@@ -16,7 +16,7 @@ from ..results.curve import FrictionCurve
 from ..solve.adhesive_shear import AdhesiveShear, check_adhesion
 from ..solve.heat import Heat
 from .adhesion import no_area, on_cells, on_contact
-from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
+from .choice import CELLS, hint_at_line, is_rough, of_rough, of_smooth, only_rough
 from .on_layer import beside_layer, is_on_layer, on_layer
 from .several import over_materials
 from .softened import LINEAR, SOFTENED
@@ -115,6 +115,7 @@ def friction(
         chosen = of_rough(model, shape, pressure)
         if isinstance(chosen, Line):
             no_area(adhesion, f"a {chosen.label} on a rough line or surface", "use em.Multiscale() under a pressure")
+            hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
             from .rough import rough_friction
 
             return rough_friction(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .._arrays import on_jax, xp
-from .._runtime import as_float64, is_traced, nan_unless, numpy_unless_traced, positive
+from .._runtime import as_float64, broadcast_shape, is_traced, nan_unless, numpy_unless_traced, positive
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
 from ..foundation.layer import Layer
@@ -181,17 +181,9 @@ def _scene(
     mass, velocity = as_float64("mass", mass), as_float64("velocity", velocity)
     positive("mass", mass)
     positive("velocity", velocity)
-    arrays, kelvin = [mass, velocity, *extra], None
-    if temperature is not None:
-        kelvin = as_float64("temperature", temperature)
-        arrays.append(kelvin)
-    try:
-        points = np.broadcast_shapes(*(np.shape(a) for a in arrays))
-    except ValueError as error:
-        shapes = ", ".join(str(np.shape(a)) for a in arrays)
-        raise InputError(f"mass, velocity and temperature must broadcast, got shapes {shapes}.") from error
-    if 0 in points:
-        raise InputError(f"mass, velocity and temperature must not be empty, got shape {points}.")
+    kelvin = None if temperature is None else as_float64("temperature", temperature)
+    oblique = dict(zip(("tangential_velocity", "friction"), extra, strict=False))
+    points = broadcast_shape(mass=mass, velocity=velocity, temperature=kelvin, **oblique)
     result = (len(foundations), *points) if many else points
     laws = [_at(foundation, kelvin, points) for foundation in foundations]
     most = max(law.moduli.shape[0] for law in laws)

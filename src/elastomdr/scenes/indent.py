@@ -10,6 +10,7 @@ import numpy as np
 from .._arrays import on_jax, xp
 from .._runtime import (
     as_float64,
+    broadcast_shape,
     finite,
     is_traced,
     nan_unless,
@@ -274,13 +275,7 @@ def _course(law: Relaxation, time: Any, depth: Any, load: Any, pull: bool) -> Co
             require(name, given, accepted, lambda x: np.isfinite(x) & (x >= 0))
             representable(name, given)
         finite(name, given)
-    try:
-        full = np.broadcast_shapes(time.shape, *(p.shape for p in parts.values()))
-    except ValueError as error:
-        shapes = ", ".join(f"{n} {p.shape}" for n, p in (("time", time), *parts.items()))
-        raise InputError(f"time, depth and load must broadcast, got shapes {shapes}.") from error
-    if 0 in full:
-        raise InputError(f"time, depth and load must not be empty, got shape {full}.")
+    full = broadcast_shape(time=time, **parts)
     traced = is_traced(time, *parts.values())
     numpy = xp if traced else np
     time, *values = (numpy.broadcast_to(a, full) for a in (time, *parts.values()))

@@ -13,7 +13,7 @@ from ..solve.adhesive_shear import AdhesiveShear, check_adhesion
 from ..solve.heat import Heat
 from ..solve.plan import Plan
 from .adhesion import no_area
-from .choice import CELLS, is_rough, of_rough, of_smooth, only_rough
+from .choice import CELLS, hint_at_line, is_rough, of_rough, of_smooth, only_rough
 from .on_layer import is_on_layer, on_layer
 from .several import over_materials
 from .steady import set_up
@@ -54,6 +54,7 @@ def plan(
     if is_rough(shape):
         if quantity != "friction":
             raise InputError(f"quantity must be 'friction' on a rough surface, got {quantity!r}.")
+        hint_at_line(model, shape, pressure=pressure, load=load, depth=depth)
         chosen = of_rough(model, shape, pressure)
         if isinstance(chosen, Line):
             no_area(adhesion, f"a {chosen.label} on a rough line or surface", "use em.Multiscale() under a pressure")

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from .._arrays import xp
-from .._runtime import as_float64, is_traced, nan_unless, numpy_unless_traced, positive, require
+from .._runtime import (
+    as_float64,
+    broadcast_shape,
+    is_traced,
+    nan_unless,
+    numpy_unless_traced,
+    positive,
+    require,
+    scalar,
+)
 from ..arguments import check_carries, check_rtol
 from ..errors import ConvergenceWarning, InputError
 from ..foundation.law import Foundation, as_foundation
@@ -175,13 +184,7 @@ def _points(foundation: Foundation, pressure: Any, time: Any, velocity: Any, tem
     arrays = {name: as_float64(name, value) for name, value in given.items() if value is not None}
     for name, value in arrays.items():
         positive(name, value)
-    try:
-        shape = np.broadcast_shapes(*(np.shape(a) for a in arrays.values()))
-    except ValueError as error:
-        shapes = ", ".join(str(np.shape(a)) for a in arrays.values())
-        raise InputError(f"{', '.join(arrays)} must broadcast, got shapes {shapes}.") from error
-    if 0 in shape:
-        raise InputError(f"{', '.join(arrays)} must not be empty, got shape {shape}.")
+    shape = broadcast_shape(**arrays)
     full = {name: xp.broadcast_to(value, shape) + 0.0 for name, value in arrays.items()}
     kelvin, time = full.get("temperature"), full.get("time")
     factor, vertical = (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
@@ -202,6 +205,7 @@ def _length(surface: Any, model: Line) -> tuple[Any, str]:
             "model must be em.Line(equivalent_length=...) [m] with a RoughLine in em.press, and a length or None with "
             f"a surface, got {length!r}."
         )
+    length = scalar("equivalent_length", length)
     positive("equivalent_length", length)
     return length, f"; pressure p as line load p L with L = {float(length):.4g} m as given"
 

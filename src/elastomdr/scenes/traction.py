@@ -12,6 +12,7 @@ from .._arrays import xp
 from .._runtime import (
     Array,
     as_float64,
+    broadcast_shape,
     finite,
     is_traced,
     known,
@@ -122,12 +123,8 @@ def traction(
         lambda x: (x == 0) | np.isinf(x) & (x > 0) | (x > _FRICTION[0]) & (x < _FRICTION[1]),
     )
     foundation: Any = material if isinstance(material, Layer) else as_foundation(material)
-    shapes = [np.shape(x) for x in (velocity, creepage, friction)]
-    try:
-        together = np.broadcast_shapes(*shapes)
-    except ValueError as error:
-        raise InputError(f"velocity, creepage and friction must broadcast, got shapes {shapes}.") from error
-    velocity = xp.broadcast_to(velocity, together)
+    points = broadcast_shape(velocity=velocity, creepage=creepage, friction=friction)
+    velocity = xp.broadcast_to(velocity, points)
     if isinstance(foundation, Layer):
         rubbing = friction if law is None else law
         found = _on_layer(
@@ -225,12 +222,7 @@ def _kinematics(velocity: Any, creepage: Any, slip: Any) -> tuple[Array, Array, 
     accepted = "finite and below 1, a part of the road's velocity (a locked wheel slides: em.friction)"
     require("slip", slip, accepted, lambda s: np.isfinite(s) & (s < 1))
     positive("velocity", velocity)
-    try:
-        np.broadcast_shapes(np.shape(velocity), np.shape(slip))
-    except ValueError as error:
-        raise InputError(
-            f"velocity and slip must broadcast, got shapes {np.shape(velocity)} and {np.shape(slip)}."
-        ) from error
+    broadcast_shape(velocity=velocity, slip=slip)
     return (1 - slip) * velocity, slip / (1 - slip), slip, velocity
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .._runtime import positive, scalar
-from .._trees import Tree
+from .._trees import Tree, fill
 
 if TYPE_CHECKING:
-    from .._types import Number
+    from .._types import Number, Plain
 
 
 class Mount(Tree):
@@ -20,9 +20,12 @@ class Mount(Tree):
         damping: constant of the damper [N s/m].
     """
 
-    mass: Number
-    stiffness: Number = 0.0
-    damping: Number = 0.0
+    mass: Plain
+    stiffness: Plain
+    damping: Plain
+
+    def __init__(self, mass: Number, stiffness: Number = 0.0, damping: Number = 0.0):
+        fill(self, mass=mass, stiffness=stiffness, damping=damping)
 
     def for_line(self, load: Number, normal_force: Number) -> "Mount":
         """The share that a metre of rough line has of this mount of a whole body, load/normal_force of it.
