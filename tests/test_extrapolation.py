@@ -9,6 +9,7 @@ import elastomdr as em
 from elastomdr.cli.main import main
 from elastomdr.errors import InputError
 from elastomdr.material.validity import Range, shared
+from elastomdr.results.base import Result
 
 LAW = em.WLF(6.0, 110.0, 293.15)
 LIMITS = {"omega": (1.0, 1e3), "temperature": (273.15, 313.15)}
@@ -315,3 +316,122 @@ class TestHistories:
                 load=1.0, model=em.Line(),
             )  # fmt: skip
         assert found.extrapolated.tolist() == [True, False]
+
+
+NO_RANGE = em.Prony(1e6, [4e6, 1e6], [1e-3, 1e-1], shift=LAW, name="rubber")
+COLD = 263.15  # below the data
+ROAD = em.SelfAffine(0.8, rms_slope=0.5, q_low=1e3, q_high=1e5)
+WAVE = em.RoughLine(np.arange(64) * 1e-5, 1e-6 * np.cos(2 * np.pi * np.arange(64) / 64))
+EVEN = np.linspace(0.0, 0.02, 9)
+ROLLER = em.Cylinder(0.05, 0.5)
+
+
+def _conveyor(material):
+    side = em.Idlers(em.springs(material.at(COLD), 1e-2, bonded=False), ROLLER, spacing=1.0)
+    return em.conveyor(side, side, velocity=[2.0, 4.0], belt=20.0, goods=[[0.0], [100.0]])
+
+
+def _warming(material):
+    wheel = {"velocity": 1.0, "load": 100.0, "ambient": COLD, "conductance": [1.0, 2.0], "hottest": 320.0}
+    return em.warming(
+        em.springs(material, 1e-2, bonded=False), ROLLER, **wheel, capacity=1e3, time=[0.0, 100.0, 1e3], rtol=1e-4
+    )
+
+
+# Of every class of results, a call outside the range of the material.
+OUTSIDE = {
+    "FrictionCurve": lambda m: em.friction(m, ROAD, velocity=[0.1, 1.0], pressure=3e5, temperature=COLD),
+    "RollingCurve": lambda m: em.rolling(m, BALL, velocity=[0.1, 1.0], temperature=COLD, **SCENE),
+    "Dissipation": lambda m: em.dissipation(m, BALL, velocity=[0.1, 1.0], temperature=COLD, **SCENE),
+    "FrictionBands": lambda m: em.friction_bands(m, WAVE, velocity=0.1, load=10.0, temperature=COLD),
+    "LineContact": lambda m: em.line_contact(m, WAVE, velocity=0.1, load=10.0, temperature=COLD),
+    "RoughContact": lambda m: em.press(m, ROAD, pressure=[1e4, 1e5], model=em.Line(seeds=2, samples=1024)),
+    "Indentation": lambda m: em.indent(m, BALL, time=[0.0, 1.0], depth=[0.0, 1e-4], temperature=COLD),
+    "Impact": lambda m: em.impact(m, BALL, mass=1e-3, velocity=[0.5, 1.0], temperature=COLD, rtol=1e-3),
+    "Slide": lambda m: em.slide(m, BALL, time=EVEN, position=0.02 * EVEN, load=1.0, temperature=COLD, rtol=0.1),
+    "Drive": lambda m: em.drive(
+        m, BALL, time=EVEN[:3], position=EVEN[:3], load=1.0, temperature=COLD, tangential=em.Mount(0.1, 1e3), rtol=0.1
+    ),
+    "ForceSpectrum": lambda m: OUTSIDE["Slide"](m).spectrum("normal_force"),
+    "Shear": lambda m: em.shear(
+        m.at(COLD), BALL, time=EVEN[:3], displacement=1e-6 * EVEN[:3], load=1.0, friction=0.5, elements=8, steps=2
+    ),
+    "Traction": lambda m: em.traction(
+        m, BALL, velocity=1.0, creepage=[1e-3, 1e-2], friction=0.5, load=1.0, temperature=COLD
+    ),
+    "Conveyor": _conveyor,
+    "Warming": _warming,
+    "SqueezedCord": lambda m: em.squeezed_cord(m, 5e-3, [0.1, 0.15], time=1e8),
+}
+# And what does not look at it, and says so.
+BLIND = {
+    "Stability": lambda: em.stability(
+        em.Mount(1.0, 1e3), velocity=[1.0, 2.0, 3.0], force=[1.0, 0.9, 0.8], wavelength=1.0
+    ),
+    "PerssonCurve": lambda: em.reference.persson(RUBBER, ROAD, velocity=0.1, pressure=3e5),
+    "HalfPlaneCurve": lambda: em.reference.half_plane_sliding(
+        RUBBER, 0.01, velocity=0.1, load_per_length=1.0, points=16
+    ),
+    "HalfSpaceCurve": lambda: em.reference.half_space_sliding(
+        RUBBER, 1e-6 * np.random.default_rng(1).random((16, 16)), cell=(1e-4, 1e-4), velocity=0.1, load=1e-3
+    ),
+}  # fmt: skip
+
+
+def _kinds(kind):
+    for under in kind.__subclasses__():
+        yield under
+        yield from _kinds(under)
+
+
+def test_every_class_of_results_is_looked_at():
+    for name in em.__all__:
+        getattr(em, name)
+    names = {kind.__name__ for kind in _kinds(Result)}
+    assert {name for name in names if not name.startswith(("_", "Abstract"))} == {*OUTSIDE, *BLIND}
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_every_result_says_where_it_is_extrapolated(name):
+    found = OUTSIDE[name](RUBBER)
+    assert type(found).__name__ == name
+    assert found.extrapolated.shape == np.shape(found.converged)
+    assert found.extrapolated.any()
+    assert "range of the data" not in found.summary()
+    assert "extrapolated" in dict(found.inputs)
+    assert "beyond the range of the material" in found.csv()
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", ["FrictionCurve", "Dissipation", "Conveyor", "Warming", "SqueezedCord"])
+def test_a_result_without_a_range_says_that_nothing_is_marked(name):
+    found = OUTSIDE[name](NO_RANGE)
+    assert found.extrapolated is None
+    assert "not known: no point is marked as extrapolated" in found.summary()
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(
+    "name", ["Stability", "PerssonCurve", *(pytest.param(n, marks=pytest.mark.slow) for n in list(BLIND)[2:])]
+)
+def test_what_looks_at_no_range_says_why(name):
+    found = BLIND[name]()
+    assert type(found).__name__ == name
+    assert found.extrapolated is None
+    assert ("does not enter" if name == "Stability" else "takes the material as it is given") in found.summary()
+
+
+def test_a_cord_held_for_ten_years_is_beyond_data_of_minutes():
+    rubber = em.load_material("epdm-70")
+    with pytest.warns(em.ExtrapolationWarning, match="a_T/t"):
+        found = em.squeezed_cord(rubber, 5e-3, 0.15, time=[10.0, 3.156e8], temperature=293.15)
+    assert found.extrapolated.tolist() == [False, True]
+    with pytest.warns(em.ExtrapolationWarning, match="held for ever"):
+        assert em.squeezed_cord(rubber, 5e-3, 0.15).extrapolated
+
+
+def test_warming_is_extrapolated_from_where_it_began_beyond_the_range():
+    with pytest.warns(em.ExtrapolationWarning):
+        found = _warming(RUBBER)
+    assert found.extrapolated.all()

@@ -53,12 +53,23 @@ def test_scenes(case, capsys):
     assert list(Path().glob("*.csv")) == []
 
 
+@pytest.mark.filterwarnings("ignore::elastomdr.errors.ExtrapolationWarning")
 @pytest.mark.parametrize("name", [name for name in em.materials() if "polyisoprene" not in name])  # liquids
 @pytest.mark.parametrize("slope", [0.05, 1.0])
 def test_pressure_in_megapascals(name, slope):
     road = em.SelfAffine(0.8, rms_slope=slope, q_low=1e3, q_high=1e5)
-    with pytest.raises(em.InputError, match=r"pressure must be in Pa.*got 0\.3 Pa.*0\.3 MPa are 300000 Pa"):
-        em.friction(em.load_material(name), road, velocity=0.01, pressure=0.3)
+    with pytest.warns(em.ModelWarning, match=r"pressure is taken in Pa.*If 0\.3 MPa are meant, write 300000"):
+        found = em.friction(em.load_material(name), road, velocity=0.01, pressure=0.3)
+    assert found.converged
+
+
+def test_a_small_pressure_is_computed():
+    """A small number is no unit: in light contact mu hardly depends on the pressure."""
+    soft = em.StandardSolid(2e4, 2e5, 1e-3)
+    with pytest.warns(em.ModelWarning, match=r"1\.06 Pa give a real contact of 3e-05"):
+        low = em.friction(soft, ROAD, velocity=0.01, pressure=1.06)
+    high = em.friction(soft, ROAD, velocity=0.01, pressure=10.6)
+    assert low.mu == pytest.approx(float(high.mu), rel=0.1)
 
 
 @pytest.mark.parametrize("shape", [ROAD, em.Sphere(5e-3)], ids=["road", "ball"])

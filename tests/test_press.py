@@ -6,7 +6,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.mapping.rough_map import rough_map
-from elastomdr.solve.bearing import bounds
+from elastomdr.solve.bearing import least_conductance
 from elastomdr.solve.half_space import solve
 
 RUBBER = em.Foundation(1e6, [3e6], [0.1])
@@ -75,17 +75,12 @@ def test_sliding_goes_from_the_relaxed_to_the_glassy_contact():
         assert found.separation[end] == pytest.approx(float(rest.separation), rel=0.002)
     assert found.stiffness[0] == pytest.approx(float(relaxed.stiffness), rel=0.03)
     assert np.isnan(found.conductance_low).all()
-    assert np.isnan(found.conductance_high).all()
 
 
-def test_bounds_hold_for_maps_and_the_line_is_near_them():
-    """Stiffness of a map in three dimensions at three loads: within the bounds of its own peak, near the line."""
+def test_the_bound_holds_for_maps_and_the_line_is_near_them():
+    """Stiffness of a map in three dimensions at three loads: above the bound of its own peak, near the line."""
     spectrum = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=4e3)
     heights, side = rough_map(spectrum, 1, periods=6, points=96)
-    k = 2 * np.pi / side * np.hypot(*np.meshgrid(np.fft.fftfreq(96, 1 / 96), np.fft.fftfreq(96, 1 / 96)))
-    waves = np.fft.fft2(heights)
-    full = -np.fft.ifft2(0.5 * k * waves).real.min()
-    energy = 0.25 * np.sum(k * abs(waves / heights.size) ** 2)
     for level in (0.01, 0.05, 0.2):
         p = level * 0.3 * 1e6
         gaps = [
@@ -95,12 +90,11 @@ def test_bounds_hold_for_maps_and_the_line_is_near_them():
             for f in (0.95, 1.0, 1.05)
         ]
         stiffness = 0.1 * p / (gaps[0] - gaps[2])
-        low, high = bounds(p / 1e6, heights.max() - heights.mean(), full, energy)
-        assert 0.5e6 * low < stiffness < 0.5e6 * high
+        assert 0.5e6 * least_conductance(p / 1e6, heights.max() - heights.mean()) < stiffness
         line = em.press(SOLID, spectrum, pressure=p)
         assert float(line.stiffness) == pytest.approx(stiffness, rel=0.3)
         assert float(line.separation) == pytest.approx(gaps[1], abs=0.2 * spectrum.rms_height)
-        assert line.conductance_low < line.conductance < line.conductance_high
+        assert line.conductance / 300 < line.conductance_low < line.conductance
 
 
 def test_heat_and_current():

@@ -371,7 +371,7 @@ UNITS = {  # of each quantity, whatever the result
     "N s/m": "slope",
     "kg/m": "belt goods",
     "W/K": "conductance",
-    "1/m": "conductance_low conductance_high",
+    "1/m": "conductance_low",
     "Pa/m": "stiffness",
     "W/(m^2 K)": "thermal",
     "S/m^2": "electrical",

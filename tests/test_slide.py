@@ -144,7 +144,7 @@ def test_one_compiled_program_serves_all_levels(monkeypatch):
         lambda *args, **options: march.__wrapped__(*args, **options), static_argnames=("control", "viscous")
     )
     monkeypatch.setattr("elastomdr.scenes.slide.march", program)
-    monkeypatch.setattr("elastomdr._arrays._ENOUGH", -1.0)
+    monkeypatch.setattr("elastomdr.solve.refine._MUCH", -1.0)
     found = em.slide(RUBBER, BALL, time=[0.0, 0.1], position=[0.0, 0.0], load=10.0, rtol=1e-3)
     assert found.plan.levels > 2
     assert program._cache_size() == 1

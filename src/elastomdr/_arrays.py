@@ -11,7 +11,6 @@ import functools
 import itertools
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -219,32 +218,6 @@ def compiled(*static: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return wrapper
 
     return mark
-
-
-_ENOUGH = 2.0  # processor time on NumPy after which a program is compiled [s]; compiling takes about as long
-
-
-def numpy_at_first(function: Callable[P, R]) -> Callable[P, R]:
-    """On NumPy until that has taken about as long as compiling would, from then on by JAX, which compiles it.
-
-    For what takes a second on NumPy and milliseconds when compiled: the first number comes at once, many come fast.
-    """
-    spent = 0.0
-
-    @functools.wraps(function)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        nonlocal spent
-        if not _mode.numpy:
-            return function(*args, **kwargs)
-        if spent > _ENOUGH:
-            return on_jax(function, *args, **kwargs)
-        start = time.thread_time()
-        try:
-            return function(*args, **kwargs)
-        finally:
-            spent += time.thread_time() - start
-
-    return wrapper
 
 
 @contextlib.contextmanager

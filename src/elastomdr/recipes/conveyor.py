@@ -142,12 +142,14 @@ def conveyor(
         rolls = "1 roll" if side.shares.size == 1 else f"{side.shares.size} rolls"
         cover = side.cover.name or "cover given directly"
         inputs.append((name, f"{cover}; {describe(side.roll)}; {rolls} every {brief(side.spacing, 'm')}"))
+    said = [f"{name}: {side.said}" for name, side in zip(("carry", "return"), sides, strict=True) if side.said]
     units = {"belt": "kg/m", "goods": "kg/m", "velocity": "m/s", "temperature": "K"}
     inputs += [(name, brief(arrays[name], unit)) for name, unit in units.items() if name in arrays]
+    inputs += [("extrapolated", "; ".join(said))] if said else []
     return Conveyor(
         velocity=v, belt=mass, goods=load, temperature=whole.get("temperature"), carry=loaded, back=empty,
         resistance=loaded + empty, power=(loaded + empty) * v, coefficient=(loaded + empty) / weight, error=error,
-        converged=good, model=sides[0].model, plan=sides[0].plan, inputs=tuple(inputs),
+        converged=good, extrapolated=_either(sides), model=sides[0].model, plan=sides[0].plan, inputs=tuple(inputs),
     )  # fmt: skip
 
 
@@ -157,8 +159,16 @@ class _Side(Tree):
     resistance: Any  # [N/m]
     error: Any  # estimated error of it [N/m]
     converged: Any
+    extrapolated: Any  # of any of its rolls; None where the range of its cover is not known
+    said: Any = static()  # what lies beyond the range, in words
     model: str = static()
     plan: Any = static()
+
+
+def _either(sides: list[_Side]) -> Any:
+    """Where one of the sides lies beyond the range of its cover, of those whose range is known."""
+    known = [side.extrapolated for side in sides if side.extrapolated is not None]
+    return np.logical_or.reduce(known) if known else None
 
 
 def _side(side: Idlers, weight: Any, velocity: Any, kelvin: Any, model: Any, rtol: float) -> _Side:
@@ -174,4 +184,6 @@ def _side(side: Idlers, weight: Any, velocity: Any, kelvin: Any, model: Any, rto
         xp.sum(xp.asarray(x) * count, axis=-1) for x in (found.resistance, found.error * found.normal_force)
     )
     good = xp.all(xp.asarray(found.converged), axis=-1)
-    return _Side(total / side.spacing, error / side.spacing, good, found.model, found.plan)
+    beyond = None if found.extrapolated is None else np.any(found.extrapolated, axis=-1)
+    said = dict(found.inputs).get("extrapolated")
+    return _Side(total / side.spacing, error / side.spacing, good, beyond, said, found.model, found.plan)

@@ -31,6 +31,7 @@ from ..material.tabulated import needs_series
 from ..material.vertical import thermal_factors
 from ..results.applications import SqueezedCord
 from ..results.words import brief
+from ..scenes.beyond import NOT_KNOWN, held_beyond
 from ..scenes.several import over_materials
 
 if TYPE_CHECKING:
@@ -119,9 +120,14 @@ def squeezed_cord(
     inputs += [("relaxed", "altogether")] if time is None else []
     fields = {"line_load": load, "width": width, "pressure": load / width, "error": 0.0, "converged": True}
     fields |= {name: value for name, value, _ in given}
+    beyond = NOT_KNOWN
+    if not is_traced(young, d, part):
+        factor = 1.0 if temperature is None else thermal_factors(material, temperature)[0]
+        beyond = held_beyond(material.range, time, temperature, np.broadcast_to(factor, shape), stacklevel=4)
     whole: dict[str, Any] = {name: None if x is None else xp.broadcast_to(x, shape) for name, x in fields.items()}
     return SqueezedCord(
-        **whole, model=MODELS[formula], plan="closed form", inputs=tuple(inputs),
+        **whole, extrapolated=beyond.points, model=MODELS[formula], plan="closed form",
+        inputs=(*inputs, *beyond.said),
     )  # fmt: skip
 
 

@@ -132,7 +132,8 @@ def warming(
     slope = fixed((around[2] - around[0]) / width)
     guess = middle + (around[1] - h * (middle - ta)) / (h - slope)
     guess = fixed(xp.clip(xp.where(xp.isfinite(guess), guess, low), low, high))
-    at = run(guess, ConvergenceWarning)  # the steady state itself may be beyond what is known of the material
+    # The steady state itself may be beyond what is known of the material, and so may be the way to it.
+    at = run(guess, ConvergenceWarning if capacity is None else Warning)
     step = (at.power - h * (guess - ta)) / fixed(h - slope)
     steady = guess + step
     error = fixed(_LEFT * abs(step) + at.error / at.coefficient * h * (guess - ta) / (h - slope))
@@ -153,6 +154,7 @@ def warming(
     }
     fields["capacity"] = fields["settling"] = None
     now: dict[str, Any] = {"temperature": steady, "power": power, "time": None}
+    beyond = at
     if capacity is not None:
         heat = xp.broadcast_to(arrays["capacity"], together)
         fields["capacity"] = heat
@@ -162,19 +164,27 @@ def warming(
             raise InputError(f"time must be a list of instants, got shape {instants.shape}.")
         ascending("time", instants)
         not_negative("time", instants)
-        kelvin, flow, off = _history(run, ta, steady, h, heat, instants)
+        kelvin, flow, off, beyond = _history(run, ta, steady, h, heat, instants)
         fields = {k: x if x is None else xp.broadcast_to(x[..., None], kelvin.shape) for k, x in fields.items()}
         fields["error"] = fields["error"] + off
         good = xp.broadcast_to(good[..., None], kelvin.shape)
         now = {"temperature": kelvin, "power": flow, "time": xp.broadcast_to(instants, kelvin.shape)}
-    inputs = [pair for pair in at.inputs if pair[0] != "temperature"]
+    inputs = [pair for pair in beyond.inputs if pair[0] != "temperature"]
     inputs[-1:-1] = [("ambient", brief(arrays["ambient"], "K")), ("conductance", brief(arrays["conductance"], "W/K"))]
     if capacity is not None:
         inputs.insert(-1, ("heat capacity", brief(arrays["capacity"], "J/K")))
     return Warming(
         **now, **fields, converged=good, coefficient=now["power"] / (fields["velocity"] * fields["load"]),
+        extrapolated=_since_the_start(beyond.extrapolated, capacity is not None),
         model=at.model, plan=at.plan, inputs=tuple(inputs),
     )  # fmt: skip
+
+
+def _since_the_start(extrapolated: Any, history: bool) -> Any:
+    """Of a history, along whose first axis it comes: what was beyond the range once has heated all that follows."""
+    if extrapolated is None or not history:
+        return extrapolated
+    return np.moveaxis(np.logical_or.accumulate(extrapolated, axis=0), 0, -1)
 
 
 def _bracket(run: Any, low: Any, h: Any, high: Any, count: int, ambient: Any = None) -> tuple[Any, Any]:
@@ -203,8 +213,8 @@ def _powers(run: Any, kelvin: Any) -> Any:
     return power
 
 
-def _history(run: Any, ambient: Any, steady: Any, h: Any, heat: Any, time: Any) -> tuple[Any, Any, Any]:
-    """Temperature and power at the instants, and the error of the temperature, by every second node.
+def _history(run: Any, ambient: Any, steady: Any, h: Any, heat: Any, time: Any) -> tuple[Any, Any, Any, Any]:
+    """Temperature and power at the instants, the error of the temperature, by every second node, and the rolling there.
 
     Between two nodes the net heat flow N = P - H (T - T_a) is taken as linear in T, so that the time from one to the
     other is C (T' - T)/(N - N') ln(N/N'), and T within is an exponential in time.
@@ -238,6 +248,7 @@ def _history(run: Any, ambient: Any, steady: Any, h: Any, heat: Any, time: Any) 
     known = xp.isfinite(steady)[..., None]
     fine = fine + (fine - coarse) / 3
     fine = xp.where(known & xp.isfinite(fine), fine, xp.asarray(ambient)[..., None])
-    power = xp.asarray(xp.moveaxis(run(xp.moveaxis(fine, -1, 0)).power, 0, -1))
+    way = run(xp.moveaxis(fine, -1, 0), ConvergenceWarning)
+    power = xp.asarray(xp.moveaxis(way.power, 0, -1))
     off = fixed(abs(fine - coarse))
-    return tuple(nan_unless(known, x) for x in (fine, power, off))  # type: ignore[return-value]
+    return *(nan_unless(known, x) for x in (fine, power, off)), way

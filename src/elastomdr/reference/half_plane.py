@@ -17,7 +17,7 @@ from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..results.curve import Contact, HalfPlaneCurve
 from .contact import LEADS, grid, settle, work_against
 from .kernel import sliding_kernel, strip_cell
-from .points import broadcast
+from .points import NOT_COMPARED, broadcast
 
 if TYPE_CHECKING:
     from jaxtyping import Float
@@ -109,7 +109,7 @@ def half_plane_sliding(
         temperature=at.full(at.kelvin),
         model=MODEL,
         plan=f"{points} cells; three eighths, half and three quarters as many for the error",
-        inputs=rows,
+        inputs=(*rows, NOT_COMPARED),
     )
 
 

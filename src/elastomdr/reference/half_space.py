@@ -23,7 +23,7 @@ from ..solve.passage import Control, estimate_sizes
 from .contact import LEADS, grid, settle, work_against
 from .kernel import area_cell, sliding_kernel
 from .periodic import slide_periodic
-from .points import Points, broadcast
+from .points import NOT_COMPARED, Points, broadcast
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -156,7 +156,7 @@ def slide(
         temperature=at.full(at.kelvin),
         model=model,
         plan=grid_words(points),
-        inputs=scene.inputs(("shape", describe(shape))),
+        inputs=(*scene.inputs(("shape", describe(shape))), NOT_COMPARED),
     )
 
 

@@ -29,7 +29,7 @@ from ..material.relaxation import Relaxation
 from ..results.curve import HalfSpaceCurve
 from ..results.words import brief, describe
 from .contact import LEADS, Grid, settle
-from .points import broadcast
+from .points import NOT_COMPARED, broadcast
 
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
@@ -81,7 +81,7 @@ def slide_periodic(
         temperature=at.full(at.kelvin),
         model=MODEL,
         plan=f"{grid}, and every second of them along each side for the error",
-        inputs=tuple(inputs.items()),
+        inputs=(*inputs.items(), NOT_COMPARED),
     )
 
 

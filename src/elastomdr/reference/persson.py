@@ -26,6 +26,7 @@ from ..material.tabulated import LEFT_OUT, AbstractTable
 from ..material.vertical import thermal_factors
 from ..results.curve import PerssonCurve
 from ..results.words import brief
+from .points import NOT_COMPARED
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Material, Number
@@ -109,7 +110,7 @@ def persson(
         velocity=v.copy(), mu=mu, area_ratio=area, spread=spread, pressure=p.copy(), error=error, converged=good,
         temperature=temperature, model=f"Persson's theory, S with gamma = {gamma:g} {where}",
         plan=f"{_PER_DECADE} wave numbers per decade, {_ANGLES} angles, and half as many of each for the error",
-        inputs=tuple(inputs),
+        inputs=(*inputs, NOT_COMPARED),
     )  # fmt: skip
 
 

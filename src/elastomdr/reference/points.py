@@ -14,6 +14,8 @@ from ..solve.passage import Control
 if TYPE_CHECKING:
     from jaxtyping import Float
 
+NOT_COMPARED = ("range of the data", "not looked at: a reference takes the material as it is given")
+
 
 class Points(NamedTuple):
     """The points of a call, flattened."""

@@ -182,6 +182,7 @@ class Stability(Result):
     scale: ClassVar[str] = "log"
     from_zero: ClassVar[bool] = False
     error_of: ClassVar[str] = "the damping ratio"
+    unflagged: ClassVar[str] = "does not enter: the forces are given, what they are extrapolated from is not seen"
 
     def axes(self) -> list[Axis]:
         """The axes of the fields by name, with their values; a force that is the same at all velocities names one."""

@@ -134,6 +134,7 @@ class Result:
     each: ClassVar[str] = "points"  # what one value of a field belongs to
     last: ClassVar[str] = ""  # name of the last axis where every result of the class has it
     scale: ClassVar[str] = "linear"  # of the horizontal axis: "log", or "auto" where the values are spread widely
+    unflagged: ClassVar[str] = "not known: no point is marked as extrapolated"  # why `extrapolated` is None
     from_zero: ClassVar[bool] = True  # whether the vertical axis begins at zero
     coordinates: ClassVar[tuple[str, ...]] = (
         "time", "velocity", "temperature", "pressure", "normal_force", "force", "depth",
@@ -289,6 +290,8 @@ class Result:
             name = f"{dict(one.inputs)['material']}: " if self.origins else ""
             yield from ((f"{name}{key}", text) for key, text in one.outcome())
         yield self.each, self.reached()
+        if self.extrapolated is None and "range of the data" not in dict(self.inputs):
+            yield "range of the data", self.unflagged
 
     def _spread(self) -> Iterator[tuple[str, str]]:
         """Where 95 % of the draws lie, where their median is largest."""

@@ -163,10 +163,14 @@ def force_spectrum(motion: Any, force: str, since: float | None, period: float |
         stride = values.size / half  # of the frequencies that the halves have
         near = np.arange(1, amplitude.size + 1) / stride
         error = np.interp(near, np.arange(1, half // 2 + 1), abs(parts[1] - parts[0]))
+    beyond = motion.extrapolated
+    if beyond is not None:
+        beyond = np.full(amplitude.shape, np.asarray(beyond)[later].any())
     kind = "of whole periods" if period is not None else "with a Hann window"
     return ForceSpectrum(
         frequency=np.fft.rfftfreq(values.size, step)[1:], amplitude=amplitude, density=density, error=error,
-        mean=np.asarray(values.mean()), converged=np.ones(amplitude.size, bool), per_length=motion.per_length,
+        mean=np.asarray(values.mean()), converged=np.ones(amplitude.size, bool),
+        extrapolated=beyond, per_length=motion.per_length,
         shows_density=period is None, model=motion.model, plan=f"Fourier transform {kind}, {values.size} instants",
         inputs=(*motion.inputs, ("force", force.replace("_", " ")), ("since", f"{significant(float(time[0]))} s")),
     )  # fmt: skip

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from .._runtime import significant
 from ..errors import InputError
 from .base import Array, Result, quantity, record
 from .words import span
@@ -25,8 +24,8 @@ class RoughContact(Result):
     All are of the interface: the mean displacement of the rubber's surface, which belongs to its bulk, is left out.
     `conductance` is that of two bodies of conductivities k1 and k2 over 1/(1/k1 + 1/k2), 2 stiffness/E* by Barber's
     theorem; a small vibration of angular frequency omega sees the stiffness E*(omega) conductance/2. `conductance_low`
-    and `conductance_high` hold for every elastic surface whose highest peak and full contact are those of the given
-    one; they are NaN in sliding, for which none are known. The real contact area does not follow from lines.
+    is a bound for every elastic surface whose highest peak is that of the given one; it is NaN in sliding, for which
+    none is known. The real contact area does not follow from lines.
     """
 
     pressure: Array = quantity("nominal pressure", "Pa", shown="MPa")
@@ -38,7 +37,6 @@ class RoughContact(Result):
     stiffness: Array = quantity("contact stiffness", "Pa/m", "increment of pressure over that of the approach")
     conductance: Array = quantity("conductance over conductivity", "1/m", "per nominal area")
     conductance_low: Array = quantity("least conductance over conductivity", "1/m", "bound")
-    conductance_high: Array = quantity("largest conductance over conductivity", "1/m", "bound")
     thermal: Array | None = quantity("thermal conductance", "W/(m^2 K)", "of the contact spots alone", default=None)
     electrical: Array | None = quantity("electrical conductance", "S/m^2", "of the contact spots alone", default=None)
     error: Array = quantity("estimated relative error of the conductance", "-", "twice the standard error over lines")
@@ -91,9 +89,5 @@ class RoughContact(Result):
                     yield q.label, span(np.asarray(value)[good], q.unit)
             low = np.asarray(self.conductance_low)[good]
             if np.isfinite(low).any():
-                high = np.asarray(self.conductance_high)[good]
-                yield (
-                    "bounds",
-                    f"conductance from {span(low, '1/m')}, to {significant(float(np.max(high)))} 1/m at most",
-                )
+                yield "bound", f"conductance at least {span(low, '1/m')}"
             yield "real contact area", "does not follow from lines: em.friction with em.Multiscale() or em.HalfSpace()"

@@ -14,6 +14,7 @@ from ..mapping.direction import directions
 from ..mapping.rough_line import RoughLine
 from ..results.spectrum import FrictionBands
 from ..solve.excitation import excitation
+from .beyond import excited_outside, rough_beyond
 from .choice import is_rough, of_line
 from .ensemble import coarse_at
 from .rough import ensemble_words, surface_words
@@ -120,6 +121,9 @@ def friction_bands(
         *scene.inputs(("surface", surface_words(surface, lines[0]))),
         ("ensemble", ensemble_words(scene.seeds, lines[0].count)),
     ]  # fmt: skip
+    known, kelvin = foundation.range, at.full(at.kelvin)
+    outside = excited_outside(known, surface, at.reduced.reshape(shape))
+    beyond = rough_beyond(known, outside, kelvin, shape, stacklevel=4)
     return FrictionBands(
         velocity=banded(v),
         omega=np.multiply.outer(v, middle).reshape(*shape, -1),
@@ -127,12 +131,13 @@ def friction_bands(
         mu=banded(np.where(good[:, None], mu, np.nan)),
         error=banded(np.where(good, error, np.nan)),
         converged=banded(good),
-        temperature=None if at.kelvin is None else banded(at.full(at.kelvin)),
+        extrapolated=None if beyond.points is None else banded(beyond.points.ravel()),
+        temperature=None if at.kelvin is None else banded(kelvin),
         pressure=None if length is None else banded(loads * at.vertical.ravel() / length),
         width=float(edges[1] / edges[0]),
         model=(AVERAGED if model.average else BARE) + scene.rule,
         plan=f"{lanes[0].size * len(lines)} line solutions of {lines[0].count} samples, all branches carried",
-        inputs=tuple(inputs),
+        inputs=(*inputs, *beyond.said),
     )
 
 

@@ -53,6 +53,21 @@ def steady_beyond(known: Range | None, reduced: Any, size: Any, temperature: Any
     return told(points, what, known.illustrative, stacklevel + 1)
 
 
+def held_beyond(known: Range | None, time: Any, temperature: Any, factor: Any, *, stacklevel: int) -> Beyond:
+    """What is put on at once and held for a `time` [s], or without one for ever, at points of one shape."""
+    if known is None or is_traced(time, temperature, factor):
+        return NOT_KNOWN
+    with np.errstate(divide="ignore"):
+        rate = 4 * np.asarray(factor) / (np.inf if time is None else np.asarray(time))
+    shape = np.broadcast_shapes(rate.shape, np.shape(temperature))
+    rate = np.broadcast_to(rate, shape)
+    kelvin = None if temperature is None else np.broadcast_to(temperature, shape)
+    points = known.outside(rate, kelvin)
+    of = "held for ever, 1/t" if time is None else "a_T/t to 4 a_T/t, t the time held,"
+    what = "; ".join(known.findings(rate, kelvin, of)) if points.any() else ""
+    return told(points, what, known.illustrative, stacklevel + 1)
+
+
 def excited_outside(
     known: Range | None, surface: RoughLine | AbstractSpectrum, reduced: np.ndarray
 ) -> Float[np.ndarray, "..."] | None:

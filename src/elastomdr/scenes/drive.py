@@ -34,6 +34,7 @@ _ACROSS = 24  # elements over the contact on the coarsest level
 _FINEST = 4  # levels beyond the coarsest, unless they are short
 _LONG = 1e9  # elements times steps times branches of what is not short: half a minute
 _ROOM = 3e7  # elements times steps times branches marched sooner than another program is compiled
+_SLOWER = 4.0  # a step takes NumPy so many times as long as one of em.slide: the motion of the body is sought in it
 _EARLY = 4.0  # ratio of the instants that divide the first interval
 _MOST_EARLY, _TRACED_EARLY = 40, 12
 _PERIOD = 12  # steps per period of a mass on its spring and the contact, on the coarsest level
@@ -210,7 +211,7 @@ def _within(
         return mapped(np.asarray, (seen, inside))
 
     def solved(level: int) -> tuple[History, Any]:
-        return at_level(solve, level, work * 4.0**level)
+        return at_level(solve, level, _SLOWER * work * 4.0**level)
 
     return refine(solved, history.rtol, most, slope, _missing), size, outside[0]
 

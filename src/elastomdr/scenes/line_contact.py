@@ -14,6 +14,7 @@ from ..mapping.rough_line import RoughLine
 from ..models import seeds_of
 from ..results.line_contact import LineContact
 from ..solve.periodic_field import field
+from .beyond import excited_outside, rough_beyond
 from .choice import is_rough, of_line
 from .rough import surface_words
 from .rough_arguments import set_up
@@ -88,11 +89,15 @@ def line_contact(
     if not good:
         warnings.warn("the point did not converge; it is NaN.", ConvergenceWarning, stacklevel=3)
     mu, load_, deep, share = (float(getattr(found.line, name)[0]) for name in ("mu", "load", "depth", "share"))
+    known = at.foundation.range
+    outside = excited_outside(known, surface, at.reduced.reshape(()))
+    beyond = rough_beyond(known, outside, at.kelvin, (), stacklevel=4)
     vertical = float(at.vertical.ravel()[0])
     return LineContact(
         x=np.asarray(line.x), height=height - height.max() + deep, surface=found.surface, force=vertical * found.force,
         touching=found.force > 0, mu=mu, load=vertical * load_, depth=deep, share=share,
         error=np.full(height.size, float(found.line.error[0])), converged=np.full(height.size, good),
+        extrapolated=None if beyond.points is None else np.full(height.size, beyond.points),
         model=BARE + scene.rule, plan=f"one periodic state of {height.size} samples",
-        inputs=tuple(scene.inputs(("surface", surface_words(surface, line)))),
+        inputs=(*scene.inputs(("surface", surface_words(surface, line))), *beyond.said),
     )  # fmt: skip

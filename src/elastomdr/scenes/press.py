@@ -27,8 +27,8 @@ from ..material.vertical import thermal_factors
 from ..models import Line, seeds_of, whole_number
 from ..results.rough_contact import RoughContact
 from ..results.words import brief
-from ..solve.bearing import bearing, bounds, highest, pressed
-from .beyond import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
+from ..solve.bearing import bearing, highest, least_conductance, pressed
+from .beyond import NOT_KNOWN, Beyond, excited_outside, held_beyond, rough_beyond
 from .choice import is_rough, of_line
 from .several import over_materials
 
@@ -109,9 +109,7 @@ def press(
     length, rule = _length(surface, model)
     lines = _lines(surface, model)
     found = _at_rest(points, lines, length) if velocity is None else _sliding(points, lines, length, foundation, rtol)
-    low, high = _bounds(points, surface, lines[0], length)
-    if velocity is not None:
-        low, high = np.full(points.shape, np.nan), np.full(points.shape, np.nan)
+    low = _least(points, surface, lines[0]) if velocity is None else np.full(points.shape, np.nan)
     if not traced and not found.good.all():
         count = int((~found.good).sum())
         text = f"{count} of {found.good.size} points did not converge; they are NaN."
@@ -137,7 +135,7 @@ def press(
     return RoughContact(
         pressure=points.pressure, time=points.time, velocity=points.velocity, temperature=points.kelvin,
         approach=field(found.approach), separation=field(found.gap), stiffness=field(found.stiffness),
-        conductance=field(found.conductance), conductance_low=low, conductance_high=high,
+        conductance=field(found.conductance), conductance_low=low,
         thermal=_times(found.conductance, conductivity, "conductivity", False, field),
         electrical=_times(found.conductance, resistivity, "resistivity", True, field),
         error=field(found.error), approach_error=field(found.approach_error),
@@ -292,17 +290,13 @@ def _mean(
     return _Found(xp.mean(approach, axis=0), xp.mean(gap, axis=0), stiffness, mean, error, far, good)
 
 
-def _bounds(points: _Points, surface: Any, line: RoughLine, length: Any) -> tuple[Any, Any]:
-    """Of the conductance over the conductivity; of a surface, a square as wide as a line is long."""
+def _least(points: _Points, surface: Any, line: RoughLine) -> Any:
+    """Bound of the conductance over the conductivity; of a surface, a square as wide as a line is long."""
     load = points.carried * points.compliance
     if isinstance(surface, RoughLine):
-        peak = xp.max(line.height) - xp.mean(line.height)
-        return bounds(load, peak, peak / length, xp.var(line.height) / (2 * length))
-    m1, m2, m3, m5 = (2 * np.pi * surface.moment(k) for k in (1, 2, 3, 5))
-    area = line.period**2
-    peak = m1**0.5 * highest(m1**0.5, (m3 / 2) ** 0.5, area)
-    full = 0.5 * m3**0.5 * highest(m3**0.5, (m5 / 2) ** 0.5, area)
-    return bounds(load, peak, full, m2 / 4)
+        return least_conductance(load, xp.max(line.height) - xp.mean(line.height))
+    spread, slope = (2 * np.pi * surface.moment(1)) ** 0.5, (np.pi * surface.moment(3)) ** 0.5
+    return least_conductance(load, spread * highest(spread, slope, line.period**2))
 
 
 def _times(conductance: Any, values: Any, name: str, inverse: bool, field: Any) -> Any:
@@ -317,18 +311,14 @@ def _times(conductance: Any, values: Any, name: str, inverse: bool, field: Any) 
 
 
 def _beyond(foundation: Foundation, surface: Any, points: _Points) -> Beyond:
-    """Points beyond the data of the material: in sliding by frequency of excitation, in time by 1/t."""
+    """Points beyond the data of the material: in sliding by frequency of excitation, at rest by 1/t."""
     if foundation.range is None:
         return NOT_KNOWN
     if points.velocity is not None:
         outside = excited_outside(foundation.range, surface, points.velocity * points.factor)
         return rough_beyond(foundation.range, outside, points.kelvin, points.shape, stacklevel=5)
-    if points.time is None:
-        return NOT_KNOWN
-    rate = np.broadcast_to(4 * points.factor / points.time, points.shape)
-    outside = foundation.range.outside(rate, points.kelvin)
-    what = "; ".join(foundation.range.findings(rate, points.kelvin, "1/t to 4/t")) if outside.any() else ""
-    return told(outside, what, foundation.range.illustrative, 5)
+    factor = np.broadcast_to(points.factor, points.shape)
+    return held_beyond(foundation.range, points.time, points.kelvin, factor, stacklevel=5)
 
 
 def _model_error(surface: Any, points: _Points) -> Any:

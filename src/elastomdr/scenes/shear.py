@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._arrays import arrays, fixed, fori_loop, numpy_at_first, on_jax, on_numpy, xp
+from .._arrays import arrays, fixed, fori_loop, on_jax, on_numpy, xp
 from .._runtime import (
     Array,
     as_float64,
@@ -200,7 +200,6 @@ def _marched(scene: Scene, history: History, elements: int, per_area: bool, *, s
     return _by_elements(scene, history, elements, per_area, steps=steps, **options)
 
 
-@numpy_at_first
 def _by_elements(scene: Scene, history: History, elements: int, per_area: bool, **options: Any) -> Sheared:
     scene, history = arrays((scene, history))
     return known(shear_history(scene, history, line(scene, elements, per_area), **options))

@@ -9,7 +9,7 @@ import numpy as np
 
 from .._runtime import is_traced, nan_unless, require, scalar
 from ..arguments import Scene, check_heat, rough_scene
-from ..errors import ConvergenceWarning, InputError
+from ..errors import ConvergenceWarning, InputError, ModelWarning
 from ..foundation.law import surface_foundation
 from ..mapping.spectrum import AbstractSpectrum
 from ..material.tabulated import LEFT_OUT
@@ -27,7 +27,7 @@ from .mean import Mean
 from .softened import LINEAR
 
 _MEGAPASCALS = 10.0  # pressure up to which it may be one in MPa [Pa]
-_LEAST = 1e-6  # share of real contact below which a pressure is taken for one in the wrong unit
+_LEAST = 1e-4  # share of real contact below which it probably is
 _HOT = "; rubber at the flash temperature of its contacts (moving sources by length scale)"
 _HOT_BY_SCALE = "; rubber at a temperature for each length scale, heated by its friction"
 _SOFTENED = "; moduli softened by the strain of each length scale"
@@ -74,7 +74,7 @@ def surface_friction(
     local = Local(softened)
     found = solved(scene.reduced.ravel(), carried, local)
     if not traced:
-        _check_contact(found, pressures.ravel())
+        _doubt_unit(found, pressures.ravel())
     reduced, warm, cold, by_scale = scene.reduced, None, found, None
     if heat is not None and not linear:
         found, by_scale, local = _heated(heat, adhesion, foundation, surface, model, scene, found, local, solved)
@@ -369,17 +369,17 @@ def _as_mean(found: _Found) -> Mean:
     return Mean(found.mu, found.error, unknown, unknown, found.area, found.good, None)
 
 
-def _check_contact(found: _Found, pressure: np.ndarray) -> None:
-    """Raises `InputError` for a pressure that is likely to be in another unit."""
-    area = np.where(found.good, found.area, 1.0)
+def _doubt_unit(found: _Found, pressure: np.ndarray) -> None:
+    """Warns of a pressure that is likely to be meant in MPa: a small number, under which hardly anything touches."""
+    area = np.where(found.good & (pressure <= _MEGAPASCALS), found.area, 1.0)
     least = int(np.argmin(area))
-    least_area = _LEAST if pressure[least] > _MEGAPASCALS else 100 * _LEAST
-    if area[least] < least_area:
-        raise InputError(
-            f"pressure must be in Pa, and enough for a real contact of {least_area:g} of the nominal area, got "
-            f"{pressure[least]:g} Pa with a contact of {area[least]:.1g}: {pressure[least]:g} MPa are "
-            f"{1e6 * pressure[least]:g} Pa."
-        )
+    if area[least] < _LEAST:
+        given = f"{pressure[least]:g}"
+        warnings.warn(
+            f"pressure is taken in Pa: {given} Pa give a real contact of {area[least]:.1g} of the nominal area. If "
+            f"{given} MPa are meant, write {1e6 * pressure[least]:g}.",
+            ModelWarning, stacklevel=4,
+        )  # fmt: skip
 
 
 def _misfit(foundation: Any, surface: AbstractSpectrum, reduced: np.ndarray) -> np.ndarray:

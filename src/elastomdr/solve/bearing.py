@@ -84,15 +84,10 @@ def highest(spread: Any, steepness: Any, area: Any, chance: float = 0.05) -> Any
     return u
 
 
-def bounds(load: Any, peak: Any, full: Any, energy: Any) -> tuple[Any, Any]:
-    """Least and largest conductance over conductivity [1/m] of elastic rough surfaces under p/E* = `load`.
+def least_conductance(load: Any, peak: Any) -> Any:
+    """Least conductance over conductivity [1/m] of elastic rough surfaces under p/E* = `load`.
 
-    `peak` is the height of the highest point over the mean [m], `full` the pressure and `energy` the energy per area
-    [m] of full contact, both over E*. The pressure is a convex function of the approach that begins at zero: its slope
-    is at least that of the chord from there, p/approach >= p/peak (Barber 2003), and at most that of the chord to full
-    contact, (full - p)/gap. The gap is the slope of the complementary energy, convex in p, which is 0 at p = 0, at
-    least -peak p, and -energy in full contact: gap >= (energy - peak p)/(full - p).
+    `peak` is the height of the highest point over the mean [m]. The pressure is a convex function of the approach that
+    begins at zero, so that its slope is at least that of the chord from there, p/approach >= p/peak (Barber 2003).
     """
-    left, rest = energy - peak * load, full - load
-    known = (left > 0) & (rest > 0)
-    return 2 * load / peak, xp.where(known, 2 * rest**2 / xp.where(known, left, 1.0), xp.inf)
+    return 2 * load / peak

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import arrays, compiled, fixed, fori_loop, in_steps, numpy_at_first, on_numpy, xp
+from .._arrays import arrays, compiled, fixed, fori_loop, in_steps, on_numpy, xp
 from .._runtime import Array
 from ..foundation.decay import ramp_weights
 from ..mapping.lines import AbstractLines
@@ -67,7 +67,6 @@ class Tractions(NamedTuple):
     again: Bool[Array, " points"]  # elements stick again after they have slipped
 
 
-@numpy_at_first
 @compiled("rule", "steps")
 def tractions(rolling: Rolling, rule: Rule, steps: int) -> Tractions:
     """Tractive force of each point, with `steps` steps of the march; differentiable in both modes."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import arrays, fixed, mapped, numpy_at_first, on_jax, on_numpy, xp
+from .._arrays import arrays, fixed, mapped, on_jax, on_numpy, xp
 from .._runtime import Array, is_traced, nan_unless
 from ..foundation.modes import Modes
 from ..mapping.disc import Disc
@@ -30,7 +30,8 @@ _MOST_STEPS = 8192  # of a history: a minute and a half
 _MARCHED_AT_ONCE = 8
 _OF_A_STEP = 14_000  # elements and branches that take NumPy as long as what it does besides in a step
 _MUCH = 6e7  # of them and steps that are marched on NumPy, as long as JAX takes to compile
-_FEW = 64  # instants of all histories together that NumPy follows sooner than JAX compiles
+_FEW = 64  # instants of all histories together that NumPy follows sooner than JAX compiles, under a given depth
+_MANY = 4096  # and under a load, as long as contact grows: 0.2 ms each when this was chosen
 _KNOTS = 400  # instants to which a solved history is refined before pressures are computed from it
 STEPS = "exact contact steps at the load, extrapolated from halved steps"
 JKR = "JKR in closed form, root by root"
@@ -117,7 +118,6 @@ def indent_with_adhesion(law: Relaxation, modes: Modes, disc: Disc, course: Cour
     return Found(depth, force, radius, work, stored, zero, work - stored, error, known, plan, reason)
 
 
-@numpy_at_first
 def _by_depth(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: float) -> Found:
     shape = course.time.shape
     time, depth = (a.reshape(-1, a.shape[-1]) for a in padded(course.time, course.depth))
@@ -161,7 +161,10 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
     traced = is_traced(law, modes, disc, time, load)
     numpy = xp if traced else np
     if course.by_depth is None:
-        fields, growing = _grown(law, modes, disc, time, load)
+        if on_numpy() and time.size > _MANY:
+            fields, growing = on_jax(_grown, law, modes, disc, time, load)
+        else:
+            fields, growing = _grown(law, modes, disc, time, load)
         known = fixed(growing) if traced else growing
     else:
         fields, known = (depth,) * 8, np.zeros(time.shape, bool)
@@ -186,7 +189,6 @@ def _by_load(law: Relaxation, modes: Modes, disc: Disc, course: Course, rtol: fl
     return Found(depth, force, radius, work, stored, locked, heat, error, good, plan, reason)
 
 
-@numpy_at_first
 def _grown(law: Relaxation, modes: Modes, disc: Disc, time: Array, load: Array) -> tuple[tuple[Array, ...], Array]:
     """The closed form: depth, force, radius, work, stored, locked, heat, error; where the contact has only grown."""
     numpy = xp if is_traced(law, modes, disc, time, load) else np
@@ -272,7 +274,6 @@ def _change(new: Array, old: Array) -> Array:
     return abs(new - old) / (largest + (largest == 0))
 
 
-@numpy_at_first
 def _marched(
     law: Any, modes: Modes, disc: Disc, *histories: Array, before: Edges | None = None, **sizes: int
 ) -> tuple[Marched, Edges]:

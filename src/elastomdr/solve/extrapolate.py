@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import compiled, fixed, mapped, numpy_at_first, on_jax, on_numpy, xp
+from .._arrays import compiled, fixed, mapped, on_jax, on_numpy, xp
 from .._runtime import Array, is_traced
 from .impact import COARSEST, Body, Motion, grid, march
 
@@ -83,7 +83,6 @@ def _lanes(body: Body, chosen: Array) -> Body:
     return Body(body.shape, *(np.broadcast_to(x, (*x.shape[:-1], *lanes))[..., chosen] for x in body[1:]))
 
 
-@numpy_at_first
 @compiled("per_area", "stage")
 def _stage(body: Body, rtol: float, *, per_area: bool, stage: int) -> Impacts:
     """All grids of a stage, extrapolated to n = infinity: a polynomial in n^-2 through them."""

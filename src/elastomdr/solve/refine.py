@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._arrays import numpy_at_first, on_jax, on_numpy, xp
+from .._arrays import on_jax, on_numpy, xp
 from .._runtime import Array, is_traced
 from .slide import Forces
 
@@ -21,7 +21,7 @@ _SYMMETRIC = 0.03  # of the slope of the body: mu below it counts as that, since
 _ROUNDING = 1e-9  # mu of a flat body
 _FINEST = 6  # levels beyond the coarsest
 _WORK = 3e10  # elements times steps times branches of a march that is still made
-_MUCH = 2e7  # and of one that NumPy takes seconds for, as JAX does to compile it
+_MUCH = 2e7  # and of one that NumPy takes seconds for, as JAX does to compile it: by size, so that bits do not change
 _EMPTY = 1e-12  # of the largest normal force: no contact
 
 
@@ -84,7 +84,6 @@ def refine(
         old, last, before = new, changes[0] / 8, seen
 
 
-@numpy_at_first
 def at_level(solve: Callable[[int], tuple[Any, Array]], level: int, work: float) -> tuple[Any, Array]:
     """`solve(level)`, of which `work` is elements times steps times branches."""
     return on_jax(solve, level) if on_numpy() and work > _MUCH else solve(level)
