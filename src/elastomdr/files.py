@@ -1,5 +1,6 @@
 """Reading and writing files: regular ones of a sensible size are read, and what is written is whole or not there."""
 
+import codecs
 import errno
 import os
 import stat
@@ -26,9 +27,14 @@ def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
     return path.read_bytes()
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
-    """A UTF-8 text, with or without its mark; raises `OSError` as `read_bytes` does, and `UnicodeDecodeError`."""
-    return read_bytes(path).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+def read_text(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> str:
+    """A UTF-8 text, or a UTF-16 one that says so by its mark, as editors of Windows write them.
+
+    Raises `OSError` as `read_bytes` does, and `UnicodeDecodeError`.
+    """
+    raw = read_bytes(path, most)
+    encoding = "utf-16" if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
+    return raw.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
 
 
 def write_files(files: Mapping[Path, bytes]) -> None:

@@ -27,8 +27,11 @@ from .tread import COMPUTED, compute_on_road
 _FRICTION = ("temperature", "[contact] pressure", "[contact] velocity", "measured", "heat", "adhesion")
 _ROLLING = ("temperature", "layer", "[contact] load", "[contact] velocity", "[contact] slip", "[layer] thickness",
             "[layer] bonded", "[structure] stiffness")  # fmt: skip
-_TABLES = {kind.mark if kind.mark != "indenter" else "rolling": kind for kind in KINDS["rolling"]}
-_TABLES |= {"compare": SurfaceComparison, "traction": WheelTraction}
+_TABLES = {
+    **{kind.mark if kind.mark != "indenter" else "rolling": kind for kind in KINDS["rolling"]},
+    "compare": SurfaceComparison,
+    "traction": WheelTraction,
+}
 _LABELS = {"rolling": "Rolling resistance", "warming": "Temperature of a wheel", "conveyor": "Power of a belt conveyor",
            "traction": "Slip curve of a tyre (.tir)"}  # fmt: skip
 _ABOUT = {

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, closest
-from ..files import read_bytes
+from ..files import read_text
 from .history import Impact, Indentation, IndentationByPoints
 from .scene import Scene
 from .schema import decode, keys_of
@@ -43,10 +43,13 @@ def read_scene(verb: str, path: Path) -> Scene:
 def read_content(path: Path) -> dict[str, Any]:
     """What a TOML file holds. Raises `InputError` where it cannot be read."""
     try:
-        return tomllib.loads(read_bytes(path, _MOST_BYTES).decode())
+        return tomllib.loads(read_text(path, _MOST_BYTES))
     except OSError as error:
         raise InputError(f"the scene cannot be read: {error.strerror or error}.") from error
-    except (ValueError, RecursionError) as error:  # not UTF-8, not TOML, no valid path
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise InputError(f"the scene must be UTF-8 text, which line {line} is not: save it as UTF-8.") from error
+    except (ValueError, RecursionError) as error:  # not TOML, no valid path
         raise InputError(f"the scene is not valid TOML: {error}.") from error
 
 

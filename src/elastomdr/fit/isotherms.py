@@ -44,7 +44,9 @@ def isotherms(dma: Dma, tolerance: float, law: AbstractShift | None = None) -> I
             "em.fit.softening(dma) makes its em.Softening."
         )
     if every.size < 5:
-        raise InputError(f"dma must have five points at least, got {every.size}.")
+        lost = len(dma.bad_rows)
+        why = f"; {lost} rows of {dma.source} were left out, such as {dma.bad_rows[0]}" if lost else ""
+        raise InputError(f"dma must have five points at least, got {every.size}{why}.")
     rates = np.concatenate([dma.omega, 1 / dma.time])
     if law is not None:
         a = 10 ** log10_a(law, every)

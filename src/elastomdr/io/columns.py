@@ -10,12 +10,15 @@ import numpy as np
 
 from ..errors import InputError, closest
 from .sheets import number, read_sheet
-from .tables import Head, Table, clean, listed, main_table, splits
+from .tables import MOST_COLUMNS, Head, Table, clean, listed, main_table, splits
 from .units import KINDS, is_unit, to_si, usual
 
 LOGS = {"log10": 10.0, "ln": np.e}
 _DECADIC = r"log[\s_]?10|log[\s_]?\(10\)|log₁₀|lg"
 _LOG = re.compile(rf"({_DECADIC}|ln(?![a-z]{{2}})|log(?![a-z]{{2}}))[\s_]*(.+)", re.IGNORECASE)
+_DAYTIME = 600.0  # of the first time as hh:mm:ss, above which it may be one of the day [s]
+_ONE_SIGN = 0.9  # share of negative numbers from which the sign is a convention
+_CONTRADICTS = 0.1  # of ln(tan delta), from which it contradicts the moduli beside it
 _NAMED = 6  # columns passed over, or rows left out, that are named
 
 
@@ -29,6 +32,7 @@ class Quantity:
     valid: str = "positive"  # or "not negative", "between 0 and 90 deg"; "": of no row, NaN where not positive
     option: str = ""  # the argument by which a user gives the unit
     limits: tuple[float, float] | None = None  # of the largest number, and of all temperatures [SI]
+    signed: bool = False  # whether some instruments write it with the opposite sign
 
     def rank(self, name: str) -> int | None:
         """Which of the titles a name is, the first being the preferred one; None where it is none."""
@@ -51,6 +55,7 @@ class Column(NamedTuple):
     log: str = ""  # of `LOGS`; "log" where the base is not said
     known: bool = True  # whether the unit is one of the quantity
     users: bool = False  # whether the unit is the user's word, whatever the title says
+    sign: float = 1.0  # -1 where the file has the opposite sign
 
     @property
     def role(self) -> str:
@@ -60,7 +65,7 @@ class Column(NamedTuple):
         """The numbers of the column in SI."""
         kinds = [self.quantity.kind, *["frequency"] * (self.quantity.kind == "angular frequency")]  # of a user's Hz
         factor, offset = next(si for kind in kinds if (si := to_si(unit, kind)))
-        numbers = table.column(self.place)
+        numbers = self.sign * table.column(self.place)
         with np.errstate(over="ignore"):
             numbers = LOGS[self.log] ** numbers if self.log else numbers
         return numbers * factor + offset
@@ -179,7 +184,46 @@ def choose(name: str, columns: Sequence[Column], table: Table, units: Mapping[st
                 f"{column.role} and differ; name one, as columns={{{column.role!r}: N}} (--column {column.role}=N), N "
                 f"being {first.place + 1} or {column.place + 1}."
             )
-    return chosen
+    return {role: _by_the_clock(name, column, table) for role, column in chosen.items()}
+
+
+def _by_the_clock(name: str, column: Column, table: Table) -> Column:
+    """A column of times, in seconds where they are written as hh:mm:ss.
+
+    Raises `InputError` for times of day, which do not tell when the test began.
+    """
+    if column.quantity.kind != "time" or np.isnan(table.clock(column.place)).all():
+        return column
+    times = table.clock(column.place)
+    times = times[np.isfinite(times)]
+    if times.min() > _DAYTIME and times.min() > np.ptp(times):
+        raise InputError(
+            f"{name}: column {column.place + 1} {column.title!r} begins at {times[0] / 3600:.4g} h and lasts "
+            f"{np.ptp(times):.4g} s: a time of day? Times must count from the step of strain or stress: write "
+            "seconds since then in its place."
+        )
+    return column._replace(unit="s", known=True)
+
+
+def with_sign(name: str, table: Table, chosen: Mapping[str, Column]) -> tuple[dict[str, Column], tuple[str, ...]]:
+    """The columns, those turned whose numbers are negative nearly everywhere, and what was turned in words.
+
+    A loss is positive; with exp(-i omega t) in place of exp(i omega t) all of it is negative.
+    """
+    turned, said = dict(chosen), []
+    for role, column in chosen.items():
+        if not column.quantity.signed or column.log:
+            continue
+        numbers = table.column(column.place)
+        numbers = numbers[np.isfinite(numbers) & (numbers != 0)]
+        negative = int((numbers < 0).sum())
+        if numbers.size and negative >= _ONE_SIGN * numbers.size:
+            turned[role] = column._replace(sign=-1.0)
+            said.append(
+                f"{name}: {column.title} is negative in {negative} of {numbers.size} rows, as with exp(-i omega t): "
+                "its sign is turned."
+            )
+    return turned, tuple(said)
 
 
 def measured(
@@ -210,7 +254,10 @@ def measured(
             said = cells[column.place] if column.place < len(cells) else ""
             value = f"{said[:20]!r}, not a number"
             if np.isfinite(x[i]):
-                value = f"{number(said):g} {given[role]}".removesuffix(" -") + f", not {column.quantity.valid}"
+                value = (
+                    f"{column.sign * number(said):g} {given[role]}".removesuffix(" -")
+                    + f", not {column.quantity.valid}"
+                )
             good[i], wrong[int(i)] = False, f"{column.title} is {value}"
     bad = [f"line {table.rows[i].line}: {wrong[i]}" for i in sorted(wrong)]
     kept = {role: x[good] for role, x in values.items()}
@@ -242,6 +289,7 @@ def read_columns(
     table = main_table(sheet)
     if table is None:
         raise InputError(missing(sheet.name, (), "", []))
+    refuse_wide(sheet.name, [table])
     user, constants = named(sheet.name, columns, table, quantities)
     for role, wanted in (columns or {}).items():
         if role not in {*user, *constants}:
@@ -260,6 +308,43 @@ def read_columns(
     values, good, bad = measured(sheet.name, table, chosen, units)
     values |= {role: np.full(int(good.sum()), number) for role, number in constants.items()}
     return sheet.name, chosen, values, bad, good.size
+
+
+def refuse_contradiction(
+    name: str, table: Table, chosen: Mapping[str, Column], columns: Sequence[Column], units: Mapping[str, str]
+) -> None:
+    """Raises `InputError` where a column of tan delta is not the loss over the storage modulus beside it."""
+    tangent = next((one for one in columns if one.role == "tangent"), None)
+    if tangent is None or not {"storage", "loss"} <= chosen.keys():
+        return
+    loss, storage = chosen["loss"], chosen["storage"]
+    viscous, elastic, ratio = (_si(one, table, units) for one in (loss, storage, tangent))
+    if viscous is None or elastic is None or ratio is None:
+        return
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factors = np.abs(ratio * elastic / viscous)
+    factors = factors[np.isfinite(factors) & (factors > 0)]
+    factor = float(np.median(factors)) if factors.size else 1.0
+    in_percent = not tangent.unit and abs(np.log(factor / 100)) < _CONTRADICTS
+    if in_percent or abs(np.log(factor)) < _CONTRADICTS:
+        return
+    numbers = [(one.role, one.place + 1) for one in (loss, tangent)]
+    ways = [f"columns={{{role!r}: {place}}} (--column {role}={place})" for role, place in numbers]
+    raise InputError(
+        f"{name}: column {tangent.place + 1} {tangent.title!r} is {factor:.3g} times the ratio of columns "
+        f"{loss.place + 1} {loss.title!r} and {storage.place + 1} {storage.title!r} (median of the rows): name the "
+        f"one that is right, as {ways[0]} or {ways[1]}."
+    )
+
+
+def refuse_wide(name: str, tables: Sequence[Table]) -> None:
+    """Raises `InputError` for a table with more columns than a measurement has."""
+    widest = max((len(table.heads) for table in tables), default=0)
+    if widest > MOST_COLUMNS:
+        raise InputError(
+            f"{name}: a table must have {MOST_COLUMNS:,} columns at most, got {widest:,}: leave out what is not "
+            "needed, or exchange rows and columns."
+        )
 
 
 def unit_of(name: str, column: Column, units: Mapping[str, str]) -> str:
@@ -317,9 +402,19 @@ def _within(name: str, column: Column, values: np.ndarray, unit: str, alike: Seq
     """Raises `InputError` for numbers outside the limits of their quantity; `alike` are the columns in this unit."""
     if column.quantity.limits is None or column.users:
         return
+    if column.role == "tangent" and column.unit:  # that of a melt may be any: a unit that is written is believed
+        return
     low, high = column.quantity.limits
     values = values[np.isfinite(values)]
     least = float(values.min()) if column.quantity.kind == "temperature" else float(values.max())
+    if values.max() > high and column.quantity.kind == "ratio":
+        ways = [f"columns={{{column.role!r}: '{column.place + 1} [{unit}]'}}" for unit in "%-"]
+        shell = [f"(--column '{column.role}={column.place + 1} [{unit}]')" for unit in "%-"]
+        raise InputError(
+            f"{name}: column {column.place + 1} {column.title!r} has no unit and goes from {values.min():.4g} to "
+            f"{values.max():.4g}: give it, as {ways[0]} {shell[0]} if it is in per cent, as {ways[1]} {shell[1]} "
+            "if it is not."
+        )
     if least < low or values.max() > high:
         si = KINDS[column.quantity.kind][0]
         python = ", ".join(f"{one.role!r}: '{one.place + 1} [UNIT]'" for one in alike)

@@ -14,7 +14,20 @@ import numpy as np
 
 from .._runtime import in_kelvin, in_si, plain, positive
 from ..errors import InputError
-from .columns import Column, Quantity, choose, left_out, measured, missing, named, taken, understand
+from .columns import (
+    Column,
+    Quantity,
+    choose,
+    left_out,
+    measured,
+    missing,
+    named,
+    refuse_contradiction,
+    refuse_wide,
+    taken,
+    understand,
+    with_sign,
+)
 from .data import COLDEST, KINDS, Dma, FitWarning, describe_list, in_strain_sweep, join, untold
 from .formats import Format, format_of
 from .sheets import is_frame, read_sheet, sheet_of_frame
@@ -47,12 +60,14 @@ QUANTITIES = (
     Quantity("loss", "modulus",
              (r"loss modulus|loss|verlustmodul|손실 ?탄성(률|계수)|(modulus )?[ge]''|"
               r"[ge]_?(2|pp|dprime|double[_ -]?prime|loss)|im\([ge]\*?\)|loss (shear|tensile|young'?s) modulus|"
-              r"([ge]|shear|tensile|young'?s)[ _-](loss|loss modulus)",), option="modulus_unit"),
+              r"([ge]|shear|tensile|young'?s)[ _-](loss|loss modulus)",), option="modulus_unit", signed=True),
     Quantity("absolute", "modulus", (r"\|[ge]\*\|?|[ge]\*|[ge]_?abs|(complex|dynamic) modulus|komplexer modul",),
              option="modulus_unit", limits=_POLYMERS),
-    Quantity("phase", "angle", (r"phase ?angle|phase|delta|δ|phasenwinkel",), valid="between 0 and 90 deg"),
+    Quantity("phase", "angle", (r"phase ?angle|phase|delta|δ|phasenwinkel",), valid="between 0 and 90 deg",
+             signed=True),
     Quantity("tangent", "ratio",
-             (r"tan_?\(?(d|delta|δ)\)?|tan ?(d|delta|δ)|tand|loss (tangent|factor)|verlustfaktor",)),
+             (r"tan_?\(?(d|delta|δ)\)?|tan ?(d|delta|δ)|tand|loss (tangent|factor)|verlustfaktor",),
+             limits=(0.0, 3.0), signed=True),
     Quantity("relaxation", "modulus",
              (r"[ge]_?(relax|t)|[ge]\(t\)|relaxationsmodul|relax|relaxation|완화탄성률|relaxation modulus [ge]|"
               r"(stress |shear |tensile )?relaxation modulus( [ge]\(t\))?",), option="modulus_unit", limits=_POLYMERS),
@@ -65,19 +80,21 @@ QUANTITIES = (
              (r"\|?(eta|η|h)\*\|?|complex viscosity|komplexe viskosität|eta_?(abs|star)",)),
     Quantity("viscosity_real", "viscosity", (r"(eta|η|h)(_?1|'|_?prime)|(dynamic|real|storage) viscosity",)),
     Quantity("viscosity_imaginary", "viscosity",
-             (r"(eta|η|h)(_?2|''|_?(double_?prime|dprime|pp))|(imaginary|loss|out[- ]of[- ]phase) viscosity",)),
+             (r"(eta|η|h)(_?2|''|_?(double_?prime|dprime|pp))|(imaginary|loss|out[- ]of[- ]phase) viscosity",),
+             signed=True),
     Quantity("compliance", "compliance", (r"\|[jd]\*\|?|[jd]\*|[jd]_?abs|(complex|dynamic) compliance",)),
     Quantity("compliance_storage", "compliance",
              (r"[jd](_?1|'|_?(prime|stor|storage))|storage compliance|speichernachgiebigkeit",)),
     Quantity("compliance_loss", "compliance",
-             (r"[jd](_?2|''|_?(pp|dprime|double_?prime|loss))|loss compliance|verlustnachgiebigkeit",)),
+             (r"[jd](_?2|''|_?(pp|dprime|double_?prime|loss))|loss compliance|verlustnachgiebigkeit",), signed=True),
     Quantity("creep", "compliance",
              (r"[jd]\(t\)|((creep|shear|tensile|shear creep|tensile creep) )?compliance( [jd](\(t\))?)?|"
               r"kriechnachgiebigkeit|creep|[jd]_?(creep|t)|(?-i:[JD])",)),
     Quantity("stiffness", "stiffness",
              (r"\|?k\*\|?|k_?(abs|dyn)|((dynamic|complex) )?stiffness|(dynamische )?steifigkeit",)),
     Quantity("stiffness_storage", "stiffness", (r"k(_?1|'|_?(prime|stor|storage))|(storage|elastic) stiffness",)),
-    Quantity("stiffness_loss", "stiffness", (r"k(_?2|''|_?(pp|dprime|double_?prime|loss))|(loss|viscous) stiffness",)),
+    Quantity("stiffness_loss", "stiffness", (r"k(_?2|''|_?(pp|dprime|double_?prime|loss))|(loss|viscous) stiffness",),
+             signed=True),
     Quantity("stress", "modulus", (r"((shear|tensile) )?stress( \u03c3| sigma)?|(schub)?spannung|\u03c3|sigma",)),
 )  # fmt: skip
 _PAIRS = (
@@ -239,7 +256,9 @@ def _read(
     """
     sheet = sheet_of_frame(source) if is_frame(source) else read_sheet(source)
     layout = format_of(sheet)
-    found = [part for table in layout.tables(sheet) for part in _parts(sheet.name, table, columns)]
+    whole = layout.tables(sheet)
+    refuse_wide(sheet.name, whole)
+    found = [part for table in whole for part in _parts(sheet.name, table, columns)]
     parts: list[Dma] = []
     absent, known, lines, width = "", [], [], 0
     for table in found:
@@ -267,8 +286,11 @@ def _read(
             continue
         read = [*_of_kind(sheet.name, read, kind), *user.values()]
         table = table._replace(fixed=table.fixed | constants)
-        needed = _needed({*(one.role for one in read), *table.fixed})
+        users = {*user, *constants}
+        needed = _needed({*(one.role for one in read), *table.fixed}, users)
         chosen = choose(sheet.name, [one for one in read if one.role in needed], table, units)
+        if not {"loss", "tangent"} & users:
+            refuse_contradiction(sheet.name, table, chosen, read, units)
         parts.append(_measurement(sheet.name, layout, table, chosen, kind, units, specimen))
         lines.append(table.rows[0].line)
         width = len(table.heads)
@@ -302,9 +324,13 @@ def _lacking(roles: set[str]) -> str:
     return f"there is no column of {' and '.join(lack)}"
 
 
-def _needed(roles: set[str]) -> tuple[str, ...]:
-    """The roles that make the measurement: rate and both moduli, or time and what was measured over it; temperature."""
-    pair = next((pair for pair in _PAIRS if set(pair) <= roles and "frequency" in roles), None)
+def _needed(roles: set[str], users: set[str]) -> tuple[str, ...]:
+    """The roles that make the measurement: rate and both moduli, or time and what was measured over it; temperature.
+
+    Of several pairs of moduli the one with most of what the user names.
+    """
+    pairs = [pair for pair in _PAIRS if set(pair) <= roles and "frequency" in roles]
+    pair = max(pairs, key=lambda pair: len(users.intersection(pair)), default=None)
     if pair:
         return ("frequency", *pair, "temperature", "strain")
     timed = next((group for group in _TIMED if set(group) <= roles and "time" in roles), None)
@@ -335,11 +361,12 @@ def _measurement(
     units: dict[str, str],
     specimen: Specimen,
 ) -> Dma:
-    needed = _needed({*chosen, *table.fixed})
+    needed = _needed({*chosen, *table.fixed}, set())
     chosen = {role: chosen[role] for role in needed if role in chosen}
     if needed[0] == "frequency" and "strain" in chosen and not _is_strain(table, chosen["strain"]):
         del chosen["strain"]
     kind = _kind(name, table, chosen, kind, layout)
+    chosen, turned = with_sign(name, table, chosen)
     values, good, bad = measured(name, table, chosen, units)
     if not good.any():
         raise InputError(f"{name}: no row below {next(iter(chosen.values())).title!r} is a measurement ({bad[0]}).")
@@ -352,7 +379,7 @@ def _measurement(
     common: dict[str, Any] = {
         "kind": kind,
         "units": said,
-        "warnings": left_out(name, bad, "bad_rows and in the master curve's table"),
+        "warnings": (*turned, *left_out(name, bad, "bad_rows and in the master curve's table")),
         "bad_rows": tuple(bad),
         "source": name,
         "shifted": layout.shifted,

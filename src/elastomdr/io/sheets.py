@@ -19,6 +19,7 @@ _PATIENCE = 60  # seconds for a spreadsheet
 _LONGEST_LINE = 2_000_000  # characters
 _MOST_CELLS = 25_000_000  # of a text: a map of 5000 by 5000 points
 _EXPECTED = set("°º±²³µ·äöüÄÖÜßéèêëàâçñôûîóáíåæøÅÆØ\u00d7\u2018\u2019\u201c\u201d\u2013\u2014\u2026\u2022")
+_CLOCK = re.compile(r"(\d{1,5}):([0-5]\d):([0-5]\d(?:[.,]\d*)?)")  # hh:mm:ss
 _MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?")  # a number, whatever its comma and point mean
 
 
@@ -137,6 +138,14 @@ def number(cell: str) -> float:
         return np.nan
 
 
+def seconds(cell: str) -> float:
+    """The seconds of a time that is written as hh:mm:ss; NaN where a cell holds something else."""
+    match = _CLOCK.fullmatch(cell)
+    if match is None:
+        return np.nan
+    return 3600.0 * int(match[1]) + 60.0 * int(match[2]) + float(match[3].replace(",", "."))
+
+
 def with_points(rows: list[Row], separator: str) -> list[Row]:
     """The same rows with decimal points and nothing between thousands, whatever a sheet uses for either.
 
@@ -182,7 +191,8 @@ def _separator(lines: list[str]) -> str:
         score = 0.0
         for line in sample:
             cells = line.split() if separator == " " else line.split(separator)
-            known = sum(_MARKED.fullmatch(cell.strip().strip('"')) is not None for cell in cells)
+            bare = [cell.strip().strip('"') for cell in cells]
+            known = sum(_MARKED.fullmatch(cell) is not None or _CLOCK.fullmatch(cell) is not None for cell in bare)
             score += known if known >= 2 and (separator != " " or 2 * known >= len(cells)) else 0
         if score > 1.05 * most:
             best, most = separator, score

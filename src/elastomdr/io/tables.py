@@ -10,14 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .sheets import Row, Sheet, number
+from .sheets import Row, Sheet, number, seconds
 from .units import is_unit
 
 _MARK = re.compile(r"\s*(?:#+|%+|//+|;+)\s*")  # begins a line that programs which want numbers pass over
 _BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]")
 _COPY = re.compile(r"(.*\S)\.\d+")  # what pandas makes of a title that it has met before
 _HOLES = ("nan", "na", "n/a", "null", "none", "-", "--")  # cells without a value
-_LONGEST = 5000  # characters of a line of titles
+MOST_COLUMNS = 2000  # of a table with titles; a wider one is a matrix, and its titles are not looked at
+_LONGEST_LINE = 5000  # characters of a line of titles that is cut at blanks
 
 
 class Head(NamedTuple):
@@ -38,10 +39,15 @@ class Table(NamedTuple):
     fixed: dict[str, float] = {}  # noqa: RUF012  what holds for all rows, by role [SI]
 
     def column(self, place: int) -> np.ndarray:
-        """The numbers of a column, NaN where there are none."""
+        """The numbers of a column, of times as hh:mm:ss their seconds, NaN where there are none."""
         with contextlib.suppress(ValueError, IndexError):  # fast, where all are numbers
             return np.array([row.cells[place] for row in self.rows]).astype(float)
-        return np.array([number(row.cells[place]) if place < len(row.cells) else np.nan for row in self.rows])
+        values = np.array([number(row.cells[place]) if place < len(row.cells) else np.nan for row in self.rows])
+        return self.clock(place) if np.isnan(values).all() else values
+
+    def clock(self, place: int) -> np.ndarray:
+        """The seconds of the times in a column that are written as hh:mm:ss, NaN where there are none."""
+        return np.array([seconds(row.cells[place]) if place < len(row.cells) else np.nan for row in self.rows])
 
 
 def tables(sheet: Sheet, fewest: int = 2) -> list[Table]:
@@ -87,12 +93,12 @@ def main_table(sheet: Sheet, fewest: int = 2) -> Table | None:
 
 
 _LISTED, _SHOWN = 24, 60  # columns in a message, and characters of the title of each
-_LONGEST = 500  # characters of a title: the time to split one grows as the square
+_LONGEST_TITLE = 500  # characters of a title: the time to split one grows as the square
 
 
 def splits(title: str) -> Iterator[tuple[str, str]]:
     """Name and unit of a title such as "G' [MPa]", "f (Hz)", "E' / MPa", "f, Hz", "freq_hz", as it may be meant."""
-    if len(title) > _LONGEST:
+    if len(title) > _LONGEST_TITLE:
         return
     match = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\[\]()]*)\s*[\])]", title)
     if match:
@@ -125,11 +131,12 @@ def _short(title: str) -> str:
 
 def _table(sheet: Sheet, above: list[Row], rows: list[Row], before: Table | None) -> Table:
     width = Counter(len(row.cells) for row in islice(rows, 400)).most_common(1)[0][0]
-    titles, units = _header(sheet, above, width, True)
+    titles, units = _header(sheet, above, width, True) if width <= MOST_COLUMNS else ([], [])
     if not titles and before is not None and len(before.heads) == width:
         heads = before.heads
     else:  # a remark may have been cut at its commas: narrower than the table is the second choice
-        titles, units = (titles, units) if titles else _header(sheet, above, width, False)
+        if not titles and width <= MOST_COLUMNS:
+            titles, units = _header(sheet, above, width, False)
         titles, units = ([*cells, *[""] * (width - len(cells))] for cells in (titles, units))
         heads = [Head(i, title, units[i] if i < len(units) else "") for i, title in enumerate(titles)]
     return Table(heads, rows, above, width if sheet.separator == " " else 0)
@@ -177,7 +184,7 @@ def _cuts(line: str) -> Iterator[list[str]]:
     """A line of titles in the ways that it may be meant: at blanks that are not before a bracket, at two blanks, at
     other separators, behind brackets.
     """
-    if len(line) > _LONGEST:
+    if len(line) > _LONGEST_LINE:
         return
     joined = re.sub(r"(?<=\S)\s+(?=[\[(])", "\0", _BRACKETS.sub(lambda match: re.sub(r"\s+", "\0", match[0]), line))
     joined = re.sub(r"\s+/\s+", "\0/\0", joined)
@@ -203,13 +210,23 @@ def _belongs(sheet: Sheet, row: Row, rows: list[Row], fewest: int) -> bool:
     first = next((cell for cell in row.cells if cell), "#")
     if first.startswith(("#", "%", "//")) or first.endswith(":"):
         return False
-    enough = _numbers(row.cells, fewest) == fewest
+    enough = _numbers(row.cells, fewest) == fewest or _is_timed(row.cells, fewest)
     if enough or not rows:
         return enough
     cells = [cell for cell in row.cells if cell]
     wide = len(cells) > 2 or (sheet.separator != "" and len(row.cells) == len(rows[-1].cells) > 2)
     holes = all(cell.lower() in _HOLES for cell in cells)
     return holes or bool(np.isfinite(number(cells[0]))) or (wide and _numbers(cells, 1) == 1)
+
+
+def _is_timed(cells: Sequence[str], fewest: int) -> bool:
+    """Whether a row holds nothing but numbers and a time as hh:mm:ss: remarks have words beside it."""
+    filled = [cell for cell in cells if cell]
+    if len(filled) < fewest or not any(":" in cell for cell in filled):
+        return False
+    values = [number(cell) for cell in filled]
+    clocks = [seconds(cell) for cell in filled]
+    return bool(np.isfinite(values).any() and (np.isfinite(values) | np.isfinite(clocks)).all())
 
 
 def _begins(row: Row, first: Row) -> bool:

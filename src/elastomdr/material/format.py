@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, closest
-from ..files import read_bytes, write_files
+from ..files import read_text, write_files
 
 GRADES = ("measured", "published fit", "fitted here", "estimated", "illustrative")
 
@@ -100,13 +100,12 @@ _HEADER = "# Material of elastomdr, SI units throughout; the format is described
 def read_document(path: Path) -> dict[str, Any]:
     """A material file's content, with known keys and right types only; raises `InputError`, one line with the path."""
     try:
-        raw = read_bytes(path)
-        document = tomllib.loads(raw.decode("utf-8"))
+        document = tomllib.loads(read_text(path))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error}).") from error
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise InputError(f"{path}, line {line}: a material file must be UTF-8 text.") from error
+        raise InputError(f"{path}, line {line}: a material file must be UTF-8 text: save it as UTF-8.") from error
     except (ValueError, RecursionError) as error:  # tomllib's own error is a ValueError and says line and column
         raise InputError(f"{path}: not valid TOML: {' '.join(str(error).split())}.") from error
     validate(path, document)
