@@ -112,6 +112,30 @@ def test_limits_of_temperature():
     assert twin.road_share == pytest.approx(0.5, abs=0.005)
 
 
+def test_a_profile_far_from_that_of_cold_rubber():
+    """Cold, the finest waves of this tread would be heated by 2,800 K; its steady state is 118 K hot, and the only one."""
+    tread = em.load_material("tread-passenger-synthetic")
+    road = em.SelfAffine(0.8, rms_slope=1.3, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 1e-4)
+    curve = em.friction(
+        tread, road, velocity=np.array([8.8, 16.0, 30.0]), pressure=1.2e5, temperature=258.15, heat=HEAT
+    )
+    assert curve.converged.all()
+    np.testing.assert_allclose(curve.contact_rise, [93.5, 105.0, 117.6], atol=1.0)
+    assert "hot branch" not in curve.summary()
+
+
+def test_a_hotter_steady_state_is_said():
+    """Shear that rises with temperature heats itself: from a warm start rubber stays where cold rubber does not go."""
+    rubber = em.Prony(1e6, [1e6, 1e6, 1e7, 1e8], [1e-4, 1e-3, 1e-6, 1e-8], shift=em.WLF(8.86, 101.6, 250.15))
+    road = em.SelfAffine(0.8, rms_slope=0.6, q_low=1e3, q_high=1e5)
+    shear = em.AdhesiveShear(3e7, 1e-2, 0.4, shift=em.Arrhenius(1.5e5, 350.0))
+    curve = em.friction(
+        rubber, road, velocity=10.0, temperature=243.15, pressure=3e5, heat=em.Heat(0.2, 2e6), adhesion=shear
+    )
+    assert curve.temperature_rise < 10
+    assert "1 points have a second, hotter steady state" in curve.summary()
+
+
 def test_a_shift_law_that_ends():
     table = em.ShiftTable([280.0, 293.15, 296.0], WLF.log10_a([280.0, 293.15, 296.0]))
     short = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=table)

@@ -288,15 +288,20 @@ def _stations(spectrum: Any, per_decade: int) -> Any:
 def _first(problem: Problem, model: Any, stations: int, highest: float) -> tuple[Any, Any, Any, Any]:
     """Stations, rises near the lowest steady state, where there is one, and where there is another.
 
-    With the profile of the cold state, the height of the profile is looked for at which friction makes it.
+    Of a profile over the stations, the height is looked for at which friction makes it. The profile is that of a steady
+    state on coarse cells: the one that cold rubber would make is far steeper where the finest waves are glassy. Where
+    no steady state is reached in a few rounds, it is the profile of cold rubber after all.
     """
     xp = namespace(problem.reduced, *_leaves(problem))
     log_q = _stations(problem.spectrum, stations)
     conduct = _conduction(problem, _SCAN, log_q)
     count = problem.reduced.shape[0]
-    cold = _state(problem, model, conduct)(xp.zeros((count, log_q.shape[0])))
-    top = xp.maximum(cold.rise.max(-1), _NOTHING)
-    shape = cold.rise / top[:, None]
+    of = _state(problem, model, conduct)
+    cold = xp.zeros((count, log_q.shape[0]))
+    rise, steady = _settle(of, cold, highest)
+    state = of(xp.where(steady[:, None], rise, cold))
+    top = xp.maximum(state.rise.max(-1), _NOTHING)
+    shape = state.rise / top[:, None]
     table = _tables(problem, conduct.at, _SCAN, highest)
     low, middle = 0.02 * top, xp.minimum(5 * top + 5.0, highest)
     steps = [xp.minimum(low, 0.5 * highest)]
@@ -324,7 +329,7 @@ def _first(problem: Problem, model: Any, stations: int, highest: float) -> tuple
             stress = problem.adhesion.shear_stress(part.velocity, part.kelvin + rise[some, -1])
             mu = mu + stress * found.area / part.pressure
         power.append(mu * part.pressure * part.velocity)
-    made = top * xp.concatenate(power).reshape(tried.shape) / cold.flux
+    made = top * xp.concatenate(power).reshape(tried.shape) / state.flux
     below = made <= tried
     first = xp.argmax(below, axis=0)
     crossed = below[1:] & ~below[:-1]
@@ -334,8 +339,13 @@ def _first(problem: Problem, model: Any, stations: int, highest: float) -> tuple
     (x_0, x_1), (y_0, y_1) = ([a[i, every] for i in (before, first)] for a in (tried, made))
     slope = (y_1 - y_0) / xp.where(x_1 > x_0, x_1 - x_0, 1.0)
     root = xp.clip((y_0 - slope * x_0) / xp.where(slope < 1, 1 - slope, 1.0), x_0, x_1)
-    start = xp.where(first == 0, xp.minimum(made[0], tried[0]), root)
-    return log_q, start[:, None] * shape, below.any(0), several
+    start = xp.where(first == 0, xp.minimum(made[0], tried[0]), root)[:, None] * shape
+    if xp is np and several.any():  # another height is a steady state only where its temperatures settle
+        last = crossed.shape[0] - np.argmax(crossed[::-1], axis=0)
+        lowest, settled = _settle(of, start, highest)
+        hotter, hot = _settle(of, tried[last, every, None] * shape, highest)
+        several &= settled & hot & (hotter.max(-1) > 1.01 * lowest.max(-1))
+    return log_q, start, below.any(0) | steady, several
 
 
 def _settle(of: Callable[[Any], State], rise: Any, highest: float) -> tuple[Any, Any]:
