@@ -55,7 +55,7 @@ def written(capsys, verb: str, scene: str, stem: str, title: str) -> pd.DataFram
     assert err == ""
     assert out.startswith(f"{title}\n")
     assert f"out/{stem}.csv" in out.replace(os.sep, "/")
-    assert sorted(p.name for p in Path("out").iterdir()) == [f"{stem}.csv", f"{stem}.png"]
+    assert sorted(p.name for p in Path("out").iterdir() if p.suffix != ".tir") == [f"{stem}.csv", f"{stem}.png"]
     assert Path(f"out/{stem}.png").read_bytes().startswith(b"\x89PNG")
     return pd.read_csv(f"out/{stem}.csv", comment="#")
 
@@ -110,6 +110,9 @@ def test_traction(capsys, friction):
     )  # fmt: skip
     np.testing.assert_allclose(table["traction coefficient [-]"], found.coefficient.ravel(), rtol=1e-12)
     np.testing.assert_allclose(table["slip [-]"], np.tile(slip, 4), rtol=1e-12)
+    assert {p.name for p in Path("out").glob("*.tir")} == {f"scene-traction-{t}degC.tir" for t in (0, 20)}
+    found.to_tir("warm.tir", radius=0.3, width=0.16, temperature=293.15)
+    assert Path("out/scene-traction-20degC.tir").read_text() == Path("warm.tir").read_text()
 
 
 def test_traction_of_a_ball(capsys):
@@ -122,6 +125,7 @@ def test_traction_of_a_ball(capsys):
     found = em.traction(em.load_material("rubber.toml"), em.Paraboloid(5e-3), velocity=25, creepage=[0.01, 0.1], load=5,
                         friction=0.5, temperature=np.array([[273.15], [293.15]]), rtol=1e-4)  # fmt: skip
     np.testing.assert_allclose(table["tractive force [N]"], found.force.ravel(), rtol=1e-12)
+    assert not list(Path("out").glob("*.tir"))  # a ball is no tyre
 
 
 def test_rough_slide(capsys):

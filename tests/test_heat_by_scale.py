@@ -113,7 +113,7 @@ def test_limits_of_temperature():
 
 
 def test_a_profile_far_from_that_of_cold_rubber():
-    """Cold, the finest waves of this tread would be heated by 2,800 K; its steady state is 118 K hot, and the only one."""
+    """Cold, the finest waves would be heated by 2,800 K; the one steady state is 118 K hot."""
     tread = em.load_material("tread-passenger-synthetic")
     road = em.SelfAffine(0.8, rms_slope=1.3, q_low=2 * np.pi / 5e-3, q_high=2 * np.pi / 1e-4)
     curve = em.friction(

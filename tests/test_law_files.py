@@ -158,6 +158,29 @@ def test_property_file(tmp_path):
     np.testing.assert_allclose(again.force(curve.slip, load), -force, rtol=1e-6)
 
 
+def test_one_of_several_temperatures(tmp_path):
+    """A property file has one temperature: that which is named, and the same as if nothing else had been computed."""
+    law = em.FrictionLaw([1e-3, 1.0, 30.0], [[1.1, 1.2, 0.8], [0.9, 1.0, 0.6]], temperature=[280.0, 300.0])
+    rubber = em.StandardSolid(3e5, 2e5, 1e-3, shift=em.WLF(8.86, 101.6, 293.15))
+    slip = np.concatenate([np.geomspace(1e-3, 0.1, 10), np.linspace(0.12, 0.9, 6)])
+
+    def brakes(kelvin):
+        return em.traction(
+            em.Foundation(8e7, [], []), em.Cylinder(radius=0.3, length=0.16), friction=law, velocity=20.0, slip=slip,
+            load=4e3, temperature=kelvin, tangential=em.springs(rubber, 8e-3, tangential=True), rtol=1e-4,
+        )  # fmt: skip
+
+    curve = brakes(np.array([[280.0], [300.0]]))
+    with pytest.raises(em.InputError, match="temperature must be one for a Magic Formula"):
+        curve.to_tir(tmp_path / "x", radius=0.3, width=0.16)
+    with pytest.raises(em.InputError, match=r"temperature must be one of the slip curve \(280 K, 300 K\), got 290"):
+        curve.magic_formula(temperature=290)
+    one = brakes(300.0).magic_formula()
+    assert curve.magic_formula(temperature=300.0).coefficients == pytest.approx(one.coefficients, rel=1e-4)
+    curve.to_tir(tmp_path / "x", radius=0.3, width=0.16, temperature=280.0)
+    assert "PDX1" in (tmp_path / "x").read_text()
+
+
 def test_what_has_no_file(tmp_path):
     hole = em.FrictionLaw([1.0, 2.0], [0.3, np.nan])
     for write in (hole.to_abaqus, hole.to_fric_coef, hole.to_modelica):

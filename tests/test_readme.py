@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.cli.main import main
+from elastomdr.cli.main import _parser, main
 from elastomdr.solve.multiscale import FORM
 
 ROOT = Path(__file__).parents[1]
@@ -66,6 +66,58 @@ def test_python_runs(page, tmp_path, monkeypatch):
         exec(compile(block, page.name, "exec"), names)
     if page.name == "README.md":
         assert {file.name for file in tmp_path.iterdir()} == {"friction.png"}
+
+
+def inline(page: Path) -> list[str]:
+    """The pieces of code within the sentences of a page."""
+    text = re.sub(r"^ *```.*?^ *```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    return re.findall(r"`([^`\n]+)`", text)
+
+
+SHOWN = {  # what a name in the sentences of a page stands for
+    "em": em, "fit": em.fit.MaterialFit, "fit.prony": em.fit.PronyFit, "curve": em.FrictionCurve,
+    "law": em.FrictionLaw, "found": em.Traction,
+}  # fmt: skip
+PAGES_OF_USERS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+@pytest.mark.parametrize("page", PAGES_OF_USERS, ids=lambda page: page.name)
+def test_names_in_sentences_exist(page):
+    """`fit.band(omega)` and its like, of which no block of code is made."""
+    for code in inline(page):
+        for name in re.findall(r"(?<![\w./\"])((?:em|fit|curve|law|found)(?:\.[A-Za-z_]\w*)+)(?!\.?\w)", code):
+            if name.endswith((".py", ".toml", ".csv", ".md")):
+                continue
+            first, *rest = name.split(".")
+            if first == "fit" and len(rest) > 1:
+                first, rest = f"fit.{rest[0]}", rest[1:]
+            place = SHOWN[first]
+            for part in rest:
+                if part in getattr(place, "__dataclass_fields__", ()):  # what it holds is not known of a class
+                    break
+                assert hasattr(place, part), f"`{name}`: {part}"
+                place = getattr(place, part)
+
+
+COMMANDS = [
+    (page, line.removeprefix("$ ").partition(" #")[0])
+    for page in PAGES_OF_USERS
+    for line in [
+        *(line for kind in ("bash", "console", "") for block in blocks(page, kind) for line in block.splitlines()),
+        *inline(page),
+    ]
+    if re.match(r"(\$ )?elastomdr (?!--)\w+ .*[A-Z.]", line)
+]
+MADE = ("mine", "fitted", "dma", "profile", "road", "DMA", "map", "friction", "NAME", "roads", "name")
+
+
+@pytest.mark.parametrize(("page", "line"), COMMANDS, ids=[f"{page.stem}: {line}" for page, line in COMMANDS])
+def test_commands_of_the_pages_are_understood(page, line):
+    """Their options are there, and so is a scene that they name, unless the page or the command before makes it."""
+    given = _parser().parse_args(shlex.split(line)[1:])
+    scene = getattr(given, "scene", None)
+    if scene and given.verb != "init" and Path(scene).stem not in MADE:
+        assert any((ROOT / folder / scene).is_file() for folder in ("", "examples/scenes")), scene
 
 
 def test_first_block_is_five_lines():

@@ -6,6 +6,7 @@ import json
 import os
 import pickle
 import re
+import shutil
 import subprocess
 import sys
 import textwrap
@@ -216,6 +217,58 @@ def test_one_at_a_time(tmp_path):
                 em.sweep(**scene(store=tmp_path / name))
 
 
+def spoil_chunk(file):
+    data = bytearray(file.read_bytes())
+    data[-3] ^= 1
+    file.write_bytes(data)
+
+
+SPOILT = {  # which file, what becomes of it, how many of the three chunks are computed again
+    "a chunk is gone": ("mu/1.0.0", Path.unlink, 1),
+    "a chunk is cut": ("mu/1.0.0", lambda file: os.truncate(file, 5), 1),
+    "a chunk is empty": ("converged/2.0.0", lambda file: os.truncate(file, 0), 1),
+    "a bit of a chunk": ("error/0.0.0", spoil_chunk, 1),
+    "a state is cut": ("state/0.0.0", lambda file: os.truncate(file, 1), 1),
+    "an array is gone": ("mu", shutil.rmtree, 3),
+    "what says what an array is is gone": ("mu/.zarray", Path.unlink, 3),
+    "the state is gone": ("state/.zarray", Path.unlink, 3),
+}
+
+
+@pytest.mark.parametrize("spoilt", SPOILT.values(), ids=SPOILT.keys())
+def test_what_is_damaged_is_computed_again_and_said(spoilt, tmp_path, monkeypatch):
+    small(monkeypatch, 14)
+    place, spoil, count = spoilt
+    whole = em.sweep(**scene(store=tmp_path / "runs.zarr")).load()
+    spoil(tmp_path / "runs.zarr" / place)
+    done = []
+    compute = run.compute
+    monkeypatch.setattr(run, "compute", lambda *work: done.append(work[1]) or compute(*work))
+    said = (
+        f"{count} of 3 chunks of store .* are damaged and computed again; the first: '{place.removesuffix('.zarray')}"
+    )
+    with pytest.warns(UserWarning, match=said):
+        found = em.sweep(**scene(store=tmp_path / "runs.zarr"))
+    assert len(done) == count
+    xarray.testing.assert_identical(found.load(), whole)
+    em.sweep(**scene(store=tmp_path / "runs.zarr"))  # now it is whole, and nothing is said
+    assert len(done) == count
+
+
+@pytest.mark.parametrize("change", [b"", b"{", b"[]", b'{"zarr_format": 2}'])
+@pytest.mark.parametrize("place", [".zgroup", ".zattrs", "mu/.zarray", "mu/.zattrs", "load/.zarray", "state/.record"])
+def test_a_store_whose_metadata_are_spoilt_is_refused_in_a_line(place, change, tmp_path):
+    axes = {"load": [1.0, 3.0]}
+    given = scene(axes=axes, material=rubber(1), velocity=0.1, store=tmp_path / "runs.zarr")
+    em.sweep(**given)
+    if (place, change) in ((".zgroup", b'{"zarr_format": 2}'), ("state/.record", b"")):
+        return  # this is what it was, or a record of nothing, by which all is computed again
+    (tmp_path / "runs.zarr" / place).write_bytes(change + b"\n" if place.endswith("d") else change)
+    with pytest.raises(em.InputError, match=r"is damaged|must be a new folder or one that em.sweep has made") as said:
+        em.sweep(**given)
+    assert "\n" not in str(said.value)
+
+
 def test_a_folder_of_somebody_else_is_left_alone(tmp_path):
     (tmp_path / "letters.txt").write_text("dear")
     with pytest.raises(em.InputError, match="new folder"):
@@ -388,6 +441,7 @@ def test_without_the_packages(tmp_path, monkeypatch):
 
 
 SCENE = """
+title = "Two treads"
 material = ["tread-passenger-synthetic", "tread-winter-synthetic"]
 temperature = ["0 degC", "20 degC"]
 [indenter]
@@ -421,12 +475,23 @@ def test_command(tmp_path, capsys):
     table = pandas.read_csv(tmp_path / "all.csv", comment="#")
     assert len(table) == 16
     assert np.isclose(table["friction coefficient [-]"], alone.mu, rtol=1e-9).sum() == 1
-    assert "velocity [m/s]" in (tmp_path / "all.csv").read_text()
+    text = (tmp_path / "all.csv").read_text()
+    assert "velocity [m/s]" in text
+    head = [line for line in text.splitlines() if line.startswith("#")]
+    assert "# scene: scene.toml" in head
+    assert "# title: Two treads" in head
+    assert "# material: tread-passenger-synthetic, tread-winter-synthetic" in head
+    assert "# indenter: sphere, radius 0.005 m; sphere, radius 0.01 m" in head
     status, said = command(tmp_path, capsys, SCENE, "--table", str(tmp_path / "all.xlsx"))
     assert status == 0
     sheet = pandas.read_excel(tmp_path / "all.xlsx", engine="openpyxl")
     assert sheet.columns.tolist() == table.columns.tolist()
     np.testing.assert_allclose(sheet["friction coefficient [-]"], table["friction coefficient [-]"], rtol=1e-12)
+    (tmp_path / "s.zarr" / "mu" / "0.0.0.0").unlink()
+    status, said = command(tmp_path, capsys, SCENE)
+    assert status == 0
+    (line,) = said.err.splitlines()
+    assert re.match(r"elastomdr: warning: 1 of \d+ chunks of store .* are damaged and computed again; the first", line)
     status, said = command(tmp_path, capsys, SCENE.replace("10 N", "11 N"))
     assert status == 2
     assert "was made with other inputs" in said.err
@@ -439,6 +504,10 @@ def test_a_friction_map_in_one_command(tmp_path, capsys):
         tmp_path, capsys, text.replace("points = 26", "points = 3"), "--table", str(tmp_path / "m.csv")
     )
     assert status in (0, 3), said.err
+    table = (tmp_path / "m.csv").read_text()
+    assert "# material: tread-passenger-synthetic\n" in table
+    assert "# surface: self-affine surface, rms height" in table
+    assert "# title: Friction map of a tread compound\n" in table
     law = em.load_friction(tmp_path / "m.csv")
     assert law.mu.shape == (4, 3, 3)
     store = xarray.open_zarr(tmp_path / "s.zarr")

@@ -1,4 +1,4 @@
-"""`elastomdr friction`, `rolling`, `indent`, `impact`, `slide`, `traction`: a scene to a table and a figure."""
+"""`elastomdr friction`, `rolling`, `indent`, `impact`, `slide`, `traction`: a scene to a table, a figure and more."""
 
 import argparse
 import contextlib
@@ -40,6 +40,7 @@ def run(options: argparse.Namespace) -> int:
             f"{stem}.csv": lambda to: _write_table(result, to, notes),
             f"{stem}.png": lambda to: _write_figure(result.plot(**shown), to),
         }
+        files |= {f"{stem}{end}": write for end, write in scene.further_files(result).items()}
         if (contact := _contact(arguments, result)) is not None:
             files[f"{stem}-contact.png"] = lambda to: _write_figure(contact.plot(), to)
         write_all(folder, files)

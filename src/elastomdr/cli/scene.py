@@ -4,7 +4,7 @@ import abc
 import contextlib
 import dataclasses
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -128,6 +128,10 @@ class Scene(Table):
     def said(self, result: Any) -> str:
         """What is printed below the summary of the result."""
         return ""
+
+    def further_files(self, result: Any) -> dict[str, Callable[[Path], None]]:
+        """What is written besides table and figure: the end of each file's name, and what writes it."""
+        return {}
 
     @abc.abstractmethod
     def arguments(self, folder: Path) -> dict[str, Any]:

@@ -4,14 +4,14 @@ import argparse
 import copy
 import itertools
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import elastomdr as em
 
-from ..errors import ConvergenceWarning, InputError
+from ..errors import InputError
 from . import DONE, NOT_CONVERGED
 from .compute import warned_of_at_the_end
 from .kinds import decoded, read_content
@@ -68,19 +68,20 @@ def run(options: argparse.Namespace) -> int:
     if options.table and Path(options.table).suffix not in (".csv", ".xlsx"):
         raise InputError(f"--table must end with .csv or .xlsx, got {options.table!r}.")
     with named(f"{path.name or path}:"):
-        call, axes = assembled(read_content(path), path.parent)
-    with warned_of_at_the_end(), _client(options.scheduler) as client, warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", ConvergenceWarning)
+        content = read_content(path)
+        call, axes = assembled(content, path.parent)
+    with warned_of_at_the_end(), _client(options.scheduler) as client:
+        warnings.filterwarnings("always", message=r"\d+ of \d+ chunks of store ", category=UserWarning)
         found = em.sweep(call, axes, store=options.out, client=client)
-    for each in caught:
-        warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
     sizes = ", ".join(f"{name} {size}" for name, size in found.sizes.items())
     good = int(found.converged.sum())
     print(f"{found.converged.size} points ({sizes}), {good} converged")
     for name, values in found.data_vars.items():
         if name in ("mu", "coefficient", "restitution"):
             print(f"{name}: {float(values.min()):.4g} to {float(values.max()):.4g}")
-    print(f"wrote {options.out}" + (f" and {_table(found, Path(options.table))}" if options.table else ""))
+    if options.table:
+        _write_table(found, Path(options.table), list(_header(found, _inputs(call, content, path))))
+    print(f"wrote {options.out}" + (f" and {options.table}" if options.table else ""))
     return DONE if good == found.converged.size else NOT_CONVERGED
 
 
@@ -157,10 +158,10 @@ def _client(address: str | None) -> Any:
         raise InputError("--scheduler needs distributed: pip install elastomdr[sweep]") from error
 
 
-def _table(found: Any, path: Path) -> Path:
+def _write_table(found: Any, path: Path, header: list[str]) -> None:
     """All points as rows, titled as in the tables of curves, so that `em.load_friction` reads a map of friction.
 
-    What went in stands above. Raises `InputError` for a sheet too long.
+    The header stands above, or in a sheet of its own. Raises `InputError` for a sheet too long.
     """
     from ..files import csv_text, write_files
 
@@ -173,12 +174,11 @@ def _table(found: Any, path: Path) -> Path:
         f"{a.get('long_name', name)} [{a['units']}]" if a.get("units") else a.get("long_name", name)
         for name, a in about.items()
     ]
-    header = list(_header(found))
     if path.suffix == ".csv":
         write_files(
             {path: csv_text(header, dict(zip(titles, (frame[c].to_numpy() for c in frame), strict=True))).encode()}
         )
-        return path
+        return
     import io
 
     buffer = io.BytesIO()
@@ -189,10 +189,32 @@ def _table(found: Any, path: Path) -> Path:
         frame.to_excel(book, sheet_name="result", index=False)
         pandas.DataFrame(header, columns=["inputs"]).to_excel(book, sheet_name="inputs", index=False)
     write_files({path: buffer.getvalue()})
-    return path
 
 
-def _header(found: Any) -> Iterator[str]:
+def _inputs(call: Varied, content: dict[str, Any], path: Path) -> Iterator[tuple[str, str]]:
+    """What went in: scene and title, and each material and body that was computed, once."""
+    yield "scene", path.name
+    if title := content.get("title"):
+        yield "title", " ".join(str(title).split())
+    materials = [getattr(given.get("material"), "name", "") or "given directly" for given in call.arguments]
+    yield "material", ", ".join(dict.fromkeys(materials))
+    bodies = {_in_words(given["shape"]): None for given in call.arguments if "shape" in given}
+    if bodies:
+        yield "surface" if "surface" in content else "indenter", "; ".join(bodies)
+
+
+def _in_words(body: Any) -> str:
+    """A body or a surface, or draws of one."""
+    from ..material.draws import Draws
+    from ..results.words import describe
+
+    if isinstance(body, Draws):
+        return f"{body.name}, {body.words}"
+    return f"{body.label}, {body.words()}" if hasattr(body, "words") else describe(body)
+
+
+def _header(found: Any, inputs: Iterable[tuple[str, str]]) -> Iterator[str]:
     yield f"elastomdr {em.__version__}: sweep"
     yield "units: SI, in brackets in the column titles"
+    yield from (f"{name}: {text}" for name, text in inputs)
     yield from (f"{name}: {value}" for name, value in found.attrs.items() if name != "sweep")

@@ -1,10 +1,13 @@
 """Scenes of `elastomdr traction`: a wheel or a ball that rolls with a creepage, or brakes with a slip."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import elastomdr as em
 
+from ..errors import InputError
 from .indenter import AnyShape, Cylinder, OfRevolution
 from .scene import Contact, Scene, body, load, on_axes
 from .schema import Several, Sweep, Table, given, path_from
@@ -82,3 +85,32 @@ class WheelTraction(_Traction):
         )
         sheared = em.springs(rubber, self.layer.thickness, tangential=True)
         return self.rolling(folder) | {"material": carries, "tangential": sheared}
+
+    def said(self, result: Any) -> str:
+        """Why there is no property file, where there is none."""
+        try:
+            self._temperatures(result)
+        except InputError as error:
+            return f"no .tir file: {error}"
+        return ""
+
+    def further_files(self, result: Any) -> dict[str, Callable[[Path], None]]:
+        """The Magic Formula as a property file, one for each temperature; none where it cannot be fitted."""
+        try:
+            temperatures = self._temperatures(result)
+        except InputError:  # said below the summary
+            return {}
+        size = {"radius": self.indenter.radius, "width": self.indenter.length}
+        return {end: partial(result.to_tir, temperature=kelvin, **size) for end, kelvin in temperatures.items()}
+
+    @staticmethod
+    def _temperatures(result: Any) -> dict[str, float | None]:
+        """The temperatures of which a Magic Formula is fitted, by the ends of their files. Raises `InputError`."""
+        import numpy as np
+
+        kelvins = [] if result.temperature is None else np.unique(result.temperature).tolist()
+        several = {f"-{kelvin - 273.15:.6g}degC.tir": kelvin for kelvin in kelvins}
+        temperatures: dict[str, float | None] = {".tir": None} if len(kelvins) < 2 else {**several}
+        for kelvin in temperatures.values():
+            result.magic_formula(temperature=kelvin)
+        return temperatures

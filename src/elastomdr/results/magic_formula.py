@@ -52,12 +52,19 @@ def _coefficient(p: Any, slip: np.ndarray, f: np.ndarray) -> np.ndarray:
     return grip * np.sin(shape * np.arctan(x - bend * (x - np.arctan(x))))
 
 
-def fitted(curve: Traction) -> MagicFormula:
-    """The Magic Formula of a slip curve at one speed and temperature. Raises `InputError`."""
+def fitted(curve: Traction, temperature: float | None = None) -> MagicFormula:
+    """The Magic Formula of a slip curve at one speed, and one temperature of those that it has [K].
+
+    Raises `InputError`.
+    """
     from scipy.optimize import least_squares
 
     mu = np.asarray(curve.coefficient, dtype=float)
-    for name, values in (("temperature", curve.temperature), ("velocity of the road", curve.road)):
+    kelvin = curve.temperature
+    if temperature is not None:
+        mu = np.where(_at(temperature, kelvin), mu, np.nan)
+        kelvin = None
+    for name, values in (("temperature", kelvin), ("velocity of the road", curve.road)):
         if values is not None and np.ptp(values) > 0:
             raise InputError(f"{name} must be one for a Magic Formula, got {np.ptp(values):.3g} between values.")
     creepage = np.broadcast_to(np.asarray(curve.creepage), mu.shape)
@@ -86,11 +93,22 @@ def fitted(curve: Traction) -> MagicFormula:
     )  # fmt: skip
 
 
-def write(curve: Traction, path: str | os.PathLike[str], radius: float, width: float) -> None:
+def _at(temperature: float, kelvin: Any) -> np.ndarray:
+    """Which points have a temperature. Raises `InputError` where none has."""
+    known = np.array([]) if kelvin is None else np.unique(kelvin)
+    if not np.isclose(known, temperature, rtol=0, atol=1e-6).any():
+        had = ", ".join(f"{value:g} K" for value in known) or "none, since the slip curve has none"
+        raise InputError(f"temperature must be one of the slip curve ({had}), got {temperature!r}.")
+    return np.isclose(kelvin, temperature, rtol=0, atol=1e-6)
+
+
+def write(
+    curve: Traction, path: str | os.PathLike[str], radius: float, width: float, temperature: float | None = None
+) -> None:
     """Writes the property file. Raises `InputError`."""
     positive("radius", radius)
     positive("width", width)
-    one = fitted(curve)
+    one = fitted(curve, temperature)
     zero = ("PDX3", "PEX3", "PEX4", "PKX3", "PHX1", "PHX2", "PVX1", "PVX2")
     tables: dict[str, dict[str, Any]] = {
         "MDI_HEADER": {"FILE_TYPE": "'tir'", "FILE_VERSION": 3.0, "FILE_FORMAT": "'ASCII'"},

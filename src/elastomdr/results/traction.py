@@ -81,24 +81,28 @@ class Traction(Result):
         coefficient = np.atleast_1d(np.asarray(self.coefficient))[index]
         return TractionPeak(creepage[index], np.where(pulled[index] >= 0, coefficient, np.nan), inside, index)
 
-    def magic_formula(self) -> "MagicFormula":
+    def magic_formula(self, *, temperature: float | None = None) -> "MagicFormula":
         """The Magic Formula fitted to this slip curve, of one speed and temperature, over its loads.
 
-        Raises `InputError` for several speeds or temperatures, and fewer than eight points that brake.
+        `temperature` [K] says which, where there are several. Raises `InputError` for several speeds or temperatures,
+        and fewer than eight points that brake.
         """
         from .magic_formula import fitted
 
-        return fitted(self)
+        return fitted(self, temperature)
 
-    def to_tir(self, path: str | os.PathLike[str], *, radius: float, width: float) -> None:
+    def to_tir(
+        self, path: str | os.PathLike[str], *, radius: float, width: float, temperature: float | None = None
+    ) -> None:
         """Writes the Magic Formula as a property file (.tir, PAC2002) in SI units: the longitudinal part only.
 
         `radius` and `width` of the tyre [m] go into the file; how far the fit is from the curve stands at its top.
-        Raises `InputError` as `magic_formula` does, and where the file cannot be written.
+        `temperature` [K] says which, where there are several. Raises `InputError` as `magic_formula` does, and where
+        the file cannot be written.
         """
         from .magic_formula import write
 
-        write(self, path, radius, width)
+        write(self, path, radius, width, temperature)
 
     def outcome(self) -> Iterator[tuple[str, str]]:
         """The largest traction and the rolling loss."""

@@ -69,7 +69,8 @@ def sweep(
     """Computes a verb at every combination of the values of several arguments, and keeps the results in a store.
 
     Chunks of points are computed by worker processes; each is written to the store when it is done. Called again
-    with the same arguments and store, after an interruption say, it computes what is missing.
+    with the same arguments and store, after an interruption say, it computes what is missing; what is damaged on the
+    disk, by the checksums of its files, as well, and warns of it.
 
     Args:
         call: `em.friction`, `em.rolling`, `em.impact`, or a function of yours that returns a result of one of these;
@@ -89,8 +90,8 @@ def sweep(
         calls raised; the messages stand in the attribute `raised`.
 
     Raises:
-        InputError: wrong axes; a store made with other inputs or by another version, or in use by another
-            process; a disk that is full; packages of `elastomdr[sweep]` that are not installed.
+        InputError: wrong axes; a store made with other inputs or by another version, in use by another process, or
+            whose metadata are damaged; a disk that is full; packages of `elastomdr[sweep]` that are not installed.
         ConnectionError: the cluster was lost. What was done is kept.
     """
     missing = [name for name in _NEEDED if not _installed(name)]
@@ -107,6 +108,13 @@ def sweep(
     with _alone(path):
         with _written(path):
             kept = Store(path, asked)
+        if kept.damaged:
+            warnings.warn(
+                f"{len(kept.damaged)} of {kept.state.size} chunks of store {str(path)!r} are damaged and computed "
+                f"again; the first: {next(iter(kept.damaged.values()))!r} is missing or not as it was written.",
+                UserWarning,
+                stacklevel=2,
+            )
         _compute(asked, kept, client, progress)
         with _written(path):
             kept.finish()

@@ -11,6 +11,7 @@ import numpy as np
 from .. import __version__
 from ..errors import InputError
 from .grid import Grid, difference
+from .record import Record, damaged
 
 if TYPE_CHECKING:
     import xarray
@@ -25,92 +26,118 @@ _ABOUT_STATE = {
 
 
 class Store:
-    """A folder in zarr's second format. Each chunk is one file per quantity, put in place whole; its state comes last.
+    """A folder in zarr's second format. Each chunk is one file per quantity, put in place whole; its record comes last.
 
     What a process that was killed, or a full disk, leaves behind is never wrong: the store says first what it is made
-    of, an array without its dimensions is made anew, and a chunk counts when its state is written.
+    of, an array or a chunk without a line in the record is made anew, and so is a chunk whose files are not those of
+    its line.
     """
 
     def __init__(self, path: Path, grid: Grid):
+        self.path, self._grid, self._chunks = path, grid, grid.chunks()
+        self._group: Any = self._open_group(grid.identity(__version__))
+        for left in path.rglob("*.partial"):  # of a process that was killed while it wrote
+            left.unlink(missing_ok=True)
+        self._record = Record(path, _STATE)
+        there = [name for name in self._record.arrays if self._record.array_is_there(name)]
+        self._arrays: dict[str, Any] = {name: self._group[name] for name in there}
+        self.damaged = self._set_aside()
+        if _STATE not in self._arrays:
+            self._arrays[_STATE] = self._new_array(_STATE, *self._points(np.dtype("u1")), _ABOUT_STATE)
+        self._write_axes()
+        chunks = self._record.chunks
+        self.state = np.array([chunks[n]["state"] if n in chunks else OPEN for n in range(len(self._chunks))])
+
+    def _open_group(self, identity: dict[str, Any]) -> Any:
+        """The group, which says what it is made of. Raises `InputError` where that is something else, or not known."""
         import zarr
 
-        self.path, self._grid, self._chunks = path, grid, grid.chunks()
-        identity = grid.identity(__version__)
-        if path.exists() and not (path / ".zgroup").is_file() and (not path.is_dir() or any(path.iterdir())):
+        path, root = self.path, self.path / ".zgroup"
+        if path.exists() and not root.is_file() and (not path.is_dir() or any(path.iterdir())):
             raise _not_ours(path)
-        # Metadata collected by an earlier run may be older than what has been written since.
-        self._group: Any = zarr.open_group(path, mode="a", zarr_format=2, use_consolidated=False)
-        made_of = self._group.attrs.get(_MADE_OF)
-        if made_of is None:
+        try:
+            # Metadata collected by an earlier run may be older than what has been written since.
+            group: Any = zarr.open_group(path, mode="a", zarr_format=2, use_consolidated=False)
+            made_of = group.attrs.get(_MADE_OF)
+            told = None if made_of is None else json.loads(str(made_of))
+        except OSError:
+            raise
+        except Exception as error:  # zarr raises whatever its reader of JSON stumbles over
+            raise damaged(path, path / ".zattrs" if _is_json(root) else root) from error
+        if told is None:
             if _named(path, ".zarray"):
                 raise _not_ours(path)
-            self._group.attrs[_MADE_OF] = json.dumps(identity)
-        elif text := difference(json.loads(str(made_of)), identity):
+            group.attrs[_MADE_OF] = json.dumps(identity)
+        elif text := difference(told, identity):
             raise InputError(
                 f"store {str(path)!r} was made with other inputs: {text}. Give another store, or remove this one."
             )
-        for left in path.rglob("*.partial"):  # of a process that was killed while it wrote
-            left.unlink(missing_ok=True)
-        # To look an array up reads its metadata again.
-        try:
-            found = {name: self._group[name] for name in _named(path, ".zarray")}
-        except (ValueError, TypeError, KeyError) as error:  # a codec or a type that no sweep has written
-            raise _not_ours(path) from error
-        self._arrays = {name: array for name, array in found.items() if _DIMENSIONS in array.attrs}
-        if _STATE not in self._arrays:
-            for axis in grid.axes:
-                self._array(axis.name, (axis.name,), axis.labels, axis.about)[...] = axis.labels
-            self._arrays[_STATE] = self._array(_STATE, *self._points(np.dtype("u1")), _ABOUT_STATE)
-        for array in self._arrays.values():
-            if array.shape != grid.shape and array.name.lstrip("/") not in {axis.name for axis in grid.axes}:
-                raise _not_ours(path)
-        state = np.asarray(self._arrays[_STATE][...])
-        self.state = np.array([state[tuple(place.start for place in chunk)] for chunk in self._chunks])
-        self._models = set(str(self._group.attrs.get(_MODEL, "")).split(" | ")) - {""}
+        return group
+
+    def _set_aside(self) -> dict[int, str]:
+        """The first damaged file of each chunk that has one; these chunks are open again, their files removed."""
+        lines = {number: line for number, line in self._record.chunks.items() if line["state"] != OPEN}
+        changed = {number: self._record.changed(number, self._arrays) for number in lines}
+        changed = {number: file for number, file in changed.items() if file}
+        for number in changed:
+            for file in self._record.chunks.pop(number)["files"]:
+                (self.path / file).unlink(missing_ok=True)
+        if _STATE not in self._arrays:  # the record is in its folder, and is made anew with it
+            self._record.clear()
+            self._arrays = {}
+        return changed
+
+    def _write_axes(self) -> None:
+        """The coordinates, which are small and therefore written each time."""
+        for axis in self._grid.axes:
+            if axis.name not in self._arrays:
+                self._arrays[axis.name] = self._new_array(axis.name, (axis.name,), axis.labels, axis.about)
+            self._arrays[axis.name][...] = axis.labels
 
     def _points(self, dtype: np.dtype) -> tuple[list[str], np.ndarray]:
         """Names of the dimensions, and an array like one with a value for each point."""
         return [axis.name for axis in self._grid.axes], np.broadcast_to(np.zeros((), dtype), self._grid.shape)
 
-    def _array(self, name: str, dims: Any, like: np.ndarray, about: dict[str, Any]) -> Any:
+    def _new_array(self, name: str, dims: Any, like: np.ndarray, about: dict[str, Any]) -> Any:
         """A new array, NaN or zero where nothing is written; xarray takes the fill value of others for a mask."""
         attributes = {_DIMENSIONS: list(dims), **about} | ({"dtype": "bool"} if like.dtype.kind == "b" else {})
-        return self._group.create_array(
+        array = self._group.create_array(
             name, shape=like.shape, dtype=np.dtype("i1") if like.dtype.kind == "b" else like.dtype,
             chunks=self._grid.sizes() if like.shape == self._grid.shape else like.shape,
             fill_value=np.nan if like.dtype.kind == "f" else None, overwrite=True, attributes=attributes,
         )  # fmt: skip
+        self._record.add_array(name)
+        return array
 
     def keep(self, number: int, parts: dict[str, Any], message: str, models: list[str], state: int) -> None:
-        """Writes the arrays of a chunk and what was raised, then its state; `parts` are arrays and attributes."""
+        """Writes the arrays of a chunk, its state, and last its line; `parts` are arrays and attributes."""
         chunk = self._chunks[number]
         for name, (values, about) in parts.items():
             if name not in self._arrays:
-                self._arrays[name] = self._array(name, *self._points(values.dtype), about)
+                self._arrays[name] = self._new_array(name, *self._points(values.dtype), about)
             self._arrays[name][chunk] = values
-        if message:
-            self._group.create_group(f"{_RAISED}/{number}", overwrite=True, attributes={_RAISED: message})
-        if not self._models.issuperset(models):
-            self._models.update(models)
-            self._group.attrs[_MODEL] = " | ".join(sorted(self._models))
-        if state != OPEN:
-            self._arrays[_STATE][chunk] = state
-            self.state[number] = state
+        self._arrays[_STATE][chunk] = state
+        place = [part.start // size for part, size in zip(chunk, self._grid.sizes(), strict=True)]
+        key = ".".join(map(str, place))
+        self._record.add_chunk(number, state, message, models, [f"{name}/{key}" for name in (*parts, _STATE)])
+        self.state[number] = state
 
     def raised(self) -> dict[int, str]:
         """The messages of what did not compute, by the number of their chunk."""
-        kept = _named(self.path / _RAISED, ".zgroup")
-        said = {int(name): self._group[f"{_RAISED}/{name}"].attrs.get(_RAISED) for name in kept}
-        return {number: said[number] for number in sorted(said) if said[number] and self.state[number] != DONE}
+        lines = sorted(self._record.chunks.items())
+        return {number: line["message"] for number, line in lines if line["message"] and line["state"] != DONE}
 
     def not_converged(self) -> int:
         """How many points did not converge, in this run or in one before."""
         return int(np.count_nonzero(np.asarray(self._arrays["converged"][...]) == 0))
 
     def finish(self) -> None:
-        """Puts all that was raised into the attributes of the store, and collects the metadata for its readers."""
+        """Puts models and all that was raised into the attributes, and collects the metadata for readers."""
         import zarr
 
+        models = sorted({model for line in self._record.chunks.values() for model in line["models"]})
+        if models:
+            self._group.attrs[_MODEL] = " | ".join(models)
         if raised := self.raised():
             self._group.attrs[_RAISED] = list(raised.values())
         elif _RAISED in self._group.attrs:
@@ -127,6 +154,13 @@ class Store:
 def _named(path: Path, file: str) -> list[str]:
     """The folders that hold such a file; zarr would warn of what a killed process has left."""
     return sorted(found.parent.name for found in path.glob(f"*/{file}"))
+
+
+def _is_json(path: Path) -> bool:
+    try:
+        return isinstance(json.loads(path.read_bytes()), dict)
+    except ValueError:
+        return False
 
 
 def _not_ours(path: Path) -> InputError:
