@@ -95,11 +95,12 @@ def fitted(curve: Traction, temperature: float | None = None) -> MagicFormula:
 
 def _at(temperature: float, kelvin: Any) -> np.ndarray:
     """Which points have a temperature. Raises `InputError` where none has."""
-    known = np.array([]) if kelvin is None else np.unique(kelvin)
-    if not np.isclose(known, temperature, rtol=0, atol=1e-6).any():
-        had = ", ".join(f"{value:g} K" for value in known) or "none, since the slip curve has none"
+    known = np.zeros(0) if kelvin is None else np.asarray(kelvin, dtype=float)
+    which = np.isclose(known, temperature, rtol=0, atol=1e-6)
+    if not which.any():
+        had = ", ".join(f"{value:g} K" for value in np.unique(known)) or "none, since the slip curve has none"
         raise InputError(f"temperature must be one of the slip curve ({had}), got {temperature!r}.")
-    return np.isclose(kelvin, temperature, rtol=0, atol=1e-6)
+    return which
 
 
 def write(
