@@ -27,7 +27,7 @@ PARTS = (
     ("sweeps_killed", "--sweeps", 20, 2, 300),
     ("fuzz", "--files", 5000, 300, 600),
     ("stress", "--scenes", 5000, 100, 1700),
-    ("rough_scenes", "", 200, 10, 400),
+    ("rough_scenes", "", 200, 10, 700),
     ("extremes", None, 0, 0, 60),
     ("sliding_matrix", None, 0, 0, 150),
 )
