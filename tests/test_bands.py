@@ -22,13 +22,15 @@ def waves_of(found):
     return found.mu @ near.T, found.mu[:, ~near.any(axis=0)]
 
 
-def test_full_contact_is_a_sum_over_the_waves():
+@pytest.mark.parametrize("rubber", [RUBBER, em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3], 20.0)])
+def test_full_contact_is_a_sum_over_the_waves(rubber):
     """mu = sum (1/2) A^2 k E''(k v)/F, each wave in its own band."""
-    found = em.friction_bands(RUBBER, LINE, velocity=VELOCITY, load=1000.0, model=em.Line(), rtol=1e-6)
-    expected = 0.5 * HEIGHTS**2 * WAVES * RUBBER.loss(np.multiply.outer(VELOCITY, WAVES)) / 1000.0
+    found = em.friction_bands(rubber, LINE, velocity=VELOCITY, load=1000.0, model=em.Line(), rtol=1e-6)
+    expected = 0.5 * HEIGHTS**2 * WAVES * rubber.loss(np.multiply.outer(VELOCITY, WAVES)) / 1000.0
     bands, rest = waves_of(found)
     np.testing.assert_allclose(bands, expected, rtol=2e-4)
-    assert np.abs(rest).max() < 1e-6 * expected.min()
+    # Straight lines between the samples have a little beyond.
+    assert np.all(np.abs(rest).max(axis=1) < 3e-6 * expected.max(axis=1))
     np.testing.assert_allclose(found.omega, VELOCITY[:, None] * found.wave_number, rtol=1e-12)
     low, high = found.central(0.5)
     assert np.all((low < high) & (low > WAVES[0] * VELOCITY / 2) & (high < 2 * WAVES[-1] * VELOCITY))

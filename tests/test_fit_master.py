@@ -5,7 +5,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.fit.laws import fit_laws
+from elastomdr.fit.laws import fit_laws, forms
 
 from .dma_files import KNOWN, LAW, RUBBER, STEPS, data
 
@@ -86,6 +86,19 @@ def test_the_laws(master):
     assert master.laws["WLF"].rms < 0.02 < master.laws["Arrhenius"].rms
     assert master.laws["WLF"].residuals.shape == master.temperature.shape
     np.testing.assert_allclose(master.vft.log10_a(263.15), master.wlf.log10_a(263.15), atol=0.02)
+
+
+@pytest.mark.parametrize("name", ["Arrhenius", "WLF", "VFT"])
+def test_derivatives_of_a_laws_constants_are_differences(name):
+    """They turn the uncertainty of the parameters of the search into that of the constants."""
+    form = forms(293.15, 253.15)[name]
+    start = np.array(form.start)
+    law, derivative = form.constants(start)
+    np.testing.assert_allclose(law.log10_a(313.15), form.value(start, 313.15), rtol=1e-12)
+    for i, (constant, slope) in enumerate(derivative.items()):
+        step = 1e-5 * np.eye(start.size)[i]
+        ends = [float(getattr(form.constants(start + move)[0], constant)) for move in (-step, step)]
+        np.testing.assert_allclose(slope, (ends[1] - ends[0]) / 2e-5, rtol=1e-7)
 
 
 def test_constants_that_the_data_do_not_determine_are_said_to_be_none():

@@ -33,6 +33,12 @@ def test_the_usual_error_where_the_scatter_says_nothing():
     assert thermometer(KELVIN, jumps, known) == USUAL
 
 
+def test_what_is_expected_where_the_factors_are_hardly_known():
+    """The likelihood is flat: half normal with two chances in three and nothing with one, mean square 2/3 USUAL^2."""
+    found = thermometer(KELVIN, factors(0.0, 0), 100.0**2 * np.eye(KELVIN.size))
+    np.testing.assert_allclose(found, USUAL * np.sqrt(2 / 3), rtol=0.015)
+
+
 def trial(seed, error, kelvin=KELVIN, **options):
     """Hits of log10 a_T, and of the loss modulus over the window."""
     celsius = kelvin - 273.15

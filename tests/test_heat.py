@@ -7,7 +7,6 @@ from scipy.special import erf, i0e, k0e
 
 import elastomdr as em
 from elastomdr.cli.main import main
-from elastomdr.mapping.direction import isotropic_loss
 from elastomdr.solve.heat import rise, scales
 
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")  # of the width of the spectrum
@@ -82,12 +81,6 @@ def test_thermal_foundation_at_rest(shape):
     np.testing.assert_allclose(got.displacement(1e-3, time=1.0), 196.34954084936209, rtol=1e-12)
 
 
-def test_loss_of_an_isotropic_surface():
-    law = em.Foundation(1.0, [1.0], [1.0]).law()
-    exact = [0.04962809790010864, 0.2928932188134525, 0.09004962809790011]
-    np.testing.assert_allclose(isotropic_loss(law, np.array([0.1, 1.0, 10.0])), exact, rtol=1e-12)
-
-
 def slow_rise(heat, material, velocity, reduced, pressure):
     """The flash temperature per heat flux by adaptive quadrature, with P and s_q of this function's own making."""
     g, e, tau = 4 * 0.5e6, 4 * np.asarray(material.moduli), np.asarray(material.times)
@@ -127,6 +120,17 @@ def test_flash_temperature_against_adaptive_quadrature(curve):
         v = ASKED["velocity"][i]
         per_flux = slow_rise(POOR, COMPOUND, v, v * factor[i], 5e4)
         np.testing.assert_allclose(curve.temperature_rise[i], per_flux * curve.heat_flux[i], rtol=3e-3)
+
+
+def test_flash_temperature_of_rubber_with_vertical_shifts():
+    """All moduli times b_T are a contact under p/b_T; the heat is mu p v all the same."""
+    vertical = em.VerticalTable([273.15, 293.15, 393.15], [0.8, 1.0, 2.0])
+    rubber = em.Prony(0.5e6, COMPOUND.moduli, COMPOUND.times, shift=WLF, vertical=vertical)
+    found = hot(material=rubber, velocity=0.1)
+    kelvin = 293.15 + found.temperature_rise
+    assert vertical.b(kelvin) > 1.05
+    per_flux = slow_rise(POOR, COMPOUND, 0.1, 0.1 * WLF.a(kelvin), 5e4 / vertical.b(kelvin))
+    np.testing.assert_allclose(found.temperature_rise, per_flux * found.mu * 5e4 * 0.1, rtol=3e-3)
 
 
 def test_heat_into_rubber_is_friction_power(curve):

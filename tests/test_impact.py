@@ -60,16 +60,44 @@ def test_converges_with_the_square_of_the_steps():
     np.testing.assert_allclose(slopes, 2, atol=0.1)
 
 
-def test_punch_is_a_linear_oscillator():
-    """m d'' + c d' + k d = 0 until c d' + k d = 0, in closed form."""
-    a, beta = 2e-3, 0.3
-    k, c = 2 * a * E, 2 * beta * math.sqrt(2 * a * E * M)
-    found = em.impact(em.Foundation.kelvin(E, c / (2 * a)), em.FlatPunch(a), mass=M, velocity=V)
-    w = math.sqrt(k / M)
+def oscillator(stiffness, damping):
+    """Restitution and duration of m d'' + c d' + k d = 0 until c d' + k d = 0, in closed form."""
+    beta = damping / (2 * math.sqrt(stiffness * M))
+    w = math.sqrt(stiffness / M)
     damped = w * math.sqrt(1 - beta**2)
     end = math.atan2(2 * beta * math.sqrt(1 - beta**2), 2 * beta**2 - 1) / damped
-    restitution = math.exp(-beta * w * end)
+    return math.exp(-beta * w * end), end
+
+
+def test_punch_is_a_linear_oscillator():
+    radius, viscosity = 2e-3, 800.0  # beta = 0.09
+    punch = em.FlatPunch(radius)
+    found = em.impact(em.Foundation.kelvin(E, viscosity), punch, mass=M, velocity=V)
+    restitution, end = oscillator(2 * radius * E, 2 * radius * viscosity)
     np.testing.assert_allclose([found.restitution, found.duration], [restitution, end], rtol=1e-7)
+    np.testing.assert_allclose(found.lost, 0.5 * M * V**2 * (1 - restitution**2), rtol=1e-7)
+
+
+def test_a_dashpot_at_temperatures():
+    """Its viscosity goes with a_T b_T, the spring with b_T."""
+    shift, vertical = em.WLF(8.86, 101.6, 293.15), em.VerticalTable([263.15, 293.15, 333.15], [0.8, 1.0, 1.3])
+    rubber = em.Foundation(E, [], [], 800.0, shift=shift, vertical=vertical)
+    kelvin, radius = np.array([288.15, 313.15]), 2e-3
+    found = em.impact(rubber, em.FlatPunch(radius), mass=M, velocity=V, temperature=kelvin)
+    a, b = shift.a(kelvin), vertical.b(kelvin)
+    expected = [oscillator(2 * radius * E * b[i], 2 * radius * 800.0 * a[i] * b[i])[0] for i in range(2)]
+    assert expected[0] < 0.8 * expected[1]
+    np.testing.assert_allclose(found.restitution, expected, rtol=1e-7)
+
+
+def test_elastic_cone():
+    """F = 2 E* d^2/(pi tan) (Sneddon 1965), so that m v^2/2 = 2 E* dm^3/(3 pi tan); T = 2 int dd/v."""
+    slope = 0.4
+    found = em.impact(em.Foundation(E, [], []), em.Cone(slope), mass=M, velocity=V)
+    depth = (0.75 * math.pi * slope * M * V**2 / E) ** (1 / 3)
+    duration = 2 * depth / V * math.sqrt(math.pi) * math.gamma(4 / 3) / math.gamma(5 / 6)
+    np.testing.assert_allclose([found.max_depth, found.duration], [depth, duration], rtol=1e-7)
+    np.testing.assert_allclose(found.max_force, 2 * E * depth**2 / (math.pi * slope), rtol=1e-7)
 
 
 def test_cylinder_on_a_layer():

@@ -131,6 +131,12 @@ def test_bound_covers_and_widens():
     assert (multiscale.bound(em.Multiscale(), area, 2.56e4, 100.0) > 2.5 * inside).all()
     assert (multiscale.bound(em.Multiscale(), area, 64.0, 1e4) > 1.5 * inside).all()
     assert np.isnan(multiscale.bound(em.Persson(gamma=1.0), area, 64.0, 100.0)).all()
+    # On the map ln(1 + bound) is linear in ln A; below its least contact, 0.4 %, it is as many times as large as
+    # there are decades, plus one.
+    logs = np.log1p(multiscale.bound(em.Multiscale(), np.array([0.4, 0.04, 0.004, 4e-4, 4e-6]), 64.0, 100.0))
+    decade = logs[1] - logs[0]
+    np.testing.assert_allclose(logs[2] - logs[1], decade, rtol=1e-9)
+    np.testing.assert_allclose(logs[3:], [2 * (logs[2] + decade), 4 * (logs[2] + 3 * decade)], rtol=1e-9)
     curve = em.friction(SOLID, ROAD, velocity=0.1, pressure=1e5)
     assert 0 < curve.model_error < 0.3 * curve.mu
 

@@ -356,6 +356,7 @@ def test_the_check_of_a_table(tmp_path):
 
 def test_misfit():
     rows = misfit_bands([1.0, 1.5, 100.0], [0.03, 0.05, 0.1], [0.1, -0.1, 0.2])
+    np.testing.assert_allclose([row[0] for row in rows], [10**0.125, 10**2.125], rtol=5e-3)  # four bands a decade
     assert [row[1:] for row in rows] == [(round(float(np.hypot(0.03, 0.05) / 2**0.5), 4), 0.1), (0.1, 0.2)]
     rubber = em.Prony(1e6, [1e6], [1.0], shift=em.WLF(6.0, 110.0, KELVIN), range=Range((1.0, 100.0), None, misfit=rows))
     storage, loss = misfit(rubber, [0.1, 50.0, 0.1, 1e4], [10.0, 200.0, 1e3, 1e5])

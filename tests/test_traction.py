@@ -6,6 +6,7 @@ import pytest
 from scipy.optimize import brentq
 
 import elastomdr as em
+from elastomdr._arrays import numpy_unless_traced
 
 E, G, R, MU, A = 4e6, 4e6 * 2 / 3, 0.01, 0.5, 2e-3
 LOAD = 4 / 3 * E * A**3 / R
@@ -164,6 +165,22 @@ def test_kelvin_tread_that_never_slips():
         )
         marched = float(_march(jax.tree.map(jax.numpy.asarray, rolling), 2 * A * one, 256)[0][0])
     np.testing.assert_allclose(marched, expected, rtol=1e-4)
+
+
+def test_traction_before_slip_is_that_of_a_ramp():
+    """tau = xi [G r + sum_k G_k s_k (1 - exp(-r/s_k)) + eta v] and its integral, with a dashpot and a branch."""
+    from elastomdr.mapping.lines import SingleLine
+    from elastomdr.solve.brush import Rolling, _ramp
+
+    xi, v, damping = 0.02, 3.0, 1.5e3
+    tread, s = em.Foundation(G, [3 * G], [1e-4], damping), v * 1e-4
+    r = A * np.array([1e-9, 0.3, 2.0])
+    one = np.ones(3)
+    rolling = Rolling(NORMAL.law(), tread.law(), SingleLine(BALL), v * one, A * one, A * one, one, xi * one)
+    traction, force = numpy_unless_traced(_ramp)(rolling, r)
+    followed = s * -np.expm1(-r / s)
+    np.testing.assert_allclose(traction, xi * (G * r + 3 * G * followed + damping * v), rtol=1e-12)
+    np.testing.assert_allclose(force, xi * (0.5 * G * r**2 + 3 * G * s * (r - followed) + damping * v * r), rtol=1e-9)
 
 
 class TestExtremes:
