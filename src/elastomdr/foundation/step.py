@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from jaxtyping import Float
 
 _WRITTEN_OUT = 32  # branches up to which sums over them are
-_SETTLED = 80.0  # z = h K/eta from which exp(-z/2) is below rounding: the dashpot has settled within the step
 
 
 class Elements(NamedTuple):
@@ -203,9 +202,9 @@ def lag(c: Coefficients) -> Array:
     """
     rate, static = c.rate[0], (c.end - c.rate)[0]
     z = static / xp.where(rate > 0, rate, 1.0)
-    small, large = xp.minimum(z, 0.1), xp.clip(z, 0.1, _SETTLED)
+    small, large = xp.minimum(z, 0.1), xp.maximum(z, 0.1)
     series = 0.5 - small / 12 + small**3 / 720 - small**5 / 30240
-    centre = xp.where(z < 0.1, series, xp.where(z < _SETTLED, 1 / large - 1 / xp.expm1(large), 1 / xp.maximum(z, 1.0)))
+    centre = xp.where(z < 0.1, series, 1 / large + xp.exp(-large) / xp.expm1(-large))
     return xp.where(rate > 0, centre, 0.0)
 
 
@@ -244,14 +243,12 @@ def _signorini(static: Array, viscosity: Array, y: Array, decay: Array, h: Array
     """
     present = viscosity > 0
     z = h * static / xp.where(present, viscosity, 1.0)
-    settled = ~present | (z > _SETTLED)
-    lag = xp.where(settled, viscosity / xp.where(settled, h * static, 1.0), 0.0)  # 1/z
-    z = xp.where(settled, _SETTLED, z)
-    stiffness = xp.where(settled, static, viscosity / h / phi1(z))
-    z, lag, settled = z[None], lag[None], settled[None]
-    early = xp.exp(-xp.minimum(y, z)) * phi1(xp.abs(z - y)) / phi1(z)
-    late = decay / (1 - xp.minimum(y * lag, 0.5))  # beyond 0.5 nothing is left of the branch
-    return xp.where(settled, late, early), stiffness
+    stiffness = xp.where(present, viscosity / h / phi1(z), static)
+    # 1/z without a dashpot: zero, but what is seen has a derivative by the viscosity there too.
+    inverse = xp.where(present, 0.0, viscosity) / xp.where(static > 0, h * static, 1.0)
+    z, inverse, present = z[None], inverse[None], present[None]
+    seen = xp.exp(-xp.minimum(y, z)) * phi1(xp.abs(z - y)) / phi1(z)
+    return xp.where(present, seen, decay * (1 + y * inverse)), stiffness
 
 
 def over_branches(parts: Float[Array, "k n"]) -> Float[Array, " n"]:

@@ -77,17 +77,6 @@ def directions(rtol: float, level: int = 0) -> Directions:
     return Directions(cosines, weights, half, quarter, 4 / math.pi * math.exp(-t[-1]))
 
 
-def isotropic_loss(law: Relaxation, omega: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
-    """Loss modulus of an isotropic surface, (1/2 pi) int_0^2pi cos(phi) E''(w cos phi) dphi [Pa], exact.
-
-    sum_k E_k/x_k (1 - 1/sqrt(1 + x_k^2)) + eta w/2 with x_k = w tau_k: the direction average in full contact, in closed
-    form, and what waves of every direction lose on a half-space. Derived here.
-    """
-    x = np.asarray(omega)[..., None] * np.asarray(law.times)
-    root = np.sqrt(1 + x**2)
-    return (x / (root * (1 + root))) @ np.asarray(law.moduli) + 0.5 * np.asarray(law.viscosity) * omega
-
-
 class SharedGrid(NamedTuple):
     """Velocities, evenly spaced in their logarithm, whose line solutions serve every velocity of a curve."""
 

@@ -201,8 +201,6 @@ def _waves(scan: Scan) -> _Waves:
     k[-1] = np.abs(k[-1][: power.shape[-1]])
     copies = np.full(power.shape, 2.0)
     copies[..., 0] = 1
-    if height.shape[-1] % 2 == 0:
-        copies[..., -1] = 1
     grid = np.meshgrid(*k, indexing="ij")
     q = np.sqrt(sum(part**2 for part in grid))
     q.flat[0] = 1e-3 * min(lowest)  # the mean, below every band; its logarithm exists
