@@ -284,7 +284,7 @@ def test_heights_and_slopes_of_data_and_spectrum(synthetic):
         assert "disagree" not in slope
         measured, expected = (float(text.split()[0]) for text in (slope[10:], slope.split(", ")[1]))
         np.testing.assert_allclose(measured, expected, rtol=0.2)
-    height[3:6, 3:6] += 20.0  # a spike where the window is small
+    height[3:10, 3:10] += 20.0  # a step up and down, too wide for a spike, where the window is small
     assert "disagree" in slices(em.read_surface(height, pixel_size=step).report, "rms slope")[0]
 
 

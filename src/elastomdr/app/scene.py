@@ -109,8 +109,9 @@ def compute(
     content = json.loads(json.dumps(without_empty(content)))  # what is typed meanwhile does not matter
     scene = decoded(verb, content)
     folder.check(files_of(content))
+    ours = (em.ConvergenceWarning, em.ExtrapolationWarning, em.ModelWarning, em.fit.FitWarning)
     with warnings.catch_warnings(record=True) as caught:
-        for kind in (em.ConvergenceWarning, em.ExtrapolationWarning, em.ModelWarning):
+        for kind in ours:
             warnings.simplefilter("always", kind)
         arguments = scene.arguments(folder.path)
         drawn = how_drawn(scene, arguments, folder.path)
@@ -126,7 +127,6 @@ def compute(
                 raise InputError("material must be two or more to be compared.")
             with named("[compare]"):
                 result = result.ranking(**scene.compare.place())  # type: ignore[attr-defined]
-    ours = (em.ConvergenceWarning, em.ExtrapolationWarning, em.ModelWarning)
     texts = tuple(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, ours)))
     return Done(verb, content, result, texts, drawn, content)
 

@@ -88,8 +88,7 @@ def write_all(folder: Path, files: dict[str, Callable[[Path], None]]) -> None:
 def warned_of_at_the_end() -> Iterator[None]:
     """Prints what was warned of, one line each; a damaged cache, of which JAX complains by the file, once."""
     with warnings.catch_warnings(record=True) as caught:
-        for kind in (em.ConvergenceWarning, em.ExtrapolationWarning, em.ModelWarning):
-            warnings.simplefilter("always", kind)
+        warnings.simplefilter("always", UserWarning)  # all of ours are such
         yield
     texts = [str(each.message).replace("; they are NaN", "; their cells in the table are empty") for each in caught]
     for text in dict.fromkeys(_DAMAGED if "persistent compilation cache" in text else text for text in texts):

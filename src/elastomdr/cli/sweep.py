@@ -3,7 +3,6 @@
 import argparse
 import copy
 import itertools
-import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,11 +66,10 @@ def run(options: argparse.Namespace) -> int:
     path = Path(options.scene)
     if options.table and Path(options.table).suffix not in (".csv", ".xlsx"):
         raise InputError(f"--table must end with .csv or .xlsx, got {options.table!r}.")
-    with named(f"{path.name or path}:"):
+    with warned_of_at_the_end(), named(f"{path.name or path}:"):
         content = read_content(path)
         call, axes = assembled(content, path.parent)
     with warned_of_at_the_end(), _client(options.scheduler) as client:
-        warnings.filterwarnings("always", message=r"\d+ of \d+ chunks of store ", category=UserWarning)
         found = em.sweep(call, axes, store=options.out, client=client)
     sizes = ", ".join(f"{name} {size}" for name, size in found.sizes.items())
     good = int(found.converged.sum())

@@ -217,7 +217,7 @@ def read_dma(
         parts = _from_names(parts)
     dma = join(*_with_temperatures(_without_holds(parts), temperature))
     for text in dma.warnings:
-        warnings.warn(text, FitWarning, stacklevel=2)
+        warnings.warn(text, FitWarning, stacklevel=3)
     return dma
 
 

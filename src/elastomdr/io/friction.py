@@ -77,6 +77,6 @@ def read_friction(
         values["temperature"] = np.full(values["mu"].shape, kelvin)
     report = left_out(name, bad, "report")
     for text in report:
-        warnings.warn(text, FitWarning, stacklevel=2)
+        warnings.warn(text, FitWarning, stacklevel=3)
     optional: dict[str, Any] = {role: values.get(role) for role in ("temperature", "pressure", "error")}
     return MeasuredFriction(values["velocity"], values["mu"], source=name, report=report, **optional)

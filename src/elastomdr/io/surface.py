@@ -7,6 +7,7 @@ import io
 import os
 import subprocess
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,8 @@ from ..errors import InputError
 from ..files import read_bytes
 from ..mapping.measured import MeasuredSurface
 from ..mapping.topography import Scan, surface
+from .data import FitWarning
+from .dropouts import LEFT_OUT, without_dropouts
 from .sheets import read_sheet
 from .tables import Head, clean, main_table, splits
 from .units import to_si, usual
@@ -54,6 +57,9 @@ def read_surface(
     profile, a matrix for a map. Cells that are empty or no number are holes. Every other file is read by
     SurfaceTopography (`pip install elastomdr[instruments]`): x3p, sur, plu, opd, al3d, vk4, mnt, ibw, gwy, npy, ...
 
+    Dropouts of the instrument that it wrote as numbers (a code such as -9999, single spikes) are holes too, with a
+    warning; too many are refused.
+
     Nothing is scaled: C holds the waves from half the length of the scan down to four steps, or down to where noise or
     the resolution of the instrument ends the measurement. `report` compares the rms height and the rms slope of the
     data with those of the spectrum, and says what was mended and cut.
@@ -86,6 +92,8 @@ def read_surface(
         raise InputError(f"pixel_size must have an entry for each of the {len(sources)} scans, got {len(sizes)}.")
     scans = [_scan(source, size, unit) for source, size in zip(sources, sizes, strict=True)]
     paths = [Path(source).name for source in sources if isinstance(source, (str, os.PathLike))]
+    for text in dict.fromkeys(text for scan in scans for text in scan.report if text.endswith(LEFT_OUT)):
+        warnings.warn(f"{', '.join(paths) or 'heights'}: {text}.", FitWarning, stacklevel=3)
     try:
         return surface(scans, shortest, detrend)
     except InputError as error:
@@ -125,7 +133,8 @@ def _even(height: np.ndarray, pixel_size: Any, what: str, report: Sequence[str] 
     if len(sizes) not in (1, height.ndim):
         raise InputError(f"pixel_size must be one number [m] or one for each direction, got {len(sizes)}.")
     _below(height, what)
-    return Scan(height, tuple(sizes * height.ndim if len(sizes) == 1 else sizes), tuple(report))
+    height, dropouts = without_dropouts(height)
+    return Scan(height, tuple(sizes * height.ndim if len(sizes) == 1 else sizes), (*report, *dropouts))
 
 
 def _below(lengths: np.ndarray, what: str) -> None:
@@ -201,7 +210,9 @@ def _from_instrument(path: Path, pixel_size: Any, unit: str | None) -> Scan:
 
 def _profile(x: np.ndarray, height: np.ndarray) -> Scan:
     """An even profile from points in any order."""
-    report: list[str] = []
+    order = np.argsort(x, kind="stable")
+    measured, report = without_dropouts(height[order])
+    height[order] = measured
     known = np.isfinite(x) & np.isfinite(height)
     if not known.all():
         report.append(f"{int((~known).sum())} of {known.size} points without a value bridged by straight lines")
@@ -250,7 +261,8 @@ def _grid(data: np.ndarray) -> Scan:
     total = np.bincount(place[known], data[known, 2], minlength=x.size * y.size)
     height = np.where(count > 0, total / np.maximum(count, 1), np.nan)
     steps = tuple(float((axis[-1] - axis[0]) / (axis.size - 1)) for axis in (x, y))
-    return Scan(height.reshape(x.size, y.size), steps, tuple(report))
+    grid, dropouts = without_dropouts(height.reshape(x.size, y.size))
+    return Scan(grid, steps, (*report, *dropouts))
 
 
 def _metres(head: Head, unit: str | None, name: str) -> float:
