@@ -19,8 +19,8 @@ import optimistix
 import scene
 import scipy.integrate
 
-from elastomdr.foundation.solver import ContactStep, RigidSurface
-from elastomdr.foundation.step import rest
+from elastomdr.element.contact_step import rest
+from elastomdr.element.contact_step_solver import ContactStep, RigidSurface
 from elastomdr.material.relaxation import Relaxation
 
 Lines = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]  # (leading edges, velocities) -> (mu, F_N)

@@ -17,11 +17,11 @@ from common import heading, one_core, save, table, timed, verdict
 
 one_core()
 import elastomdr as em  # noqa: E402
-from elastomdr.mapping.lines import SingleLine  # noqa: E402
 from elastomdr.material.relaxation import Relaxation  # noqa: E402
-from elastomdr.solve.over_line import indenter  # noqa: E402
-from elastomdr.solve.slide import march  # noqa: E402
-from elastomdr.solve.timeline import Steps  # noqa: E402
+from elastomdr.surface.lines import SingleLine  # noqa: E402
+from elastomdr.transient.body_over_line import indenter  # noqa: E402
+from elastomdr.transient.slide_march import march  # noqa: E402
+from elastomdr.transient.timeline import Steps  # noqa: E402
 
 SOLID, BALL = em.Foundation(1.0, [1.0, 3.0], [0.02, 0.5]), em.Paraboloid(1.0)
 DAMPED = em.Foundation(1.0, [3.0], [0.5], 0.2)

@@ -24,8 +24,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 import elastomdr as em
-from elastomdr._trees import replaced
 from elastomdr.material.validity import Range, misfit_bands
+from elastomdr.trees import replaced
 
 KELVIN = np.array([0, 273.15, 0, 0])  # added to a row of data in degC
 

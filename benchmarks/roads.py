@@ -11,7 +11,7 @@ import numpy as np
 from common import heading, one_core, save, table, timed, verdict
 
 import elastomdr as em
-from elastomdr.solve import half_space
+from elastomdr.rough import half_space
 
 TREAD = em.load_material("tread-passenger-synthetic")
 LONGEST, ROLLOFF, SHORTEST = 0.1, 6e-3, 1.6e-6  # wavelengths of an asphalt [m]

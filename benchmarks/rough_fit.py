@@ -18,8 +18,8 @@ from rough_map import FILE, MATERIALS, SURFACES, rubber, surface_of
 from scipy.optimize import least_squares
 
 import elastomdr as em
-from elastomdr.solve import multiscale
-from elastomdr.solve.roads import nodes
+from elastomdr.rough import multiscale
+from elastomdr.rough.psd_integrals import nodes
 
 BANDS = (0.0, 0.01, 0.05, 0.25, 0.75, 1.0)  # of real contact area
 NOISE = 0.03  # of the form, beside the scatter of maps: keeps single points from deciding

@@ -2,7 +2,7 @@
 
 Draws scenes: a self-affine surface, with or without roll-off, a material of contrast 1.3 to 1000 with a narrow or a
 broad spectrum, a speed within its losses, and a pressure for a real contact of 0.2 to 99 % by Persson's theory. Each is
-solved on random maps by `elastomdr.solve.half_space`, on cells wide enough that eight summits or more carry the load
+solved on random maps by `elastomdr.rough.half_space`, on cells wide enough that eight summits or more carry the load
 (four where contact is heavier than 30 %), and 3 to 4 cells per shortest wave. Points are appended to
 `results/rough_map.json` as they come; `rough_fit.py` fits the constants of `em.Multiscale` to them.
 
@@ -20,8 +20,9 @@ import numpy as np
 from common import RESULTS
 
 import elastomdr as em
-from elastomdr.mapping.rough_map import rough_map
-from elastomdr.solve import half_space, maps, multiscale
+from elastomdr.rough import half_space, multiscale
+from elastomdr.rough import random_maps as maps
+from elastomdr.surface.rough_map import rough_map
 
 FILE = RESULTS / "rough_map.json"
 # Hurst exponent, q_high over q_rolloff, q_rolloff over q_low.

@@ -19,10 +19,10 @@ import numpy as np
 from common import heading, save, table, timed, verdict
 
 import elastomdr as em
-from elastomdr.mapping.synthesis import synthesise
-from elastomdr.solve import periodic
-from elastomdr.solve.lump import lanes
-from elastomdr.solve.period import coefficients
+from elastomdr.rough import periodic
+from elastomdr.rough.branch_reduction import lanes
+from elastomdr.rough.period import coefficients
+from elastomdr.surface.synthesis import synthesise
 
 TIMES = np.geomspace(1e-10, 1e4, 20)  # tau_k [s]
 LAW = em.Foundation(1e6, 1e6 * (TIMES / 1e4) ** -0.15, TIMES)

@@ -56,9 +56,9 @@ def main() -> None:
     import jax.numpy as jnp
 
     from elastomdr.material.relaxation import Relaxation
-    from elastomdr.solve.over_line import rough
-    from elastomdr.solve.slide import march
-    from elastomdr.solve.timeline import Steps
+    from elastomdr.transient.body_over_line import rough
+    from elastomdr.transient.slide_march import march
+    from elastomdr.transient.timeline import Steps
 
     jax.config.update("jax_enable_x64", True)
     record = heading(

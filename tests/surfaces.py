@@ -5,8 +5,8 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from elastomdr.foundation.solver import ContactStep, RigidSurface
-from elastomdr.foundation.step import rest
+from elastomdr.element.contact_step import rest
+from elastomdr.element.contact_step_solver import ContactStep, RigidSurface
 
 
 class Indenter(eqx.Module):

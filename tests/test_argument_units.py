@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 
 import elastomdr as em
-from elastomdr._units import UNITS, _unit, arguments_in_si, carries_unit
+from elastomdr.units.arguments import UNITS, _unit, arguments_in_si, carries_unit
 
 REGISTRY = pint.UnitRegistry()
 Q = REGISTRY.Quantity

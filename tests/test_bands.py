@@ -72,7 +72,7 @@ def test_the_middle_of_the_friction():
 
 
 def test_failed_points_are_nan(monkeypatch):
-    monkeypatch.setattr("elastomdr.scenes.ensemble.SAMPLING", 1e-9)
+    monkeypatch.setattr("elastomdr.rough.ensemble.SAMPLING", 1e-9)
     with pytest.warns(em.ConvergenceWarning, match="1 of 1 points did not converge"):
         found = em.friction_bands(SOLID, ROAD, velocity=1.0, pressure=5e4, model=em.Line())
     assert np.isnan(found.mu).all()

@@ -6,8 +6,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from elastomdr.foundation.law import Foundation
-from elastomdr.foundation.step import Elements, contact_step, rest
+from elastomdr.element.contact_step import Elements, contact_step, rest
+from elastomdr.element.law import Foundation
 from elastomdr.material.relaxation import Relaxation
 
 from .surfaces import Indenter, Waves, solve

@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 import elastomdr as em
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve.periodic import solve_line
+from elastomdr.rough.periodic import solve_line
 
 from .kinks import under_a_cosine
 

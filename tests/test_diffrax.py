@@ -6,10 +6,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from elastomdr.element.contact_step import rest
+from elastomdr.element.contact_step_solver import ContactStep, RigidSurface
+from elastomdr.element.law import Foundation
 from elastomdr.errors import InputError
-from elastomdr.foundation.law import Foundation
-from elastomdr.foundation.solver import ContactStep, RigidSurface
-from elastomdr.foundation.step import rest
 from elastomdr.material.relaxation import Relaxation
 
 from .surfaces import Indenter, Waves, solve

@@ -9,9 +9,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import elastomdr as em
-from elastomdr.mapping.lines import SingleLine
-from elastomdr.solve.dynamics import Mount, Scene, run
-from elastomdr.solve.over_line import indenter
+from elastomdr.surface.lines import SingleLine
+from elastomdr.transient.body_motion import Mount, Scene, run
+from elastomdr.transient.body_over_line import indenter
 
 FLAT = em.RoughLine(np.arange(8) * 1e-5, np.zeros(8))
 X = np.arange(64) * 1e-5
@@ -107,7 +107,7 @@ def test_without_a_load_a_body_swings_freely():
 
 def test_elements_are_added_only_where_the_outermost_are_touched(monkeypatch):
     """A motion that does not converge is not marched again over a longer line."""
-    module, time = sys.modules["elastomdr.scenes.drive"], np.linspace(0, 4e-3, 5)
+    module, time = sys.modules["elastomdr.transient.drive"], np.linspace(0, 4e-3, 5)
     arguments = {"time": time, "position": 0.5 * time, "load": 5.0}
     rough = em.drive(RUBBER, em.Paraboloid(0.01), rtol=1e-1, **arguments)
     monkeypatch.setattr(module, "_LONG", 0.0)

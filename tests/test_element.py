@@ -9,15 +9,15 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigvals
 
-from elastomdr._arrays import numpy_unless_traced
-from elastomdr.foundation.episode import energies, follow, force, pressed
-from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
-from elastomdr.foundation.moments import panel_sums
-from elastomdr.foundation.step import contact_step, rest
+from elastomdr.arrays import numpy_unless_traced
+from elastomdr.element.contact_step import contact_step, rest
+from elastomdr.element.episode import energies, follow, force, pressed
+from elastomdr.element.modes import recovery_modes, to_branches, to_modes
+from elastomdr.element.moments import panel_sums
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve.lump import lanes as every
-from elastomdr.solve.period import coefficients as period_coefficients
-from elastomdr.solve.period import sweep
+from elastomdr.rough.branch_reduction import lanes as every
+from elastomdr.rough.period import coefficients as period_coefficients
+from elastomdr.rough.period import sweep
 
 
 @pytest.fixture(autouse=True)

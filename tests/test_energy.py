@@ -9,14 +9,14 @@ import pytest
 from scipy.integrate import quad
 
 import elastomdr as em
-from elastomdr.foundation.episode import energies, follow, pressed
-from elastomdr.foundation.modes import recovery_modes
-from elastomdr.mapping.lines import SingleLine
+from elastomdr.element.episode import energies, follow, pressed
+from elastomdr.element.modes import recovery_modes
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve import control
-from elastomdr.solve.over_line import indenter
-from elastomdr.solve.slide import march
-from elastomdr.solve.timeline import Steps
+from elastomdr.surface.lines import SingleLine
+from elastomdr.transient import indentation_route as control
+from elastomdr.transient.body_over_line import indenter
+from elastomdr.transient.slide_march import march
+from elastomdr.transient.timeline import Steps
 
 from .problems.indentation import BALL, PULSES, SOLID, TIMES, TWICE
 

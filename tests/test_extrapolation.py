@@ -179,7 +179,7 @@ def test_a_rough_surface_at_temperatures_that_were_not_measured():
 
 def test_share_of_the_slope_beyond_the_data():
     """C = q^-3 has as much square slope at each wave number; of a line a wave of amplitude h has (q h)^2/2."""
-    from elastomdr.scenes.beyond import excited_outside
+    from elastomdr.call.extrapolation import excited_outside
 
     surface = em.Spectrum([1e3, 1.1e4], [1e-9, 1e-9 / 1331], convention="2d")
     known, velocity = Range((2e2, 1e3), None), np.array([0.1, 1.0, 0.01])  # wave numbers 2e3 to 1e4, 200 to 1e3, 2e4 up

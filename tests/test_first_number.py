@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr import _trees
-from elastomdr._arrays import on_numpy, xp
+from elastomdr import trees as _trees
+from elastomdr.arrays import on_numpy, xp
 
 ROOT = Path(__file__).parents[1]
 DMA = ROOT / "examples/data/dma.csv"
@@ -110,7 +110,7 @@ def large(monkeypatch):
     """As if every problem were so large that it is compiled."""
     for limit in ("control._FEW", "control._MANY", "control._MUCH", "refine._MUCH", "extrapolate._SMALL"):
         monkeypatch.setattr(f"elastomdr.solve.{limit}", 0)
-    monkeypatch.setattr("elastomdr.scenes.shear._MUCH", 0)
+    monkeypatch.setattr("elastomdr.transient.shear._MUCH", 0)
 
 
 @pytest.mark.parametrize("name", HISTORIES)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr._runtime import nan_unless
+from elastomdr.checks import nan_unless
 
 FOUNDATION = em.Foundation(1e6, [4e6], [1e-3])
 PARAMETERS = {

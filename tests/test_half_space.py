@@ -6,7 +6,8 @@ import pytest
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.solve import half_space, maps
+from elastomdr.rough import half_space
+from elastomdr.rough import random_maps as maps
 
 SOLID = em.Foundation(1e6, np.full(6, 2e6), np.geomspace(1e-6, 1e-1, 6))
 ROAD = em.SelfAffine(0.8, rms_slope=0.3, q_low=1e3, q_high=8e3)

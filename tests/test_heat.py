@@ -7,7 +7,7 @@ from scipy.special import erf, i0e, k0e
 
 import elastomdr as em
 from elastomdr.cli.main import main
-from elastomdr.solve.heat import rise, scales
+from elastomdr.rough.heat import rise, scales
 
 pytestmark = pytest.mark.filterwarnings("ignore::elastomdr.ModelWarning")  # of the width of the spectrum
 RUBBER = em.Heat(0.2, 2e6)  # D = 1e-7 m^2/s
@@ -26,7 +26,7 @@ def hot(heat=POOR, material=COMPOUND, **changes):
 def any_sampling():
     """Points are handed out whatever the error for the sampling of their lines."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("elastomdr.scenes.ensemble.SAMPLING", 1.0)
+        patch.setattr("elastomdr.rough.ensemble.SAMPLING", 1.0)
         yield
 
 

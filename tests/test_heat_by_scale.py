@@ -8,10 +8,11 @@ import pytest
 from scipy.special import i0e, k0e
 
 import elastomdr as em
-from elastomdr._arrays import numpy_unless_traced
-from elastomdr.foundation.law import surface_foundation
-from elastomdr.solve import multiscale, warm
-from elastomdr.solve.roads import nodes, until
+from elastomdr.arrays import numpy_unless_traced
+from elastomdr.element.law import surface_foundation
+from elastomdr.rough import multiscale
+from elastomdr.rough import temperature_by_scale as warm
+from elastomdr.rough.psd_integrals import nodes, until
 
 WLF = em.WLF(c1=8.86, c2=101.6, reference=293.15)
 RUBBER = em.Prony(0.5e6, [3e7, 3e6], [1e-6, 1e-3], shift=WLF)

@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import elastomdr as em
-from elastomdr.foundation.step import contact_step, rest
+from elastomdr.element.contact_step import contact_step, rest
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve.impact import Body, grid, march
+from elastomdr.transient.impact_motion import Body, grid, march
 
 from .bouncing import BALL, DM, KELVIN_VOIGT, E, M, R, V, impact, kelvin_voigt
 

@@ -8,12 +8,12 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import elastomdr as em
-from elastomdr.foundation.modes import recovery_modes
-from elastomdr.foundation.step import contact_step, rest
-from elastomdr.mapping.disc import Disc
-from elastomdr.mapping.shapes import Paraboloid, PowerLaw, Sphere
+from elastomdr.element.contact_step import contact_step, rest
+from elastomdr.element.modes import recovery_modes
 from elastomdr.material.relaxation import to_kelvin
-from elastomdr.solve.control import _marched
+from elastomdr.surface.disc import Disc
+from elastomdr.surface.shapes import Paraboloid, PowerLaw, Sphere
+from elastomdr.transient.indentation_route import _marched
 
 from .problems.indentation import BALL, PROBLEMS, PULSES, SOLID, TIMES, TWICE
 

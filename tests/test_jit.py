@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.solve.layer_disc import layer_disc
+from elastomdr.transient.layer_disc import layer_disc
 
 RUBBER, BALL, TIME = em.StandardSolid(1e6, 4e6, 0.3), em.Paraboloid(5e-3), np.linspace(0, 1, 5)
 CARCASS, TREAD = em.Foundation(8e7, [], []), em.Foundation(5e7, [1e8, 1e8], [1e-2, 1.0])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.results.magic_formula import fitted
+from elastomdr.tyre.magic_formula import fitted
 
 V, T, P = np.geomspace(1e-3, 30, 6), np.array([263.15, 283.15, 313.15]), np.array([1e5, 2.5e5, 4e5])
 MU = np.random.default_rng(3).uniform(0.4, 1.2, (3, 3, 6))

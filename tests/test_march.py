@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.foundation.step import contact_step, rest
-from elastomdr.mapping.lines import SingleLine, Strips
-from elastomdr.mapping.profile import Profile
-from elastomdr.mapping.shapes import AbstractShape, Cone, Paraboloid, Sphere
+from elastomdr.element.contact_step import contact_step, rest
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve.march import march_passages
-from elastomdr.solve.passage import solve_passages
-from elastomdr.solve.rule import Rule
+from elastomdr.smooth.march import march_passages
+from elastomdr.smooth.passage import solve_passages
+from elastomdr.surface.lines import SingleLine, Strips
+from elastomdr.surface.profile import Profile
+from elastomdr.surface.sampling import Rule
+from elastomdr.surface.shapes import AbstractShape, Cone, Paraboloid, Sphere
 
 
 def six(equilibrium, moduli, times, viscosity=0.0):

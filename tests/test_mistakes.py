@@ -158,7 +158,7 @@ def test_stick_slip_of_a_motion(swing, said):
 
 
 def _motion(time, velocity, friction, normal):
-    from elastomdr.results.history import Drive
+    from elastomdr.transient.history_result import Drive
 
     flat = np.full(time.size, normal)
     zero = np.zeros(time.size)

@@ -12,8 +12,8 @@ from scipy.special import erf
 
 import elastomdr as em
 from elastomdr.errors import InputError
-from elastomdr.solve import multiscale
-from elastomdr.solve.roads import nodes
+from elastomdr.rough import multiscale
+from elastomdr.rough.psd_integrals import nodes
 
 SOLID = em.Foundation(1e6, [3e6, 8e6, 2e7], [1e-4, 1e-3, 1e-2])
 ROAD = em.SelfAffine(0.8, rms_slope=0.4, q_low=1e3, q_high=5e4, q_rolloff=3e3)

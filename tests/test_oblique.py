@@ -37,7 +37,7 @@ def test_what_is_lost_is_lost_by_slip_of_an_elastic_contact():
 def test_error_covers_what_finer_steps_and_more_elements_change(monkeypatch):
     arguments = ([5.0, 0.4, 0.5, 0.5], [0.3, 0.3, np.inf, 100.0])
     found = strike(*arguments).oblique
-    module = sys.modules["elastomdr.scenes.oblique"]
+    module = sys.modules["elastomdr.transient.oblique_impact"]
     monkeypatch.setattr(module, "_ELEMENTS", 1000)
     monkeypatch.setattr(module, "_STEPS", 48)
     assert (np.abs(found.after - strike(*arguments).oblique.after) <= found.error).all()

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.mapping.rough_map import rough_map
-from elastomdr.solve.bearing import least_conductance
-from elastomdr.solve.half_space import solve
+from elastomdr.rough.bearing import least_conductance
+from elastomdr.rough.half_space import solve
+from elastomdr.surface.rough_map import rough_map
 
 RUBBER = em.Foundation(1e6, [3e6], [0.1])
 SOLID = em.Foundation(1e6, [], [])

@@ -9,7 +9,7 @@ import pytest
 
 import elastomdr as em
 from elastomdr.cli.main import _parser, main
-from elastomdr.solve.multiscale import FORM
+from elastomdr.rough.multiscale import FORM
 
 ROOT = Path(__file__).parents[1]
 PAGES = [

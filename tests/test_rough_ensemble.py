@@ -16,7 +16,7 @@ def test_light_contact_takes_the_samples_it_needs(monkeypatch):
     assert found.converged.all()
     assert "of up to" in dict(found.inputs)["ensemble"]
     with monkeypatch.context() as patch:
-        patch.setattr("elastomdr.scenes.ensemble.SAMPLING", 1.0)
+        patch.setattr("elastomdr.rough.ensemble.SAMPLING", 1.0)
         fine = em.friction(RUBBER, surface, model=em.Line(samples=2**17), **asked)
     assert (np.abs(found.mu - fine.mu) <= found.lines.numerical + fine.lines.numerical).all()
     assert (found.lines.numerical <= 0.1 * found.mu).all()

@@ -6,12 +6,12 @@ import pytest
 from scipy.optimize import brentq
 
 import elastomdr as em
-from elastomdr.mapping.synthesis import synthesise
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve.lump import lanes
-from elastomdr.solve.period import coefficients
-from elastomdr.solve.periodic import _limit, solve_line
-from elastomdr.solve.stretches import recover, stretches
+from elastomdr.rough.branch_reduction import lanes
+from elastomdr.rough.free_recovery import recover, stretches
+from elastomdr.rough.period import coefficients
+from elastomdr.rough.periodic import _limit, solve_line
+from elastomdr.surface.synthesis import synthesise
 
 
 def dashpot_on_a_cosine(stiff: float, eta: float, k: float, height: float, velocity: float, depth: float):

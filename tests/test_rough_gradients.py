@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.mapping.synthesis import synthesise
+from elastomdr.surface.synthesis import synthesise
 
 SURFACE = em.SelfAffine(0.8, rms_slope=0.2, q_low=1e3, q_high=8e3)
 LINE = synthesise(SURFACE, 0, 4, 64)
@@ -17,7 +17,7 @@ GIVEN = np.array([2e7, 3e6, 1e-4, 1e-2, 0.3, 3e4, 298.0])  # E_1, E_2, tau_1, ta
 @pytest.fixture(autouse=True)
 def any_sampling(monkeypatch):
     """Points are handed out whatever the error for the sampling of their lines."""
-    monkeypatch.setattr("elastomdr.scenes.ensemble.SAMPLING", 1.0)
+    monkeypatch.setattr("elastomdr.rough.ensemble.SAMPLING", 1.0)
 
 
 def by_pressure(x, average=False):

@@ -11,7 +11,7 @@ import elastomdr as em
 from elastomdr.cli.units import Pressure
 from elastomdr.errors import InputError
 from elastomdr.files import read_bytes, write_files
-from elastomdr.io.units import to_si
+from elastomdr.units.registry import to_si
 
 SOURCE = Path(em.__file__).parent
 _XML = '<?xml version="1.0" encoding="UTF-8"?>'

@@ -9,12 +9,12 @@ import pytest
 from scipy.integrate import dblquad, quad
 
 import elastomdr as em
-from elastomdr._arrays import numpy_unless_traced
-from elastomdr.mapping.lines import SingleLine
+from elastomdr.arrays import numpy_unless_traced
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve import sweep as sweep_of_points
-from elastomdr.solve.memory import Passage, direct, memory, tabulated
-from elastomdr.solve.rule import ladder
+from elastomdr.smooth import solve as sweep_of_points
+from elastomdr.smooth.memory import Passage, direct, memory, tabulated
+from elastomdr.surface.lines import SingleLine
+from elastomdr.surface.sampling import ladder
 
 BARE = em.Averaged(corrected=False)
 RUBBER = em.Foundation(1e6, np.full(8, 2.5e6), np.logspace(-6, 0, 8))

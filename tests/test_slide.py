@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.mapping.lines import SingleLine
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve.carried import settle
-from elastomdr.solve.over_line import indenter
-from elastomdr.solve.slide import march, padded
-from elastomdr.solve.timeline import Steps, cut, timeline
+from elastomdr.surface.lines import SingleLine
+from elastomdr.transient.body_over_line import indenter
+from elastomdr.transient.depth_from_load import settle
+from elastomdr.transient.slide_march import march, padded
+from elastomdr.transient.timeline import Steps, cut, timeline
 
 from .test_slide_rough import RUBBER, WAVES
 
@@ -143,8 +143,8 @@ def test_one_compiled_program_serves_all_levels(monkeypatch):
     program = jax.jit(
         lambda *args, **options: march.__wrapped__(*args, **options), static_argnames=("control", "viscous")
     )
-    monkeypatch.setattr("elastomdr.scenes.slide.march", program)
-    monkeypatch.setattr("elastomdr.solve.refine._MUCH", -1.0)
+    monkeypatch.setattr("elastomdr.transient.slide.march", program)
+    monkeypatch.setattr("elastomdr.transient.refinement._MUCH", -1.0)
     found = em.slide(RUBBER, BALL, time=[0.0, 0.1], position=[0.0, 0.0], load=10.0, rtol=1e-3)
     assert found.plan.levels > 2
     assert program._cache_size() == 1

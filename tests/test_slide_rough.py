@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.mapping.rough_line import spline, spline_coefficients
 from elastomdr.material.relaxation import Relaxation
-from elastomdr.solve.over_line import rough
-from elastomdr.solve.slide import march
-from elastomdr.solve.timeline import Steps
+from elastomdr.surface.rough_line import spline, spline_coefficients
+from elastomdr.transient.body_over_line import rough
+from elastomdr.transient.slide_march import march
+from elastomdr.transient.timeline import Steps
 
 RUBBER = em.Foundation(4e6, [12e6, 3e6], [1e-3, 1e-1])
 POINTS = np.arange(96) * 1e-5

@@ -12,7 +12,7 @@ from elastomdr.cli.main import main
 from elastomdr.fit.cards import abaqus_card, plain_card
 from elastomdr.material.check import check_material
 from elastomdr.material.library import load_material, save_material
-from elastomdr.solve.multiscale import FORM
+from elastomdr.rough.multiscale import FORM
 
 STRAIN, STORAGE, LOSS = [1e-3, 1e-2, 0.1, 1.0], [1.0, 0.8, 0.5, 0.4], [1.0, 1.3, 0.9, 0.5]
 PAYNE = em.Softening(STRAIN, STORAGE, LOSS)

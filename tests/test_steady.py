@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.solve import sweep as sweep_of_points
+from elastomdr.smooth import solve as sweep_of_points
 
 BROAD = em.Foundation(1e6, 1e8 / 10 ** np.linspace(0, 2, 16), 10.0 ** np.arange(-8, 8))
 SHAPES = {

@@ -7,12 +7,12 @@ import pytest
 from scipy.special import dawsn
 
 import elastomdr as em
-from elastomdr.foundation.episode import follow, pressed
-from elastomdr.foundation.modes import recovery_modes, to_branches, to_modes
-from elastomdr.mapping.disc import Disc
-from elastomdr.solve.history import edges
-from elastomdr.solve.many import indent_all, over_histories
-from elastomdr.solve.panels import LAYERS
+from elastomdr.element.episode import follow, pressed
+from elastomdr.element.modes import recovery_modes, to_branches, to_modes
+from elastomdr.surface.disc import Disc
+from elastomdr.transient.batches import indent_all, over_histories
+from elastomdr.transient.depth_history import edges
+from elastomdr.transient.panels import LAYERS
 
 
 @pytest.mark.parametrize("slowness", [1e8, 1e17])

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import elastomdr as em
+from elastomdr.call.extrapolation import excited_outside
 from elastomdr.cli.main import main
+from elastomdr.element.law import as_foundation, surface_foundation
 from elastomdr.errors import InputError
-from elastomdr.foundation.law import as_foundation, surface_foundation
 from elastomdr.material.check import check_material
 from elastomdr.material.library import material_info
 from elastomdr.material.validity import Range, misfit, misfit_bands, shared
-from elastomdr.scenes.beyond import excited_outside
 
 from .dma_files import RUBBER, data
 

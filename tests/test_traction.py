@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import brentq
 
 import elastomdr as em
-from elastomdr._arrays import numpy_unless_traced
+from elastomdr.arrays import numpy_unless_traced
 
 E, G, R, MU, A = 4e6, 4e6 * 2 / 3, 0.01, 0.5, 2e-3
 LOAD = 4 / 3 * E * A**3 / R
@@ -85,12 +85,12 @@ def test_small_creep_is_all_stick():
 
 def test_march_agrees():
     """The force from the march of one element, which knows neither the slip boundary nor the closed forms."""
-    from elastomdr.solve.brush import Rolling, _march
+    from elastomdr.tyre.brush import Rolling, _march
 
     points = {"velocity": np.array([0.1, 1.0, 10.0]), "creepage": 0.1, "friction": 0.8, "load": 5.0}
     found = em.traction(RUBBER, BALL, **points)
     with jax.enable_x64(True):
-        from elastomdr.mapping.lines import SingleLine
+        from elastomdr.surface.lines import SingleLine
 
         edges = found.contact.leading, found.contact.trailing
         rolling = Rolling(
@@ -150,8 +150,8 @@ def test_kelvin_tread_slips_at_both_edges():
 
 def test_kelvin_tread_that_never_slips():
     """F_x = xi (G l^2/2 + eta v l), whichever way it is integrated."""
-    from elastomdr.mapping.lines import SingleLine
-    from elastomdr.solve.brush import Rolling, _march
+    from elastomdr.surface.lines import SingleLine
+    from elastomdr.tyre.brush import Rolling, _march
 
     xi, damping = 0.01, 2e3
     tread = em.Foundation.kelvin(G, damping)
@@ -169,8 +169,8 @@ def test_kelvin_tread_that_never_slips():
 
 def test_traction_before_slip_is_that_of_a_ramp():
     """tau = xi [G r + sum_k G_k s_k (1 - exp(-r/s_k)) + eta v] and its integral, with a dashpot and a branch."""
-    from elastomdr.mapping.lines import SingleLine
-    from elastomdr.solve.brush import Rolling, _ramp
+    from elastomdr.surface.lines import SingleLine
+    from elastomdr.tyre.brush import Rolling, _ramp
 
     xi, v, damping = 0.02, 3.0, 1.5e3
     tread, s = em.Foundation(G, [3 * G], [1e-4], damping), v * 1e-4

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from elastomdr.cli import units
-from elastomdr.io.units import KINDS, to_si
+from elastomdr.units.registry import KINDS, to_si
 
 POUND, INCH, GRAVITY = 0.45359237, 0.0254, 9.80665  # the international pound and inch [kg, m], standard gravity
 PSI = POUND * GRAVITY / INCH**2

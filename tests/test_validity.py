@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.mapping.direction import asymmetry
-from elastomdr.mapping.lines import SingleLine
+from elastomdr.surface.direction import asymmetry
+from elastomdr.surface.lines import SingleLine
 
 APART = {"one": (1e-2, 0.0), "5 decades": (1e-5, 0.5), "6 decades": (1e-6, None)}
 

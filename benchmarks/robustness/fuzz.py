@@ -102,12 +102,12 @@ def _measured() -> Iterator[tuple[str, bytes]]:
 @contextlib.contextmanager
 def only_checked(computed: int) -> Iterator[None]:
     """Stops public calls where they would begin to compute, but for the first `computed` scenes of each kind."""
-    import elastomdr.scenes.cylinder
-    import elastomdr.scenes.drive
-    import elastomdr.scenes.indent
-    import elastomdr.scenes.rough
-    import elastomdr.scenes.slide
-    import elastomdr.scenes.steady
+    import elastomdr.rough.line
+    import elastomdr.smooth.cylinder
+    import elastomdr.smooth.problem
+    import elastomdr.transient.drive
+    import elastomdr.transient.indent
+    import elastomdr.transient.slide
     from elastomdr.fit import pipeline
 
     scenes = elastomdr.scenes

@@ -1,7 +1,7 @@
 """Which wrong signs, factors and comparisons does no test notice? Changes drawn from a seed.
 
     python benchmarks/robustness/mutations.py --seed 1 --count 60    # an hour or two on one core
-    python benchmarks/robustness/mutations.py --seed 1 --count 60 --only solve/brush.py
+    python benchmarks/robustness/mutations.py --seed 1 --count 60 --only tyre/brush.py
 
 Each mutation changes one operator, comparison, number or sign in a copy of the source. The test
 files that concern the module run over it: half of them those that mention its name most often, the

@@ -31,7 +31,7 @@ from common import heading, save, table, verdict
 from rough_march import Periodic, branch_forces, periodic
 
 import elastomdr as em
-from elastomdr.scenes import ensemble
+from elastomdr.rough import ensemble
 
 warnings.simplefilter("ignore", em.ConvergenceWarning)
 warnings.simplefilter("ignore", em.ModelWarning)

@@ -9,11 +9,8 @@ if TYPE_CHECKING:
     import jax
     import numpy as np
 
-    from .foundation.law import Foundation, TabulatedFoundation
-    from .foundation.layer import Layer
-    from .mapping.rough_line import RoughLine
-    from .mapping.shapes import AbstractShape
-    from .mapping.spectrum import AbstractSpectrum
+    from .element.law import Foundation, TabulatedFoundation
+    from .element.layer import Layer
     from .material.prony import Prony
     from .material.shift import AbstractShift
     from .material.softening import Softening
@@ -21,6 +18,9 @@ if TYPE_CHECKING:
     from .material.validity import Range
     from .material.vertical import AbstractVertical
     from .models import Model
+    from .surface.rough_line import RoughLine
+    from .surface.shapes import AbstractShape
+    from .surface.spectrum import AbstractSpectrum
 
 
 class HasArray(Protocol):

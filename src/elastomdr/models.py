@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from ._units import constructor_in_si
 from .errors import InputError, closest
+from .units.arguments import constructor_in_si
 
 if TYPE_CHECKING:
     from ._types import Number
@@ -27,7 +27,7 @@ class Averaged(Model):
     """The MDR line averaged over directions: the default for a smooth body on a half-space.
 
     Args:
-        corrected: apply the empirical correction for asymmetric contacts (`elastomdr.mapping.direction.asymmetry`).
+        corrected: apply the empirical correction for asymmetric contacts (`elastomdr.surface.direction.asymmetry`).
 
     Exact to first order in the loss; `model_error` bounds the rest. Source: `docs/theory.md`.
     """
@@ -60,7 +60,7 @@ class Line(Model):
     falls with the cutoff ratio r = q_high/q_low without end. `model_error` is mu (F - 1), with F = 2.9 r^0.69 by
     default and with a given length, F = 1.45 r^0.16 by the rule of full contact, twice that with `average`: an upper
     envelope of three-dimensional over line friction at r from 4 to 64, continued up to r = 1e5 and NaN beyond
-    (`elastomdr.scenes.line_bound`). Under a load per length or a depth it is NaN. Above r = 10 there is one
+    (`elastomdr.rough.line_bound`). Under a load per length or a depth it is NaN. Above r = 10 there is one
     `em.ModelWarning`; `em.Multiscale()` is the model for that.
 
     Source: Popov & Hess 2015, chapters 7 and 10; the bound is empirical.

@@ -6,7 +6,14 @@ from pathlib import Path
 
 from ..errors import InputError
 from . import DONE, NOT_CONVERGED
-from .compute import _computed, _write_figure, _write_table, output_folder, warned_of_at_the_end, write_all
+from .compute import (
+    _computed,
+    _write_figure,
+    _write_table,
+    output_folder,
+    warned_of_at_the_end,
+    write_all,
+)
 from .kinds import read_scene
 from .parts import Parts
 from .scene import models_by_name

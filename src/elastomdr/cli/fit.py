@@ -162,7 +162,7 @@ def _constant(text: str, unit: str, example: str) -> float:
 
 def size_of(key: str, text: str | None, kind: str) -> float | None:
     """A number with its unit in SI."""
-    from ..io.units import to_si, usual
+    from ..units.registry import to_si, usual
 
     if text is None:
         return None

@@ -12,7 +12,19 @@ import elastomdr as em
 
 from ..errors import InputError
 from .indenter import AnyShape
-from .schema import Count, One, Positive, Several, Sweep, Table, Text, given, keys_of, named, only_one
+from .schema import (
+    Count,
+    One,
+    Positive,
+    Several,
+    Sweep,
+    Table,
+    Text,
+    given,
+    keys_of,
+    named,
+    only_one,
+)
 from .surface import equivalent_length
 from .units import Length, Temperature, Velocity
 

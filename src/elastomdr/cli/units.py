@@ -6,7 +6,7 @@ from decimal import Decimal
 from typing import Any, ClassVar, Self
 
 from ..errors import InputError, closest
-from ..io.units import harmless
+from ..units.registry import harmless
 
 _LARGEST = 1e100  # in SI units: products of such numbers stay within float64
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
@@ -165,6 +165,6 @@ def _alike(first: Any, second: Any) -> bool:
 
 
 def _registry() -> Any:
-    from ..io.units import registry
+    from ..units.registry import registry
 
     return registry()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import as_float64, positive
+from ..checks import as_float64, positive
 from ..io.data import FitWarning
 from .findings import TWO_SIGMA
 from .joint import AtReference, Joint, curve

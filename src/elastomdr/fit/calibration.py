@@ -18,16 +18,16 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
-from .._compiled import keep_compiled_code
-from .._runtime import as_float64, in_si, positive, require
+from ..call.model_choice import hint_at_line, is_rough, of_rough
+from ..checks import as_float64, in_si, positive, require
+from ..compiled_code import keep_compiled_code
 from ..errors import ConvergenceWarning, ExtrapolationWarning, InputError, ModelWarning, closest
-from ..mapping.spectrum import AbstractSpectrum
-from ..mapping.synthesis import PER_WAVE, line_count
 from ..material.prony import Prony
 from ..material.tabulated import needs_series
 from ..models import Line
-from ..scenes.choice import hint_at_line, is_rough, of_rough
-from ..scenes.line_bound import missed
+from ..rough.line_bound import missed
+from ..surface.spectrum import AbstractSpectrum
+from ..surface.synthesis import PER_WAVE, line_count
 from .compiled import with_jacobian
 from .findings import TWO_SIGMA, AbstractFindings
 from .parameters import MEANINGS, Change, applied, check
@@ -236,9 +236,9 @@ def _start(material: Prony, parameters: Any, own: bool) -> dict[str, float]:
 
 def _computer(material: Prony, shape: Any, quantity: str, names: list[str], change: Any, scene: dict[str, Any]) -> Any:
     if quantity == "friction":
-        from ..scenes.friction import friction as call
+        from ..verbs.friction import friction as call
     else:
-        from ..scenes.rolling import rolling as call
+        from ..verbs.rolling import rolling as call
 
     def compute(p: Any) -> Any:
         values = dict(zip(names, p, strict=True))

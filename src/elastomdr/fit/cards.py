@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .._runtime import in_si
+from ..checks import in_si
 from ..errors import InputError
 from ..material.prony import Prony
 from ..material.shift import VFT, WLF, Arrhenius

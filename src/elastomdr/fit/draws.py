@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._trees import replaced
 from ..material.draws import Draws, by_moduli, changed, check_draws, root_of
 from ..material.shift import ShiftTable
 from ..material.vertical import VerticalTable
+from ..trees import replaced
 from .joint import moved, sensitivity
 from .laws import derivatives, fit_form, forms
 from .shifting import LN10

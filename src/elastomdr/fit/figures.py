@@ -5,7 +5,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..results.plotting import FAINT, INK, PALETTE, Ask, begin, below, crowded, frame, saved, write_title
+from ..results.plotting import (
+    FAINT,
+    INK,
+    PALETTE,
+    Ask,
+    begin,
+    below,
+    crowded,
+    frame,
+    saved,
+    write_title,
+)
 
 if TYPE_CHECKING:
     from .grosch import FrictionMaster

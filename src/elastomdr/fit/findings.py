@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .._html import html_table
+from ..notebook_tables import html_table
 from .laws import LawFit
 
 PLUS_MINUS = "+- is half a 95 % interval: 1.96 standard deviations"

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .._runtime import significant
+from ..checks import significant
 from ..errors import InputError
 from ..io.data import Dma
 from ..material.shift import VFT, WLF, AbstractShift, Arrhenius, ShiftTable

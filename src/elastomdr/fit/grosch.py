@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 from scipy.interpolate import BSpline
 
-from .._arrays import one_thread
-from .._runtime import as_float64, in_kelvin, in_si, positive, require, scalar
+from ..arrays import one_thread
+from ..checks import as_float64, in_kelvin, in_si, positive, require, scalar
 from ..errors import InputError
 from .findings import TWO_SIGMA, AbstractFindings, of_shifts
 from .isotherms import alike, group

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._runtime import in_si, scalar, significant
-from .._trees import replaced
+from ..checks import in_si, scalar, significant
 from ..errors import InputError
 from ..material.library import load_material, material_info, save_material
 from ..material.prony import Prony
 from ..material.validity import Range
+from ..trees import replaced
 
 if TYPE_CHECKING:
     from .._types import Number

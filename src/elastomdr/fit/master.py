@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from .._arrays import one_thread
-from .._runtime import in_kelvin, in_si, not_negative, positive, scalar, significant
+from ..arrays import one_thread
+from ..checks import in_kelvin, in_si, not_negative, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import Dma, of_one_strain, strains, without_copies
 from ..material.shift import AbstractShift, Arrhenius

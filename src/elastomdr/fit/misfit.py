@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from .._trees import replaced
 from ..errors import InputError
 from ..io.data import Dma
 from ..material.prony import Prony
 from ..material.validity import misfit_bands
+from ..trees import replaced
 
 
 def deviations(material: Prony, dma: Dma) -> dict[str, np.ndarray]:

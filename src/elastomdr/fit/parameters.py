@@ -13,10 +13,10 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from ..errors import InputError
-from ..mapping.spectrum import AbstractSpectrum
 from ..material.prony import Prony
 from ..material.shift import WLF
 from ..models import Line, as_model
+from ..surface.spectrum import AbstractSpectrum
 
 MEANINGS = {
     "modulus": "log10 of a factor on all moduli",

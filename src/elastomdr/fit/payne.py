@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from .._runtime import as_float64, in_si, positive
-from .._trees import fill, static
+from ..checks import as_float64, in_si, positive
 from ..errors import InputError
 from ..files import write_files
 from ..io.data import Dma, lists
 from ..material.softening import Softening
+from ..trees import fill, static
 from .findings import AbstractFindings
 from .isotherms import group
 

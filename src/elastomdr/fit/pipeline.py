@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import __version__
-from .._runtime import in_si
+from ..checks import in_si
 from ..errors import InputError
 from ..io.data import Dma, strains
 from ..material.library import save_material

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._arrays import one_thread
-from .._runtime import in_si, positive, scalar, significant
+from ..arrays import one_thread
+from ..checks import in_si, positive, scalar, significant
 from ..errors import InputError
 from ..io.data import KINDS, lists
 from ..material.prony import Prony

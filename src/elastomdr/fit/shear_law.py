@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from .._runtime import as_float64, in_si, plain, positive, require
+from ..checks import as_float64, in_si, plain, positive, require
 from ..errors import InputError
 from ..files import write_files
 from ..io.data import MeasuredFriction
 from ..material.shift import GAS_CONSTANT, Arrhenius
 from ..results.curve import FrictionCurve
 from ..results.friction_law import gridded
-from ..solve.adhesive_shear import AdhesiveShear
+from ..rough.adhesive_shear import AdhesiveShear
 from .findings import AbstractFindings
 
 if TYPE_CHECKING:

@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._trees import replaced
 from ..errors import InputError
 from ..material.tabulated import TabulatedModulus
 from ..material.validity import Range, misfit_bands
+from ..trees import replaced
 
 if TYPE_CHECKING:
     from .master import MasterCurve

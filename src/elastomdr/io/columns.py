@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError, closest
+from ..units.registry import KINDS, is_unit, to_si, usual
 from .sheets import number, read_sheet
 from .tables import MOST_COLUMNS, Head, Table, clean, listed, main_table, splits
-from .units import KINDS, is_unit, to_si, usual
 
 LOGS = {"log10": 10.0, "ln": np.e}
 _DECADIC = r"log[\s_]?10|log[\s_]?\(10\)|log₁₀|lg"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._runtime import as_float64, in_kelvin, in_si, positive, scalar
+from ..checks import as_float64, in_kelvin, in_si, positive, scalar
 from ..errors import InputError
 
 if TYPE_CHECKING:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import in_kelvin, in_si, plain, positive
+from ..checks import in_kelvin, in_si, plain, positive
 from ..errors import InputError
+from ..units.registry import to_si, usual
 from .columns import (
     Column,
     Quantity,
@@ -32,7 +33,6 @@ from .data import COLDEST, KINDS, Dma, FitWarning, describe_list, in_strain_swee
 from .formats import Format, format_of
 from .sheets import is_frame, read_sheet, sheet_of_frame
 from .tables import Head, Table
-from .units import to_si, usual
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Frame, Kind

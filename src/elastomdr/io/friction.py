@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .._runtime import in_kelvin, in_si, plain
+from ..checks import in_kelvin, in_si, plain
 from ..errors import InputError
 from .columns import Quantity, left_out, read_columns
 from .data import FitWarning, MeasuredFriction

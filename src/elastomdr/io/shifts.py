@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from .._runtime import in_si
+from ..checks import in_si
 from ..errors import InputError
 from ..material.shift import ShiftTable
 from .columns import Quantity, read_columns

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._runtime import in_si, plain, positive
+from ..checks import in_si, plain, positive
 from ..errors import InputError
-from ..mapping.measured import MeasuredSpectrum, from_spectrum
-from ..mapping.spectrum import check_convention
+from ..surface.measured import MeasuredSpectrum, from_spectrum
+from ..surface.spectrum import check_convention
+from ..units.registry import to_si
 from .columns import logarithm
 from .sheets import read_sheet
 from .tables import Head, Table, clean, listed, main_table, splits
-from .units import to_si
 
 if TYPE_CHECKING:
     from .._types import Convention

@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._runtime import in_si, plain, positive
+from ..checks import in_si, plain, positive
 from ..errors import InputError
 from ..files import read_bytes
-from ..mapping.measured import MeasuredSurface
-from ..mapping.topography import Scan, surface
+from ..surface.measured import MeasuredSurface
+from ..surface.topography import Scan, surface
+from ..units.registry import to_si, usual
 from .data import FitWarning
 from .dropouts import LEFT_OUT, without_dropouts
 from .sheets import read_sheet
 from .tables import Head, clean, main_table, splits
-from .units import to_si, usual
 
 if TYPE_CHECKING:
     from jaxtyping import Float

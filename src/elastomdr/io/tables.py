@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..units.registry import is_unit
 from .sheets import Row, Sheet, number, seconds
-from .units import is_unit
 
 _MARK = re.compile(r"\s*(?:#+|%+|//+|;+)\s*")  # begins a line that programs which want numbers pass over
 _BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]")

@@ -12,9 +12,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from .._runtime import is_traced
-from .._trees import replaced
+from ..checks import is_traced
 from ..errors import InputError
+from ..trees import replaced
 
 _DECADES = 0.5  # distance at which deviations have a correlation of exp(-1/2)
 _RIDGE = 1e-2  # of a modulus's logarithm: changes that no frequency of the data sees are left out

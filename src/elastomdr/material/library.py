@@ -114,7 +114,7 @@ def save_material(
     source of the moduli. The file appears complete or not at all. Raises `InputError` for anything but a `Prony` or a
     `TabulatedModulus` with concrete numbers, and where the file cannot be written.
     """
-    from .._runtime import is_traced
+    from ..checks import is_traced
     from .prony import Prony
     from .tabulated import TabulatedModulus
 

@@ -8,9 +8,19 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
-from .._runtime import Array, as_float64, in_si, is_traced, not_negative, numpy_unless_traced, positive, require, scalar
-from .._trees import fill, replaced, static
+from ..checks import (
+    Array,
+    as_float64,
+    in_si,
+    is_traced,
+    not_negative,
+    numpy_unless_traced,
+    positive,
+    require,
+    scalar,
+)
 from ..errors import InputError
+from ..trees import fill, replaced, static
 from .relaxation import (
     AbstractRelaxation,
     KelvinChain,

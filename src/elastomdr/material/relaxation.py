@@ -7,10 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._arrays import on_numpy, xp
-from .._runtime import Array, alike, as_float64, is_traced, not_negative, numpy_unless_traced, positive
-from .._trees import Tree
+from ..arrays import on_numpy, xp
+from ..checks import (
+    Array,
+    alike,
+    as_float64,
+    is_traced,
+    not_negative,
+    numpy_unless_traced,
+    positive,
+)
 from ..errors import InputError
+from ..trees import Tree
 from .secular import secular_roots
 
 if TYPE_CHECKING:

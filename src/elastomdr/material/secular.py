@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from .._arrays import compiled, fixed, fori_loop, xp
-from .._runtime import Array
+from ..arrays import compiled, fixed, fori_loop, xp
+from ..checks import Array
 
 if TYPE_CHECKING:
     from jaxtyping import Float

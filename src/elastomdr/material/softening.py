@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._arrays import xp
-from .._runtime import (
+from ..arrays import xp
+from ..checks import (
     Array,
     alike,
     as_float64,
@@ -18,8 +18,8 @@ from .._runtime import (
     positive,
     written,
 )
-from .._trees import Tree, fill, same
 from ..errors import InputError
+from ..trees import Tree, fill, same
 
 if TYPE_CHECKING:
     from jaxtyping import Float

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from .._runtime import is_traced
+from ..checks import is_traced
 from ..errors import InputError
 from .relaxation import KelvinChain
 from .tabulated import AbstractTable

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 
-from .._arrays import xp
-from .._runtime import (
+from ..arrays import xp
+from ..checks import (
     Array,
     alike,
     as_float64,
@@ -32,8 +32,8 @@ from .._runtime import (
     require,
     scalar,
 )
-from .._trees import Tree, fill, replaced, static
 from ..errors import InputError
+from ..trees import Tree, fill, replaced, static
 from .shift import AbstractShift
 from .softening import Softening, as_softening
 from .validity import Range, as_range

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from .._runtime import Array, is_traced, significant
+from ..checks import Array, is_traced, significant
 from ..errors import InputError
 
 if TYPE_CHECKING:

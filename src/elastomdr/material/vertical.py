@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._arrays import xp
-from .._runtime import (
+from ..arrays import xp
+from ..checks import (
     Array,
     alike,
     as_float64,
@@ -21,8 +21,8 @@ from .._runtime import (
     scalar,
     written,
 )
-from .._trees import Tree, fill, same
 from ..errors import InputError
+from ..trees import Tree, fill, same
 from .shift import hermite
 
 if TYPE_CHECKING:

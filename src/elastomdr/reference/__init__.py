@@ -1,6 +1,6 @@
 """What to check the fast answers against: contacts in two and three dimensions, without reduction; closed forms."""
 
-from ..mapping.rough_map import rough_map
+from ..surface.rough_map import rough_map
 from .full_contact import full_contact_sliding
 from .half_plane import half_plane_sliding
 from .half_space import half_space_sliding

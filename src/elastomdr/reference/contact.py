@@ -17,8 +17,8 @@ import jax
 import jax.numpy as jnp
 from jax.scipy.sparse.linalg import bicgstab
 
-from .._runtime import Array
-from ..foundation.layer import layer_kernel
+from ..checks import Array
+from ..element.layer import layer_kernel
 from ..material.relaxation import Relaxation
 
 if TYPE_CHECKING:

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64, broadcast_shape, in_float64, in_kelvin, positive
+from ..checks import Array, as_float64, broadcast_shape, in_float64, in_kelvin, positive
+from ..element.law import surface_foundation
 from ..errors import InputError
-from ..foundation.law import surface_foundation
-from ..mapping.rough_line import RoughLine
 from ..material.vertical import thermal_factors
+from ..surface.rough_line import RoughLine
 
 if TYPE_CHECKING:
     from jaxtyping import Float

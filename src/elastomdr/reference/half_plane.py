@@ -10,9 +10,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, argmax, in_float64, positive, scalar
+from ..checks import Array, argmax, in_float64, positive, scalar
+from ..element.law import as_foundation
 from ..errors import ConvergenceWarning, InputError
-from ..foundation.law import as_foundation
 from ..material.relaxation import KelvinChain, Relaxation, to_kelvin
 from ..results.curve import Contact, HalfPlaneCurve
 from .contact import LEADS, grid, settle, work_against

@@ -10,16 +10,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, in_float64
-from .._trees import replaced
+from ..checks import Array, in_float64
+from ..element.law import Foundation, as_foundation
 from ..errors import ConvergenceWarning, InputError
-from ..foundation.law import Foundation, as_foundation
-from ..mapping.lines import SingleLine
-from ..mapping.shapes import AbstractShape, Cylinder, FlatPunch
 from ..material.relaxation import Relaxation, scaled, to_kelvin
 from ..results.curve import Contact, FrictionCurve, HalfSpaceCurve
 from ..results.words import describe
-from ..solve.passage import Control, estimate_sizes
+from ..smooth.passage import Control, estimate_sizes
+from ..surface.lines import SingleLine
+from ..surface.shapes import AbstractShape, Cylinder, FlatPunch
+from ..trees import replaced
 from .contact import LEADS, grid, settle, work_against
 from .kernel import area_cell, sliding_kernel
 from .periodic import slide_periodic
@@ -46,7 +46,7 @@ class _Found(NamedTuple):
     edges: Float[Array, "4"]  # trailing, leading on the central line; rearmost, foremost of all [m]
     half_width: Float[Array, ""]  # across the motion [m]
     touching: Bool[Array, "along across"]
-    area: Float[Array, ""]  # of contact, the staircase of its border corrected as in `solve.half_space` [m^2]
+    area: Float[Array, ""]  # of contact, the staircase of its border corrected as in `rough.half_space` [m^2]
     settled: Array
     inside: Array  # no cell at the border of the window is in contact
 

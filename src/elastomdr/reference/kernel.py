@@ -7,7 +7,7 @@ creep function of E*, J(t) = J_0 + sum_k J_k (1 - exp(-t/lambda_k)), and the ela
 
 The integrals reach back along the whole way that the indenter has come, so that it never meets its own wake. They
 follow from one another along the grid, I(x) = exp(-h/l) I(x + h) + int_0^h, each piece by Gauss points and the exact
-moments of `foundation.moments`.
+moments of `element.moments`.
 
 Friction takes the slope dK/dx, of which only the part even in x does work,
 sum_k J_k [I_k(x) + I_k(-x) - 2 e(x)]/(2 l_k): nothing of the elastic answer is left in it, so that the smallest loss
@@ -23,10 +23,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array
-from ..foundation.moments import contract
+from ..checks import Array
+from ..element.moments import contract
 from ..material.relaxation import KelvinChain
-from ..solve.rule import gauss
+from ..surface.sampling import gauss
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 import jax.numpy as jnp
 import numpy as np
 
-from .._arrays import numpy_unless_traced
-from .._runtime import Array, in_float64
-from .._trees import Tree, static
+from ..arrays import numpy_unless_traced
+from ..checks import Array, in_float64
+from ..element.layer import Layer, layer_deficit
 from ..errors import InputError
-from ..foundation.layer import Layer, layer_deficit
+from ..trees import Tree, static
 from .half_space import slide
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def cover_of(material: Layer) -> Cover:
 
 def foundation_of(material: Layer) -> Any:
     """The half-space of the same material."""
-    from ..foundation.law import half_space
+    from ..element.law import half_space
 
     return half_space(material.material)
 

@@ -1,4 +1,4 @@
-"""A cylinder that slides steadily on a layer, in plane strain, on a line of cells: the slow truth of `solve.cylinder`.
+"""A cylinder that slides steadily on a layer, in plane strain, on a line of cells: the slow truth of `smooth.cylinder_collocation`.
 
 Cells of constant pressure; their influence from the complex compliance W(kh)/E*(kv) by one long Fourier transform, less
 the instantaneous half-plane above its mirror image, which is known in closed form; contact by letting go the cells that
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..foundation.layer import Layer
+from ..element.layer import Layer
 from ..material.relaxation import to_kelvin
 
 _PIVOTS = 100

@@ -21,13 +21,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64, positive
+from ..checks import Array, as_float64, positive
+from ..element.law import Foundation
 from ..errors import ConvergenceWarning, InputError
-from ..foundation.law import Foundation
-from ..mapping.shapes import AbstractShape
 from ..material.relaxation import Relaxation
 from ..results.curve import HalfSpaceCurve
 from ..results.words import brief, describe
+from ..surface.shapes import AbstractShape
 from .contact import LEADS, Grid, settle
 from .points import NOT_COMPARED, broadcast
 

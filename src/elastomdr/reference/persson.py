@@ -18,19 +18,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.special import erf
 
-from .._runtime import as_float64, broadcast_shape, in_float64, plain, positive, require
+from ..checks import as_float64, broadcast_shape, in_float64, plain, positive, require
+from ..element.law import surface_foundation
 from ..errors import InputError
-from ..foundation.law import surface_foundation
-from ..mapping.spectrum import as_spectrum
 from ..material.tabulated import LEFT_OUT, AbstractTable
 from ..material.vertical import thermal_factors
 from ..results.curve import PerssonCurve
 from ..results.words import brief
+from ..surface.spectrum import as_spectrum
 from .points import NOT_COMPARED
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Material, Number
-    from ..mapping.spectrum import AbstractSpectrum
+    from ..surface.spectrum import AbstractSpectrum
 
 _ANGLES = 48  # nodes of the midpoint rule in log tan(phi/2), which converges exponentially
 _PER_DECADE = 200  # wave numbers per decade, Simpson's rule

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import Scene, steady_scene
+from ..call.problem import Scene, steady_scene
+from ..element.law import Foundation
 from ..errors import InputError
-from ..foundation.law import Foundation
-from ..solve.passage import Control
+from ..smooth.passage import Control
 
 if TYPE_CHECKING:
     from jaxtyping import Float

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 import jax.numpy as jnp
 import numpy as np
 
-from .._runtime import Array, as_float64, broadcast_shape, in_float64, in_kelvin, is_traced, positive
+from ..checks import Array, as_float64, broadcast_shape, in_float64, in_kelvin, is_traced, positive
+from ..element.law import Foundation
 from ..errors import InputError
-from ..foundation.law import Foundation
-from ..mapping.shapes import Cylinder
 from ..material.vertical import thermal_factors
+from ..surface.shapes import Cylinder
 
 if TYPE_CHECKING:
     from jaxtyping import Float

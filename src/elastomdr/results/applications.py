@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from .._runtime import significant
+from ..checks import significant
 from ..errors import InputError
 from .axes import Axis, place_in_words
 from .base import Array, Result, quantity, record

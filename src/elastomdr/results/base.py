@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar, data
 import numpy as np
 
 from .. import __version__
-from .._html import html_table
-from .._runtime import as_float64, is_traced, require, significant
-from .._trees import pytree
+from ..checks import as_float64, is_traced, require, significant
 from ..errors import InputError
 from ..files import csv_text, write_files
+from ..notebook_tables import html_table
+from ..trees import pytree
 from .axes import Axis, Curve, curves, dimensions
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from .._runtime import significant
+from ..checks import significant
 from ..errors import InputError
 from .axes import peak
 from .base import Array, Quantity, Result, part, quantity, record, setting

@@ -17,11 +17,20 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import __version__
-from .._arrays import xp
-from .._runtime import Array, as_float64, ascending, broadcast_shape, is_traced, numpy_unless_traced, positive, require
-from .._trees import Tree, fill
+from ..arrays import xp
+from ..checks import (
+    Array,
+    as_float64,
+    ascending,
+    broadcast_shape,
+    is_traced,
+    numpy_unless_traced,
+    positive,
+    require,
+)
 from ..errors import InputError
 from ..files import csv_text, read_text, write_files
+from ..trees import Tree, fill
 
 if TYPE_CHECKING:
     from jaxtyping import Float

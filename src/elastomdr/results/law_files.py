@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
-from .._runtime import is_traced
+from ..checks import is_traced
 from ..errors import InputError
 from ..files import write_files
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import as_float64, positive, require, significant
+from ..checks import as_float64, positive, require, significant
 from ..errors import InputError
 from .axes import Axis, Curve, Peak, peak
 from .words import in_unit, in_words

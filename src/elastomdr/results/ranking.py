@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .. import __version__
-from .._runtime import significant
+from ..checks import significant
 from ..errors import InputError
 from ..files import csv_text, write_files
 from .friction_law import FrictionLaw, gridded

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from .._runtime import plain, require, significant
+from ..checks import plain, require, significant
 from .base import Array, Result, quantity, record, setting
 from .words import in_words
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from .._runtime import is_traced, significant
+from ..checks import is_traced, significant
 
 _SHAPE_UNITS = {"radius": " m", "length": " m"}
 _SCALES = {"mm": 1e3, "µm": 1e6, "ms": 1e3, "%": 100.0, "MPa": 1e-6}  # what one SI unit is in them

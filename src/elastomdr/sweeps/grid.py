@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._runtime import is_traced
-from .._trees import Tree
+from ..call.model_choice import is_rough
+from ..call.several_materials import RTOL
+from ..checks import is_traced
 from ..errors import InputError
 from ..material.draws import Draws
 from ..results.base import distinct
-from ..scenes.choice import is_rough
-from ..scenes.several import RTOL
+from ..trees import Tree
 
 _BODIES = ("shape", "surface")
 _STEADY = ("velocity", "load", "depth", "pressure", "temperature")

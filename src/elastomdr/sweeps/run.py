@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from .. import __version__
-from .._runtime import in_si
+from ..checks import in_si
 from ..errors import ConvergenceWarning, InputError
 from .grid import Grid, grid, positional
 from .store import DONE, OPEN, RAISED, Store

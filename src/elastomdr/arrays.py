@@ -1,0 +1,354 @@
+"""One source for numbers and for what JAX transforms: the array namespace `xp`, and what differs besides.
+
+While a public call of numbers runs, `xp` stands for NumPy; if one of its arguments is traced, or the call belongs to
+what only JAX computes, for `jax.numpy`. A formula is written once, over `xp`. A tracer that reaches NumPy raises.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import itertools
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+import numpy as np
+
+from .compiled_code import keep_compiled_code
+from .trees import Tree
+from .units.arguments import arguments_in_si
+
+if TYPE_CHECKING:
+    import jax
+
+    Array = jax.Array | np.ndarray  # JAX while tracing or inside a computation, NumPy where values are handed out
+else:
+    Array = Any
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class _Mode(threading.local):
+    numpy = False  # of a new thread, and outside of public calls
+
+
+_mode = _Mode()
+
+
+class _Namespace:
+    """NumPy or `jax.numpy`, whichever is to be used at the moment and in this thread."""
+
+    def __getattr__(self, name: str) -> Any:
+        if _mode.numpy:
+            return getattr(np, name)
+        import jax.numpy as jnp
+
+        return getattr(jnp, name)
+
+
+xp: Any = _Namespace()
+
+
+def on_numpy() -> bool:
+    """Whether `xp` is NumPy at the moment."""
+    return _mode.numpy
+
+
+def numpy_unless_traced(function: Callable[P, R]) -> Callable[P, R]:
+    """Runs `function` on NumPy, or, if JAX traces one of its arguments, on `jax.numpy` with 64-bit types.
+
+    Arguments with units come to it as numbers in SI units (`units/arguments.py`).
+    """
+    in_si = arguments_in_si(function)
+
+    @functools.wraps(function)
+    def wrapper(*given: P.args, **named: P.kwargs) -> R:
+        args, kwargs = (given, named) if _mode.numpy else in_si(given, named)
+        if is_traced(args, kwargs):
+            return on_jax(function, *args, **kwargs)
+        if _mode.numpy:  # inside of another such call
+            return function(*args, **kwargs)
+        _mode.numpy = True
+        try:
+            with np.errstate(all="ignore"):
+                return function(*args, **kwargs)
+        finally:
+            _mode.numpy = False
+
+    return wrapper
+
+
+def in_float64(function: Callable[P, R]) -> Callable[P, R]:
+    """Runs `function` on JAX with 64-bit types enabled and leaves the caller's JAX setting as it was.
+
+    Arrays in its answer that are not traced come back as NumPy arrays: JAX's own would be rounded to float32 by the
+    caller's next operation under JAX's default configuration. Units as in `numpy_unless_traced`.
+    """
+    in_si = arguments_in_si(function)
+
+    @functools.wraps(function)
+    def wrapper(*given: P.args, **named: P.kwargs) -> R:
+        args, kwargs = in_si(given, named)
+        return on_jax(function, *args, **kwargs)
+
+    return wrapper
+
+
+def on_jax(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
+    """One call on JAX with 64-bit types; see `in_float64`."""
+    import jax
+
+    keep_compiled_code()
+    if not jax.config.read("jax_enable_x64") and _reversible(args, kwargs):
+        return _with_its_way_back(function, args, kwargs)
+    before, _mode.numpy = _mode.numpy, False
+    try:
+        with jax.enable_x64(True), np.errstate(all="ignore"):  # as of NumPy's calls: what overflows is found by its NaN
+            return jax.tree.map(as_numpy, function(*args, **kwargs))
+    finally:
+        _mode.numpy = before
+
+
+def _reversible(*trees: Any) -> bool:
+    """Whether JAX traces some of it, and none of that for forward derivatives, which a reverse rule would exclude."""
+    import jax
+    from jax.core import Tracer
+    from jax.interpreters.ad import JVPTracer
+
+    def forward(tracer: Any) -> bool:
+        inner = getattr(tracer, "val", None)
+        return isinstance(tracer, JVPTracer) or (isinstance(inner, Tracer) and forward(inner))
+
+    traced = [leaf for leaf in jax.tree.leaves(trees) if isinstance(leaf, Tracer)]
+    return bool(traced) and not any(map(forward, traced))
+
+
+def _with_its_way_back(function: Callable[..., R], args: Any, kwargs: Any) -> R:
+    """`on_jax` with a reverse derivative that has 64-bit types too: JAX transposes after the call has returned, under
+    the caller's setting, where 32-bit zeros would meet 64-bit numbers."""
+    import jax
+    from jax.core import Tracer
+
+    leaves, tree = jax.tree.flatten((args, kwargs))
+    places = [i for i, leaf in enumerate(leaves) if isinstance(leaf, Tracer)]
+    rest: list[Any] = []
+
+    def run(*given: Any) -> tuple[Any, ...]:
+        full = list(leaves)
+        for i, value in zip(places, given, strict=True):
+            full[i] = value
+        some, named = jax.tree.unflatten(tree, full)
+        with jax.enable_x64(True):
+            found, shape = jax.tree.flatten(on_jax(function, *some, **named))
+            kept = [isinstance(leaf, jax.Array) for leaf in found]
+            rest[:] = [shape, [None if array else leaf for leaf, array in zip(found, kept, strict=True)], kept]
+            return tuple(leaf for leaf, array in zip(found, kept, strict=True) if array)
+
+    @jax.custom_vjp
+    def whole(*given: Any) -> tuple[Any, ...]:
+        return run(*given)
+
+    def forth(*given: Any) -> tuple[Any, Any]:
+        with jax.enable_x64(True):
+            return jax.vjp(run, *given)
+
+    def back(pull: Any, slopes: Any) -> Any:
+        with jax.enable_x64(True):
+            return pull(slopes)
+
+    whole.defvjp(forth, back)
+    arrays = iter(whole(*(leaves[i] for i in places)))
+    shape, others, kept = rest
+    return jax.tree.unflatten(
+        shape, [next(arrays) if array else leaf for leaf, array in zip(others, kept, strict=True)]
+    )
+
+
+def as_numpy(leaf: Any) -> Any:
+    """A NumPy array in place of an array of JAX's that is not traced; anything else as it is."""
+    jax = sys.modules.get("jax")
+    if jax is not None and isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer):
+        return np.asarray(leaf)
+    return leaf
+
+
+def is_traced(*trees: Any) -> bool:
+    """Whether any leaf is under a JAX transformation, so that its value cannot be looked at."""
+    tracer = getattr(getattr(sys.modules.get("jax"), "core", None), "Tracer", None)
+    return tracer is not None and any(_holds(tree, tracer) for tree in trees)
+
+
+_PLAIN = {np.ndarray, np.float64, np.bool_, float, int, bool, str, type(None)}
+
+
+def _holds(tree: Any, tracer: type) -> bool:
+    if type(tree) in _PLAIN:
+        return False
+    if isinstance(tree, (tuple, list)):
+        return any(_holds(part, tracer) for part in tree)
+    if isinstance(tree, (Tree, dict)):
+        return any(_holds(part, tracer) for part in (tree if isinstance(tree, dict) else vars(tree)).values())
+    if isinstance(tree, tracer):
+        return True
+    import jax
+
+    return any(isinstance(leaf, tracer) for leaf in jax.tree.leaves(tree))
+
+
+def compiled(*static: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """`jax.jit`, with some arguments static, where JAX computes; the function itself where NumPy does."""
+
+    def mark(function: Callable[P, R]) -> Callable[P, R]:
+        program: Any = None
+
+        @functools.wraps(function)
+        def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+            nonlocal program
+            if _mode.numpy:
+                return function(*args, **kwargs)
+            if program is None:
+                import jax
+
+                program = jax.jit(function, static_argnames=static)
+            return program(*args, **kwargs)
+
+        return wrapper
+
+    return mark
+
+
+@contextlib.contextmanager
+def one_thread() -> Iterator[None]:
+    """Keeps linear algebra on one thread; as `with` or as a decorator.
+
+    For matrices of a hundred rows threads only wait for each other, eight times as long as one takes.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, user_api="blas"):
+        yield
+
+
+def while_loop(condition: Callable[[Any], Any], body: Callable[[Any], Any], state: Any) -> Any:
+    """`jax.lax.while_loop`."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.while_loop(condition, body, state)
+    while condition(state):
+        state = body(state)
+    return state
+
+
+def fori_loop(start: int, stop: int, body: Callable[[Any, Any], Any], state: Any) -> Any:
+    """`jax.lax.fori_loop`."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.fori_loop(start, stop, body, state)
+    for i in range(start, stop):
+        state = body(i, state)
+    return state
+
+
+def checkpointed(function: Callable[P, R]) -> Callable[P, R]:
+    """`jax.checkpoint`."""
+    if _mode.numpy:
+        return function
+    import jax
+
+    return jax.checkpoint(function)
+
+
+def fixed(tree: R) -> R:
+    """`jax.lax.stop_gradient`."""
+    if _mode.numpy:
+        return tree
+    import jax
+
+    return jax.lax.stop_gradient(tree)
+
+
+def arrays(tree: Any) -> Any:
+    """Its leaves as arrays of `xp`; on NumPy they are already."""
+    if _mode.numpy:
+        return tree
+    import jax
+
+    return jax.tree.map(jax.numpy.asarray, tree)
+
+
+def each(function: Callable[[Any], Any], over: Any) -> Any:
+    """`jax.lax.map`: the results of a function of each entry along the first axis, stacked; one array each."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.map(function, over)
+    return np.stack([function(entry) for entry in over])
+
+
+def scan(step: Callable[[Any, Any], Any], state: Any, over: Any) -> Any:
+    """`jax.lax.scan` over named tuples of arrays or None: the states after each entry of `over`, stacked.
+
+    An array of `over` with one entry along its first axis serves every step.
+    """
+    length = max(x.shape[0] for x in over if x is not None)
+    if not _mode.numpy:
+        import jax
+
+        over = jax.tree.map(lambda x: jax.numpy.broadcast_to(x, (length, *x.shape[1:])), over)
+        return jax.lax.scan(lambda before, x: (step(before, x),) * 2, state, over)[1]
+    states = []
+    for i in range(length):
+        state = step(state, type(over)(*(None if x is None else x[min(i, x.shape[0] - 1)] for x in over)))
+        states.append(state)
+    return type(state)(*(None if x[0] is None else np.stack(x) for x in zip(*states, strict=True)))
+
+
+def in_steps(step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, over: Any) -> tuple[Any, Any]:
+    """`jax.lax.scan` over a tuple of arrays, or tuples of them: the last carry, and what each step leaves, stacked."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.scan(step, carry, over)
+    left = []
+    for entry in _entries(over):
+        carry, kept = step(carry, entry)
+        left.append(kept)
+    return carry, mapped(lambda *x: np.stack(x), *left)
+
+
+def cond(condition: Any, true: Callable[..., Any], false: Callable[..., Any], *given: Any) -> Any:
+    """`jax.lax.cond`."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.lax.cond(condition, true, false, *given)
+    return true(*given) if condition else false(*given)
+
+
+def mapped(function: Callable[..., Any], tree: Any, *trees: Any) -> Any:
+    """`jax.tree.map`; on NumPy for tuples of arrays, tuples and None."""
+    if not _mode.numpy:
+        import jax
+
+        return jax.tree.map(function, tree, *trees)
+    if tree is None:
+        return None
+    if not isinstance(tree, tuple):
+        return function(tree, *trees)
+    parts = [mapped(function, *parts) for parts in zip(tree, *trees, strict=True)]
+    return type(tree)(*parts) if hasattr(tree, "_fields") else tuple(parts)
+
+
+def _entries(tree: Any) -> Iterator[Any]:
+    """The entries of a tuple of arrays, or of tuples of them, along their first axis; at least one is an array."""
+    if tree is None:
+        return itertools.repeat(None)
+    if not isinstance(tree, tuple):
+        return iter(tree)
+    rows = zip(*map(_entries, tree))  # noqa: B905  None has no length
+    return itertools.starmap(type(tree), rows) if hasattr(tree, "_fields") else rows

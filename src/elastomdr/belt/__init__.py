@@ -1,0 +1,1 @@
+"""Belts and rollers: conveyors, heat build-up, stability."""

@@ -1,0 +1,1 @@
+"""What every call shares: its arguments, lists of materials, the choice of a model, extrapolation."""

@@ -1,0 +1,122 @@
+"""The arguments of a steady call, checked and broadcast once: for bodies, rough lines, surfaces and the references."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import xp
+from ..checks import as_float64, broadcast_shape, is_traced, only_one, positive
+from ..errors import InputError
+from ..material.vertical import thermal_factors
+from ..results.words import brief
+from ..rough.heat import Heat
+
+_FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
+_UNITS = {"depth": "m", "pressure": "Pa"}
+
+
+class Scene(NamedTuple):
+    """The points of a steady call as float64; JAX arrays where traced, else NumPy's."""
+
+    foundation: Any
+    name: str  # of what is given: load, depth or pressure
+    shape: tuple[int, ...]  # of all of them, broadcast
+    velocity: Any  # as given [m/s]
+    value: Any  # load, depth or pressure as given
+    kelvin: Any  # as given [K], or None
+    reduced: Any  # v a_T [m/s], of the broadcast shape
+    vertical: Any  # b_T, of the broadcast shape: forces over b_T are those of the material at its reference
+    traced: bool
+
+    def full(self, array: Any) -> Any:
+        """`array` in the broadcast shape; None stays None."""
+        return None if array is None else (xp if is_traced(array) else np).zeros(self.shape) + array
+
+    def at_reference(self) -> Any:
+        """Load or pressure over b_T, or the depth, at each point, flat."""
+        value = self.full(self.value)
+        return (value if self.name == "depth" else value / self.vertical).ravel()
+
+    def inputs(self, *body: tuple[str, str], load: str = "N") -> list[tuple[str, str]]:
+        """For results: the material, the `body`, and the points; `load` is its unit."""
+        rows = [("material", self.foundation.name or "given directly"), *body]
+        rows.append((self.name, brief(self.value, _UNITS.get(self.name, load))))
+        rows.append(("velocity", brief(self.velocity, "m/s")))
+        return rows if self.kelvin is None else [*rows, ("temperature", brief(self.kelvin, "K"))]
+
+
+def steady_scene(foundation: Any, body: Any, *, velocity: Any, temperature: Any, **given: Any) -> Scene:
+    """Checks and broadcasts; `given` are load, depth and pressure, of which one is not None. Raises `InputError`.
+
+    The points are traced if `foundation` or `body`, on which they are solved, are.
+    """
+    name = only_one(**given)
+    velocity, value = as_float64("velocity", velocity), as_float64(name, given[name])
+    positive("velocity", velocity)
+    positive(name, value)
+    kelvin = None if temperature is None else as_float64("temperature", temperature)
+    shape = broadcast_shape(**{"velocity": velocity, name: value, "temperature": kelvin})
+    factor, vertical = (1.0, 1.0) if kelvin is None else thermal_factors(foundation, kelvin)
+    if kelvin is not None and not is_traced(velocity, factor):
+        _check_shift(kelvin, velocity, factor)
+    traced = is_traced(foundation, body, velocity, value, kelvin)
+    scene = Scene(foundation, name, shape, velocity, value, kelvin, None, None, traced)
+    return scene._replace(reduced=scene.full(velocity * factor), vertical=scene.full(vertical))
+
+
+def rough_scene(foundation: Any, surface: Any, *, rtol: Any, temperature: Any, **given: Any) -> Scene:
+    """The scene of a rough line or surface, which has conditions of its own. Raises `InputError`."""
+    check_carries(foundation)
+    check_rtol(rtol)
+    return steady_scene(foundation, surface, temperature=temperature, **given)
+
+
+def check_rtol(rtol: Any) -> None:
+    """Raises `InputError` unless it is a number that a steady scene can keep."""
+    if isinstance(rtol, (np.ndarray, np.generic)) and rtol.ndim == 0:
+        rtol = rtol.item()
+    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-1:
+        raise InputError(f"rtol must be a number from 1e-10 to 1e-1, got {rtol!r}.")
+
+
+def check_carries(foundation: Any) -> None:
+    """Raises `InputError` for what carries no rough surface: a layer, a liquid."""
+    if foundation.per_area:
+        raise InputError("material must be a half-space under a rough surface, got a layer.")
+    at_rest = foundation.complex_modulus(np.zeros(()))
+    if not is_traced(at_rest) and not float(np.real(at_rest)) > 0:
+        raise InputError(
+            "material must have an equilibrium modulus under a rough surface, got 0: a liquid carries no steady load "
+            "on a surface without end, since every element sinks until the mean force is gone."
+        )
+
+
+def check_heat(heat: Any, temperature: Any, traced: bool, by_scale: bool = False) -> None:
+    """Raises `InputError` unless flash temperature can be found, by scale or one for all, or is not asked for."""
+    if heat is None:
+        return
+    if traced and not by_scale:
+        raise InputError(
+            "heat must be left out under jax.grad, jit and vmap with em.Line() and em.HalfSpace(), whose flash "
+            "temperature is not differentiable; with em.Multiscale() and em.Persson() it is."
+        )
+    if not isinstance(heat, Heat):
+        raise InputError(f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}.")
+    if heat.road is not None and not by_scale:
+        raise InputError("heat: road needs em.Multiscale() or em.Persson(); other models heat the rubber alone.")
+    if temperature is None:
+        raise InputError("heat needs a temperature [K], that of the rubber without the flash, and so a shift law.")
+
+
+def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:
+    with np.errstate(over="ignore", invalid="ignore"):
+        kelvin, reduced = np.broadcast_arrays(kelvin, velocity * np.asarray(factor))
+        bad = ~((reduced > 1 / _FASTEST) & (reduced < _FASTEST))
+    if bad.any():
+        raise InputError(
+            f"temperature must keep the velocity times a_T between {1 / _FASTEST:g} and {_FASTEST:g} m/s, got "
+            f"{float(kelvin[bad].flat[0]):g} K with v a_T = {float(reduced[bad].flat[0]):.3g} m/s: too far from where "
+            "the shift law was measured."
+        )

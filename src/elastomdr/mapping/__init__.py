@@ -1,1 +1,0 @@
-"""What three dimensions become on the line: Radok's operators, MDR profiles, the direction average."""

@@ -1,0 +1,49 @@
+"""Objects as small tables of HTML, for notebooks (`_repr_html_`)."""
+
+from __future__ import annotations
+
+import dataclasses
+import html
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from .units.arguments import UNITS
+
+_SHORT = 6  # entries up to which an array is shown whole
+
+
+def html_table(title: str, rows: Iterable[tuple[str, str]]) -> str:
+    """A heading and rows of a name and a text, all of it escaped."""
+    lines = (
+        f'<tr><th style="text-align: left">{html.escape(name)}</th>'
+        f'<td style="text-align: left">{html.escape(text)}</td></tr>'
+        for name, text in rows
+    )
+    return f"<table><caption>{html.escape(title)}</caption><tbody>{''.join(lines)}</tbody></table>"
+
+
+def fields_in_words(tree: Any) -> Iterator[tuple[str, str]]:
+    """The fields of a dataclass that have a value, with the SI units of the arguments of these names."""
+    for field in dataclasses.fields(tree):
+        value = getattr(tree, field.name)
+        if value is None or (isinstance(value, str) and not value) or field.name.startswith("_"):
+            continue
+        unit = UNITS.get(field.name.removesuffix("_table"), "")
+        text = _in_words(value)
+        yield field.name, f"{text} {unit}" if unit and isinstance(unit, str) else text
+
+
+def _in_words(value: Any) -> str:
+    import numpy as np
+
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if not isinstance(value, np.ndarray):
+        return value if isinstance(value, str) else repr(value)
+    if value.ndim == 0:
+        return f"{value.item():.6g}"
+    if value.size <= _SHORT:
+        return np.array2string(value, precision=6, separator=", ")
+    if value.dtype.kind not in "fiu":
+        return f"{value.size} values"
+    return f"{value.min():.6g} to {value.max():.6g} ({value.size} values)"

@@ -1,0 +1,1 @@
+"""Numerical ground: root search, exponentials, compiled code."""

@@ -1,0 +1,40 @@
+"""exp(-z) and the means of it that a step takes: (1 - exp(-z))/z and its relatives, to full accuracy for z >= 0."""
+
+from __future__ import annotations
+
+from ..arrays import xp
+from ..checks import Array
+
+
+def phi1(y: Array) -> Array:
+    """(1 - exp(-y))/y for y >= 0."""
+    safe = xp.where(y > 0, y, 1.0)
+    return xp.where(y > 0, -xp.expm1(-safe) / safe, 1 - 0.5 * y)
+
+
+def phi2(y: Array) -> Array:
+    """(1 - phi1(y))/y for y >= 0, by its series where the difference would lose digits."""
+    small, large = xp.where(y < 1, y, 1.0), xp.where(y < 1, 1.0, y)  # not min and max: at y = 1 they halve slopes
+    series = xp.ones_like(y)
+    for k in range(19, 2, -1):
+        series = 1 - small / k * series
+    return xp.where(y < 1, 0.5 * series, (1 - phi1(large)) / large)
+
+
+def ramp_weights(z: Array) -> tuple[Array, Array, Array]:
+    """exp(-z), int_0^1 exp(-(1-s) z) (1-s) ds and int_0^1 exp(-(1-s) z) s ds, to full accuracy for z >= 0.
+
+    What is left of a branch after a step of z relaxation times, and what a rate that is linear over the step adds, from
+    its value at the start and at the end.
+    """
+    small, large = xp.minimum(z, 1.0), xp.maximum(z, 1.0)
+    series = xp.ones_like(z)
+    for k in range(18, 2, -1):
+        series = 1 - small / k * series
+    series = 0.5 * series
+    mean = 1 - small * series
+    left = xp.exp(-large)
+    mean_large = (1 - left) / large
+    late = xp.where(z < 1, series, (1 - mean_large) / large)
+    mean = xp.where(z < 1, mean, mean_large)
+    return xp.where(z < 1, 1 - small * (1 - small * series), left), mean - late, late

@@ -1,0 +1,61 @@
+"""Roots of many increasing functions at once, with derivatives that do not pass through the search."""
+
+from typing import Any
+
+from ..arrays import fixed, on_numpy, while_loop, xp
+from ..checks import Array
+
+_CLOSE = 3e-4  # change of x from which one more Newton step is at rounding
+_ROUNDING = 1e-8  # the same of a step of the secant method, whose error is the product of the last two
+_ITERATIONS = 60
+_CLIP = 3.0  # longest step of a search
+_USUAL = 1.5  # slope to start a search with: of powers, in logarithms
+
+
+def root(residual: Any, guess: Array) -> tuple[Array, Array]:
+    """x with residual(x) = 0, rising through it, and whether it was found.
+
+    The search runs on values cut off from differentiation; one Newton step afterwards carries the derivatives. On NumPy
+    it runs until its next step would be rounding.
+    """
+    if on_numpy():
+        return search(residual, guess, _ROUNDING)
+    import jax
+
+    x, done = search(residual, guess)
+    value, slope = jax.jvp(residual, (x,), (xp.ones_like(x),))
+    step = value / fixed(slope)
+    found = done & (xp.abs(step) < 10 * _CLOSE)
+    return x - xp.where(found, step, step - fixed(step)), found
+
+
+def search(residual: Any, guess: Array, close: float = _CLOSE) -> tuple[Array, Array]:
+    """The secant method inside a shrinking bracket, all lanes at once."""
+
+    def advance(state: tuple) -> tuple:
+        x, slope, low, high, done, count, value = state
+        low, high = xp.where(value < 0, x, low), xp.where(value < 0, high, x)
+        secant = x - xp.clip(value / slope, -_CLIP, _CLIP)
+        middle = 0.5 * (xp.maximum(low, x - 2 * _CLIP) + xp.minimum(high, x + 2 * _CLIP))
+        following = xp.where((secant >= low) & (secant <= high), secant, middle)
+        change = following - x
+        done = done | (xp.abs(change) < close) | xp.isnan(value)
+        following = xp.where(xp.isfinite(following), following, x)
+        new = residual(following)
+        slope = xp.where(xp.abs(change) > 1e-9, (new - value) / xp.where(change == 0, 1.0, change), slope)
+        return following, xp.where(slope > 0.05, slope, _USUAL), low, high, done, count + 1, new
+
+    guess = xp.where(xp.isfinite(guess), guess, -7.0)
+    everywhere = xp.full_like(guess, xp.inf)
+    state = (
+        guess,
+        xp.full_like(guess, _USUAL),
+        -everywhere,
+        everywhere,
+        xp.zeros(guess.shape, bool),
+        0,
+        residual(guess),
+    )
+    state = fixed(state)
+    state = while_loop(lambda s: ~xp.all(s[4]) & (s[5] < _ITERATIONS), advance, state)
+    return fixed((state[0], state[4]))

@@ -1,0 +1,1 @@
+"""A rough surface or line under a pressure: contact, friction, heat."""

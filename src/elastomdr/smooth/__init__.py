@@ -1,0 +1,1 @@
+"""A smooth body that slides or rolls steadily."""

@@ -1,0 +1,200 @@
+"""Where in the relaxation spectrum a sliding or rolling contact turns its work into heat."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..arrays import xp
+from ..call.several_materials import over_materials
+from ..checks import Array, is_traced, nan_unless, numpy_unless_traced
+from ..errors import ConvergenceWarning, InputError
+from ..material.relaxation import Relaxation
+from ..results.spectrum import Dissipation
+from ..surface.direction import directions
+from ..surface.shapes import Cylinder
+from .cylinder import cylinder_losses
+from .on_layer import is_on_layer
+from .passage import Losses, solve_losses
+from .problem import SmoothScene, set_up, solve
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials, ModelLike
+
+_BATCH = 4096  # passages at once
+_LAYER_SHARE = 1e-3  # of the work that the branches may miss on a layer
+
+
+@over_materials
+@numpy_unless_traced
+def dissipation(
+    material: Materials,
+    shape: Indenter,
+    *,
+    velocity: ArrayLike,
+    load: ArrayLike | None = None,
+    depth: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    model: ModelLike | None = None,
+    rtol: float = 1e-6,
+) -> Dissipation:
+    """Share of each branch of the relaxation spectrum in what a sliding or rolling body dissipates.
+
+        F_k = (1/v) int f_k^2/(E_k tau_k) dx,      sum_k F_k = F_x
+
+    f_k is the force of branch k, over the contact and over the free recovery behind it, where the springs give back
+    what they hold to the dashpots.
+
+    Args:
+        material: as for `friction`, a series.
+        shape: a body with a convex profile.
+        velocity: velocity [m/s]; arguments broadcast.
+        load: normal force [N].
+        depth: depth [m] in place of a load.
+        temperature: temperature [K], for a material with a shift law.
+        model: as for `friction`.
+        rtol: as for `friction`.
+
+    Returns:
+        An `em.Dissipation`. Its fields have one more axis, the last: branches in order of their times, after a parallel
+        dashpot if there is one, whose time is zero. `error` is the share of the work that the branches do not account
+        for. A point that failed is NaN with `converged=False`.
+
+    Raises:
+        InputError: as `friction`, and for a profile that is not convex.
+
+    Exact for the line, and for a cylinder on an `em.layer` or a half-space, in numbers only; bodies of revolution on an
+    `em.layer` are refused. With the direction average F_k is averaged as the friction is, exact to first order in the
+    loss. Differentiable as `friction` is.
+
+    Source: derived in `docs/theory.md`, section 22.
+    """
+    if is_on_layer(material, shape):
+        return _on_layer(material, shape, velocity, load, depth, temperature, model, rtol)
+    scene = set_up(
+        "dissipation", material, shape, velocity=velocity, load=load, depth=depth, pressure=None,
+        temperature=temperature, model=model, rtol=rtol, skip=True, softens=False,
+    )  # fmt: skip
+    if scene.plan.marched:
+        raise InputError("shape must have a convex profile: branches are not separated where contact may be renewed.")
+    if scene.plan.elastic:
+        raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
+    found = solve(scene)
+    traced = is_traced(found.mu, scene.law)
+    dashpot, branches, work, good = _forces(scene, xp.ravel(found.normal_force) / scene.vertical, xp)
+    with_dashpot = is_traced(scene.law.viscosity) or bool(scene.law.viscosity > 0)
+    forces = xp.concatenate([dashpot[None], branches]) if with_dashpot else branches
+    total = xp.sum(forces, axis=0)
+    missing = abs(total / work - 1)
+    good = found.converged & (good & (missing <= scene.plan.rtol)).reshape(scene.shape)
+    if not traced and (lost := int(np.sum(found.converged & ~good))):
+        text = f"the losses of {lost} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."
+        warnings.warn(text, ConvergenceWarning, stacklevel=3)
+    share = xp.moveaxis(forces / total, 0, -1).reshape(*scene.shape, -1)
+    share = nan_unless(good[..., None], share)
+    times = xp.asarray(scene.law.times)
+    times = xp.concatenate([xp.zeros(1), times]) if with_dashpot else times
+    factor = (scene.reduced / scene.velocity).reshape(scene.shape)[..., None]
+
+    def spread(field: Any) -> Any:
+        return xp.broadcast_to(field[..., None], share.shape)
+
+    force = share * found.friction_force[..., None]
+    return Dissipation(
+        velocity=spread(found.velocity),
+        temperature=None if scene.temperature is None else spread(scene.temperature),
+        time=times * factor,
+        share=share,
+        resistance=force,
+        power=force * found.velocity[..., None],
+        normal_force=spread(found.normal_force),
+        error=spread(nan_unless(good, missing.reshape(scene.shape))),
+        converged=spread(good),
+        extrapolated=None if found.extrapolated is None else spread(found.extrapolated),
+        model=scene.plan.model,
+        plan=scene.plan,
+        inputs=found.inputs,
+    )
+
+
+def _on_layer(
+    material: Any, shape: Any, velocity: Any, load: Any, depth: Any, temperature: Any, model: Any, rtol: float
+) -> Dissipation:
+    """Of a cylinder on rubber of finite thickness, or on a half-space."""
+    if not isinstance(shape, Cylinder):
+        raise InputError(
+            f"shape must be an em.Cylinder for the losses of an em.layer by branch, got {shape!r}: give a ball the "
+            "material itself, a half-space."
+        )
+    if (load is None) == (depth is None):
+        raise InputError("load or depth must be given, and only one of them.")
+    done, each, times = cylinder_losses(
+        material, shape, velocity=velocity, load=load, depth=depth, temperature=temperature, model=model, rtol=rtol
+    )
+    found = done.found
+    total = np.sum(each, axis=0)
+    missing = np.abs(total * np.asarray(shape.length) / found.friction_force - 1)
+    good = found.converged & (missing <= max(rtol, _LAYER_SHARE))
+    if lost := int(np.sum(found.converged & ~good)):
+        text = (
+            f"the losses of {lost} of {good.size} points did not converge to {max(rtol, _LAYER_SHARE):g}; they are NaN."
+        )
+        warnings.warn(text, ConvergenceWarning, stacklevel=4)
+    share = nan_unless(good[..., None], np.moveaxis(each / total, 0, -1))
+
+    def spread(field: Any) -> Any:
+        return np.broadcast_to(np.asarray(field)[..., None], share.shape)
+
+    force = share * found.friction_force[..., None]
+    return Dissipation(
+        velocity=spread(found.velocity),
+        temperature=None if done.temperature is None else spread(done.temperature),
+        time=np.broadcast_to(times, share.shape),
+        share=share,
+        resistance=force,
+        power=force * found.velocity[..., None],
+        normal_force=spread(found.normal_force),
+        error=spread(nan_unless(good, missing)),
+        converged=spread(good),
+        extrapolated=None if found.extrapolated is None else spread(found.extrapolated),
+        model=done.model,
+        plan=done.plan,
+        inputs=found.inputs,
+    )
+
+
+def _forces(scene: SmoothScene, load: Array, xp: Any) -> tuple[Array, Array, Array, Any]:
+    """Force of the dashpot, of each branch, and of friction by its own integral [N], averaged as the plan says."""
+    plan = scene.plan
+    velocity, control, value = scene.reduced, scene.control, scene.value
+    cosines, weights = np.ones(1), np.ones(1)
+    if plan.averaged:
+        rule = directions(plan.rtol)
+        cosines, weights = rule.cosines, rule.weights
+        control, value = "load", xp.where(xp.isfinite(load), load, 1.0)
+    slowed = (velocity[:, None] * cosines).ravel()
+    value = xp.broadcast_to(value[:, None], (velocity.size, cosines.size)).ravel()
+    parts = []
+    for start in range(0, slowed.size, _BATCH):
+        here = slice(start, start + _BATCH)
+        rule = plan.rules[0] if plan.traced else plan.rules[-1]
+        parts.append(_padded(scene, rule, control, value[here], slowed[here], xp))
+    every = Losses(*(xp.concatenate(fields, axis=-1) for fields in zip(*parts, strict=True)))
+    dashpot, branches, work = (
+        xp.asarray(field).reshape(*field.shape[:-1], velocity.size, cosines.size) @ weights
+        for field in (every.dashpot, every.branches, every.friction_force)
+    )
+    return dashpot, branches, work, every.converged.reshape(velocity.size, -1).all(axis=1)
+
+
+def _padded(scene: SmoothScene, rule: Any, control: Any, value: Array, velocity: Array, xp: Any) -> Losses:
+    """Solves with the number of points rounded up to a power of 2, so that few sizes are compiled."""
+    count = velocity.size
+    fill = (0, max(64, 2 ** (count - 1).bit_length()) - count)
+    law = Relaxation(*(xp.asarray(x) for x in (scene.law.equilibrium, scene.law.moduli, scene.law.times,
+                                               scene.law.viscosity)))  # fmt: skip
+    value, velocity = xp.pad(value, fill, "edge"), xp.pad(velocity, fill, "edge")
+    out = solve_losses(law, scene.lines, rule, control, value, velocity)
+    return Losses(*(xp.asarray(field)[..., :count] for field in out))

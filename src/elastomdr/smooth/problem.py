@@ -1,0 +1,278 @@
+"""What friction and rolling share: from a user's arguments to a plan and its result."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import compiled
+from ..call.extrapolation import steady_beyond
+from ..call.model_choice import of_smooth
+from ..call.problem import check_rtol, steady_scene
+from ..call.radius_hint import hint_at_metres
+from ..checks import Array, is_traced, nan_unless, require
+from ..element.law import Foundation, as_foundation
+from ..errors import ConvergenceWarning, InputError
+from ..material.relaxation import Relaxation
+from ..models import Averaged, HalfSpace
+from ..results.curve import Contact
+from ..results.words import describe
+from ..surface.direction import BARE_LINE
+from ..surface.lines import AbstractLines, SingleLine, Strips
+from ..surface.shapes import AbstractShape, Cylinder, FlatPunch, PowerLaw
+from ..trees import replaced
+from .passage import Control
+from .plan import Plan, make_plan
+from .softening import check_softening, run_softened, softened_words
+from .solve import Sweep, run
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
+
+AVERAGED = "MDR line averaged over directions (estimate for the half-space)"
+CORRECTED = "MDR line averaged over directions, corrected for an asymmetric contact (estimate for the half-space)"
+BARE = "bare MDR line (textbook; overstates the losses of a half-space by up to a factor of 2)"
+LAYER = "independent springs (textbook; for the layer itself use em.layer)"
+
+
+class SmoothScene(NamedTuple):
+    """A steady scene of a smooth body: its points, broadcast and flattened, its lines and its plan."""
+
+    foundation: Foundation
+    law: Relaxation
+    lines: AbstractLines
+    control: Control
+    value: Float[Array, " points"]  # load over b_T [N] or depth [m]
+    vertical: Float[Array, " points"]  # b_T, by which forces are larger than those of `law`
+    velocity: Float[Array, " points"]  # as given [m/s]
+    reduced: Float[Array, " points"]  # velocity times a_T [m/s]
+    temperature: Any  # broadcast to `shape`, or None
+    shape: tuple[int, ...]  # of the result's fields
+    plan: Plan
+    inputs: tuple[tuple[str, str], ...]
+
+
+class Steady(NamedTuple):
+    """Solved scene, every field in the broadcast shape; NaN where a point did not converge."""
+
+    velocity: Float[Array, "..."]
+    mu: Float[Array, "..."]
+    error: Float[Array, "..."]
+    model_error: Float[Array, "..."]
+    normal_force: Float[Array, "..."]
+    friction_force: Float[Array, "..."]
+    depth: Float[Array, "..."]
+    contact: Contact
+    converged: Bool[Array, "..."]
+    extrapolated: Bool[Array, "..."] | None  # whether the material is used beyond its range; None: that is not known
+    inputs: tuple[tuple[str, str], ...]
+    strain: Float[Array, "..."] | None = None  # effective strain of the contact, where the material softens
+    linear: Float[Array, "..."] | None = None  # mu without softening
+
+
+class OnLayer(NamedTuple):
+    """What a curve is made of, of a body on an `em.layer`."""
+
+    found: Any  # `Steady`, or None where only the plan was asked for
+    temperature: Any  # broadcast to the points, or None
+    model: str
+    plan: Any
+
+
+def set_up(
+    quantity: str, material: Any, shape: Any, *, velocity: Any, load: Any, depth: Any, pressure: Any, temperature: Any,
+    model: Any, rtol: float, skip: bool, softens: bool = True,
+) -> SmoothScene:  # fmt: skip
+    """Checks the arguments and plans the scene; without `softens` the moduli are those of small strain.
+
+    Raises `InputError` for whatever has no meaning.
+    """
+    lines, foundation = contact(material, shape)
+    small = not softens and foundation.softening is not None
+    foundation = replaced(foundation, softening=None) if small else foundation
+    no_pressure(shape, pressure)
+    chosen = of_smooth(model, quantity, shape.label)
+    if isinstance(chosen, HalfSpace):
+        raise InputError(f"model must be em.Averaged() or em.Line() on the line of a {shape.label}, got {chosen!r}.")
+    check_rtol(rtol)
+    points = steady_scene(foundation, lines, velocity=velocity, load=load, depth=depth, temperature=temperature)
+    control: Control = "load" if points.name == "load" else "depth"
+    law, kelvin, vertical = foundation.law(), points.kelvin, points.vertical.reshape(-1)
+    value, reduced = points.at_reference(), points.reduced.reshape(-1)
+    if not points.traced:
+        _check_size(lines, control, value)
+    layer = bool(foundation.per_area) or isinstance(shape, Cylinder)
+    averaged = isinstance(chosen, Averaged) and not layer
+    corrected = averaged and isinstance(chosen, Averaged) and chosen.corrected
+    words = LAYER if layer else (CORRECTED if corrected else AVERAGED) if averaged else BARE
+    body = describe(shape)
+    name = f"{body} on {foundation.name or ('a layer' if layer else 'a half-space')}"
+    check_softening(foundation, lines)
+    spread = None if points.traced else _softened_too(foundation, control, value)
+    passing = None if spread is None else np.tile(reduced, spread.size // reduced.size)
+    plan = make_plan(
+        quantity, name, words, law, lines, control, spread, passing, int(np.prod(points.shape)),
+        1 if kelvin is None else int(np.size(kelvin)), averaged, corrected, float(rtol), skip, foundation.range,
+    )  # fmt: skip
+    inputs = [*points.inputs(("shape", body)), ("relative tolerance", f"{rtol:g}")]
+    inputs += [("softening", "left out: moduli of small strain")] if small else []
+    return SmoothScene(
+        foundation,
+        law,
+        lines,
+        control,
+        value,
+        vertical,
+        points.full(points.velocity).reshape(-1),
+        reduced,
+        points.full(kelvin),
+        points.shape,
+        plan,
+        tuple(inputs),
+    )
+
+
+def _softened_too(foundation: Foundation, control: Control, value: np.ndarray) -> np.ndarray:
+    """The loads to plan for: under softer rubber the contact is that under a higher one."""
+    if foundation.softening is None or control == "depth":
+        return value
+    return np.concatenate([value, value / np.min(foundation.softening.storage)])
+
+
+def no_pressure(shape: AbstractShape, pressure: Any) -> None:
+    """Refuses a pressure on a smooth body. Raises `InputError`."""
+    if pressure is not None:
+        raise InputError(
+            f"pressure belongs to a rough surface; a {shape.label} takes load or depth, got pressure={pressure}. Give "
+            "the force as load= [N]."
+        )
+
+
+def solve(scene: SmoothScene) -> Steady:
+    """Runs the plan; points that failed are NaN, and one warning counts them."""
+    softening, soft, inputs = scene.foundation.softening, None, scene.inputs
+    if softening is None:
+        result = run(scene.plan, scene.law, scene.lines, scene.value, scene.reduced)
+    else:
+        result, soft = run_softened(
+            scene.plan, scene.foundation, scene.law, scene.lines, scene.value, scene.reduced
+        )  # fmt: skip
+    traced = is_traced(result.mu)
+    good = result.line.converged
+    if not traced and not good.all():
+        text = f"{int((~good).sum())} of {good.size} points did not converge to rtol={scene.plan.rtol:g}; they are NaN."
+        if result.sunk:
+            text += f" {_sunk(scene)}"
+        else:
+            missed = (result.error / result.mu)[~good & (result.mu > 0)]
+            if missed.size and missed.max() < 0.1:
+                text += (
+                    f" Their estimated errors are up to {missed.max():.1e} of mu, so a larger rtol would accept them."
+                )
+        warnings.warn(text, ConvergenceWarning, stacklevel=4)
+    # A Foundation given directly is a line by definition; a half-space under the bare line is not.
+    bare = BARE_LINE if scene.plan.model == BARE and scene.foundation.per_area is False else 0.0
+    extra = () if soft is None else (soft.strain, soft.linear)
+    fields, strain, linear = _fields(result._replace(sunk=False), scene.vertical, extra, bare=bare, shape=scene.shape)
+    size = 0.5 * (fields["contact"].leading + fields["contact"].trailing)
+    beyond = steady_beyond(
+        scene.foundation.range, scene.reduced.reshape(scene.shape), size, scene.temperature, stacklevel=4
+    )
+    beyond_sweep = None
+    if softening is not None and soft is not None and not traced:
+        beyond_sweep = np.asarray(good & softening.outside(soft.strain)).reshape(scene.shape)
+        inputs += softened_words(soft, np.asarray(good), beyond_sweep)
+    return Steady(
+        velocity=scene.velocity.reshape(scene.shape),
+        **fields,
+        converged=good.reshape(scene.shape),
+        extrapolated=beyond.points if beyond.points is None or beyond_sweep is None else beyond.points | beyond_sweep,
+        inputs=inputs + beyond.said,
+        strain=strain,
+        linear=linear,
+    )
+
+
+@compiled("bare", "shape")
+def _fields(
+    found: Sweep, vertical: Any, extra: tuple[Any, ...], *, bare: float, shape: tuple[int, ...]
+) -> tuple[dict[str, Any], Any, Any]:
+    """The fields of a result in their shape, NaN where a point failed; strain and linear friction, if there are any.
+
+    One program where JAX traces.
+    """
+
+    good = found.line.converged
+    if not is_traced(found) and np.all(good):
+        good = None
+
+    def shaped(field: Any) -> Any:
+        return None if field is None else (field if good is None else nan_unless(good, field)).reshape(shape)
+
+    force = found.line.normal_force * vertical
+    fields = {
+        "mu": shaped(found.mu),
+        "error": shaped(found.error),
+        "model_error": shaped(found.model_error + bare * found.mu),
+        "normal_force": shaped(force),
+        "friction_force": shaped(found.mu * force),
+        "depth": shaped(found.line.depth),
+        "contact": Contact(shaped(found.line.leading), shaped(found.line.trailing)),
+    }
+    strain, linear = (shaped(x) for x in extra) if extra else (None, None)
+    return fields, strain, linear
+
+
+def _sunk(scene: SmoothScene) -> str:
+    """Why a load was not carried, and what to do."""
+    radius = float(np.asarray(scene.lines.shape.largest_contact))
+    text = f"The load would need a contact wider than the {scene.lines.shape.label} has ({radius:.4g} m)"
+    if scene.plan.averaged and float(np.asarray(scene.law.equilibrium)) == 0:
+        text += (
+            " in the slow directions of the average, since a liquid (equilibrium modulus 0) carries nothing at rest: "
+            "give em.Paraboloid, or model=em.Line()"
+        )
+    return f"{text}."
+
+
+def contact(material: Any, shape: Any) -> tuple[AbstractLines, Foundation]:
+    """The lines of a sliding contact, and what they are made of. Raises `InputError` for a pair that does not fit."""
+    hint_at_metres(shape)
+    foundation = as_foundation(material)
+    if not isinstance(shape, AbstractShape):
+        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    if isinstance(shape, FlatPunch):
+        raise InputError(
+            "shape must not be a FlatPunch in sliding or rolling: its sharp edge strains the surface at an infinite "
+            "rate at any velocity, so that the friction depends on how the edge is rounded. Give the rounding: "
+            "em.Profile with points along the edge, or em.PowerLaw with a large exponent."
+        )
+    if isinstance(shape, PowerLaw) and shape.exponent < 1:
+        raise InputError(
+            f"exponent must be 1 or more in sliding, got {shape.exponent:g}: a body with an infinitely sharp tip has "
+            "no steady sliding solution."
+        )
+    if isinstance(shape, Cylinder):
+        if foundation.per_area is False:
+            raise InputError(
+                "material must be independent springs under a Cylinder here, got a half-space: use "
+                "em.springs(material, thickness). A cylinder on a half-space is no MDR problem."
+            )
+        return SingleLine(shape), foundation
+    if foundation.per_area:
+        return Strips(shape), foundation
+    return SingleLine(shape), foundation
+
+
+def _check_size(lines: AbstractLines, control: Control, value: Any) -> None:
+    largest = float(np.asarray(lines.shape.largest_contact))
+    if control == "depth" and np.isfinite(largest):
+        deepest = float(lines.depth(np.array(largest * (1 - 1e-12))))
+        require(
+            "depth",
+            value,
+            f"below {deepest:.4g} m, where the contact reaches the end of the profile",
+            lambda d: d < deepest,
+        )

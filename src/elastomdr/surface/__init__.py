@@ -1,0 +1,1 @@
+"""What rubber meets: indenters, profiles, rough lines and spectra, and their lines of elements."""

@@ -1,0 +1,262 @@
+"""Axisymmetric indenters and their MDR profiles; the cylinder that acts on a layer.
+
+The MDR profile of a body f(r) is g(x) = |x| int_0^|x| f'(r)/sqrt(x^2 - r^2) dr (Popov & Hess 2015, ch. 3). Lengths in
+m.
+"""
+
+from __future__ import annotations
+
+import abc
+import math
+from typing import TYPE_CHECKING, ClassVar
+
+from ..arrays import on_jax, xp
+from ..checks import (
+    Array,
+    as_float64,
+    numpy_unless_traced,
+    plain,
+    positive,
+    require,
+    scalar,
+    written,
+)
+from ..trees import Tree, fill, static
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+    from .._types import ArrayLike, Number
+
+
+class AbstractShape(Tree):
+    """A rigid indenter, rising from its lowest point: `height(r)` in three dimensions, `profile_1d(x)` on the line."""
+
+    label: ClassVar[str]  # what the shape is called in a sentence
+
+    def __repr__(self) -> str:
+        return written(self)
+
+    @abc.abstractmethod
+    def _height(self, r: Array) -> Array:
+        """f(r) for r >= 0."""
+
+    def _steepness(self, r: Array) -> Array:
+        """df/dr for r >= 0; a shape that gives its own is differentiated without JAX."""
+        import jax
+
+        return on_jax(lambda: jax.jvp(self._height, (r,), (jax.numpy.ones_like(r),))[1])
+
+    @abc.abstractmethod
+    def _profile(self, x: Array) -> Array:
+        """g(x) for any sign of x."""
+
+    @abc.abstractmethod
+    def _slope(self, x: Array) -> Array:
+        """dg/dx, odd in x."""
+
+    @numpy_unless_traced
+    def height(self, r: ArrayLike) -> Array:
+        """Height f(r) [m] of the surface above its lowest point, at radii [m], any shape."""
+        return self._height(xp.abs(as_float64("r", r)))
+
+    @numpy_unless_traced
+    def profile_1d(self, x: ArrayLike) -> Array:
+        """MDR profile g(x) [m] at positions [m], any shape."""
+        return self._profile(as_float64("x", x))
+
+    @numpy_unless_traced
+    def slope_1d(self, x: ArrayLike) -> Array:
+        """Slope dg/dx of the MDR profile at positions [m], any shape."""
+        return self._slope(as_float64("x", x))
+
+    @property
+    def rolling_radius(self) -> Array | None:
+        """Radius [m] about which the body rolls; None for a body that does not roll."""
+        return None
+
+    @property
+    def largest_contact(self) -> Array | float:
+        """Contact radius [m] that the shape cannot exceed."""
+        return math.inf
+
+
+class Paraboloid(AbstractShape):
+    """f = r^2/(2R), g = x^2/R: the usual stand-in for a sphere while the contact is small."""
+
+    radius: Float[Array, ""]  # R [m]
+    label: ClassVar[str] = "paraboloid"
+
+    def __init__(self, radius: Number):
+        fill(self, radius=scalar("radius", radius))
+        positive("radius", self.radius)
+
+    def _height(self, r: Array) -> Array:
+        return r**2 / (2 * self.radius)
+
+    def _steepness(self, r: Array) -> Array:
+        return r / self.radius
+
+    def _profile(self, x: Array) -> Array:
+        return x**2 / self.radius
+
+    def _slope(self, x: Array) -> Array:
+        return 2 * x / self.radius
+
+    @property
+    def rolling_radius(self) -> Array | None:
+        return self.radius
+
+
+class Sphere(AbstractShape):
+    """f = R - sqrt(R^2 - r^2), g = (x/2) ln((R+x)/(R-x)): the full sphere, any depth."""
+
+    radius: Float[Array, ""]  # R [m]
+    label: ClassVar[str] = "sphere"
+
+    def __init__(self, radius: Number):
+        fill(self, radius=scalar("radius", radius))
+        positive("radius", self.radius)
+
+    def _height(self, r: Array) -> Array:
+        return r**2 / (self.radius + xp.sqrt(self.radius**2 - r**2))
+
+    def _steepness(self, r: Array) -> Array:
+        return r / xp.sqrt(self.radius**2 - r**2)
+
+    def _profile(self, x: Array) -> Array:
+        return x * xp.arctanh(x / self.radius)
+
+    def _slope(self, x: Array) -> Array:
+        c = x / self.radius
+        return xp.arctanh(c) + c / (1 - c**2)
+
+    @property
+    def rolling_radius(self) -> Array | None:
+        return self.radius
+
+    @property
+    def largest_contact(self) -> Array | float:
+        return self.radius
+
+
+class Cone(AbstractShape):
+    """f = slope r, g = (pi/2) slope |x|, with slope = tan(theta), theta the angle between flank and surface."""
+
+    slope: Float[Array, ""]
+    label: ClassVar[str] = "cone"
+
+    def __init__(self, slope: Number):
+        fill(self, slope=scalar("slope", slope))
+        positive("slope", self.slope)
+
+    def _height(self, r: Array) -> Array:
+        return self.slope * r
+
+    def _steepness(self, r: Array) -> Array:
+        return self.slope * xp.ones_like(r)
+
+    def _profile(self, x: Array) -> Array:
+        return 0.5 * math.pi * self.slope * xp.abs(x)
+
+    def _slope(self, x: Array) -> Array:
+        return 0.5 * math.pi * self.slope * xp.sign(x)
+
+
+class PowerLaw(AbstractShape):
+    """f = c r^n, g = kappa_n c |x|^n, kappa_n = sqrt(pi) n Gamma(n/2)/(2 Gamma((n+1)/2)); n > 0, c in m^(1-n)."""
+
+    coefficient: Float[Array, ""]  # c [m^(1-n)]
+    exponent: float = static()  # n: it decides how the profile is integrated, so it is not differentiated
+    label: ClassVar[str] = "power law"
+
+    def __init__(self, exponent: Number, coefficient: Number):
+        fill(self, exponent=plain("exponent", exponent), coefficient=scalar("coefficient", coefficient))
+        positive("exponent", self.exponent)
+        decades = min(300, int(100 * max(1.0, self.exponent - 1)))  # a steep body of 1 mm has (1 mm)^(1-n)
+        text = f"positive, between 1e-{decades} and 1e{decades} m^(1-n)"
+        require("coefficient", self.coefficient, text, lambda c: (c > 10.0**-decades) & (c < 10.0**decades))
+
+    @property
+    def _kappa(self) -> float:
+        n = self.exponent
+        return math.sqrt(math.pi) * n / 2 * math.exp(math.lgamma(n / 2) - math.lgamma((n + 1) / 2))
+
+    def _height(self, r: Array) -> Array:
+        return self.coefficient * r**self.exponent
+
+    def _steepness(self, r: Array) -> Array:
+        return self.coefficient * self.exponent * _power(r, self.exponent - 1)
+
+    def _profile(self, x: Array) -> Array:
+        return self._kappa * self.coefficient * _power(xp.abs(x), self.exponent)
+
+    def _slope(self, x: Array) -> Array:
+        n = self.exponent
+        return self._kappa * n * self.coefficient * _power(xp.abs(x), n - 1) * xp.sign(x)
+
+
+class FlatPunch(AbstractShape):
+    """A flat-ended cylinder of the given radius: f = 0 inside, no contact outside.
+
+    Its edge has no slope, so steady sliding has no meaning for it (`em.friction` refuses it and says what to do).
+    """
+
+    radius: Float[Array, ""]  # [m]
+    label: ClassVar[str] = "flat punch"
+
+    def __init__(self, radius: Number):
+        fill(self, radius=scalar("radius", radius))
+        positive("radius", self.radius)
+
+    def _height(self, r: Array) -> Array:
+        return xp.where(r <= self.radius, 0.0, xp.inf)
+
+    def _steepness(self, r: Array) -> Array:
+        return xp.zeros_like(r)
+
+    def _profile(self, x: Array) -> Array:
+        return xp.where(xp.abs(x) <= self.radius, 0.0, xp.inf)
+
+    def _slope(self, x: Array) -> Array:
+        return xp.zeros_like(x)
+
+    @property
+    def largest_contact(self) -> Array | float:
+        return self.radius
+
+
+class Cylinder(AbstractShape):
+    """A cylinder or roller of radius R and length L on a layer: f = g = x^2/(2R), with x across its axis."""
+
+    radius: Float[Array, ""]  # R [m]
+    length: Float[Array, ""]  # L, along the axis [m]
+    label: ClassVar[str] = "cylinder on a layer"
+
+    def __init__(self, radius: Number, length: Number):
+        fill(self, radius=scalar("radius", radius), length=scalar("length", length))
+        positive("radius", self.radius)
+        positive("length", self.length)
+
+    def _height(self, r: Array) -> Array:
+        return r**2 / (2 * self.radius)
+
+    def _steepness(self, r: Array) -> Array:
+        return r / self.radius
+
+    def _profile(self, x: Array) -> Array:
+        return x**2 / (2 * self.radius)
+
+    def _slope(self, x: Array) -> Array:
+        return x / self.radius
+
+    @property
+    def rolling_radius(self) -> Array | None:
+        return self.radius
+
+
+def _power(x: Array, exponent: float) -> Array:
+    """x^exponent for x >= 0, with a finite derivative at zero where a search direction passes through it."""
+    if exponent == int(exponent) and exponent >= 0:
+        return x ** int(exponent)
+    return xp.where(x > 0, xp.where(x > 0, x, 1.0) ** exponent, 0.0 if exponent > 0 else xp.inf)

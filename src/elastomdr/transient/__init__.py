@@ -1,0 +1,1 @@
+"""Motion in time: indentation, impact, sliding, drives, shear."""

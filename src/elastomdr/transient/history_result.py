@@ -1,0 +1,385 @@
+"""Motions in time: what `em.slide`, `em.drive` and `em.shear` return."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+
+from ..checks import is_traced, plain, positive, significant
+from ..errors import InputError
+from ..results.base import Array, Quantity, Result, quantity, record, setting
+from ..results.words import span
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .._types import Style
+
+_LATE = 0.8  # part of the time from which on a summary looks at the velocity
+_STANDS, _STEADY = 0.1, 0.5  # velocities over the drive's below which a body stands, and within which of 1 it slides
+
+
+@record
+class AbstractHistory(Result):
+    """A motion at the instants asked for; an instant that did not converge is NaN with `converged=False`."""
+
+    time: Array = quantity("time", "s")
+
+    across: ClassVar[str] = "time"
+    from_zero: ClassVar[bool] = False
+    last: ClassVar[str] = "time"
+    each: ClassVar[str] = "instants"
+
+
+@record
+class _OverSurface(AbstractHistory):
+    """A body that moves over rubber; forces and energies per metre for a rough line."""
+
+    error: Array = quantity("estimated error of the coefficient", "-", "of mu, absolute")
+    per_length: bool = setting()  # whether forces and energies are per metre of line
+
+    error_of: ClassVar[str] = "mu"
+
+    def describe(self, q: Quantity) -> Quantity:
+        """Forces and energies of a rough line are per metre of it."""
+        return q._replace(unit=f"{q.unit}/m") if self.per_length and q.unit in ("N", "J") else q
+
+    def spectrum(
+        self,
+        force: Literal["normal_force", "friction_force", "pull"] = "normal_force",
+        *,
+        since: float | None = None,
+        period: float | None = None,
+    ) -> "ForceSpectrum":
+        """The spectrum of a force, such as a wheel puts into its axle when it rolls over a rough track.
+
+        Args:
+            force: which one; "pull" of `em.drive` only.
+            since: time [s] from which on the motion counts, so that its start is left out; by default all of it.
+            period: of the motion [s], such as the length of a periodic track over the velocity. The spectrum is then of
+                as many whole periods as there are after `since`, and its lines have the amplitudes of the force's
+                waves. Without it the force is multiplied by a Hann window, and its density is the quantity to read.
+
+        Returns:
+            An `em.ForceSpectrum`. Its `error` is the difference of the amplitudes between the first and the second half
+            of that time, with a period, where it has two or more; NaN else.
+
+        Raises:
+            InputError: unless the instants are evenly spaced, divide the period into whole steps and all converged.
+
+        Source: Bendat and Piersol, Random Data, ch. 11.
+        """
+        return force_spectrum(self, force, since, period)
+
+
+@record
+class ForceSpectrum(Result):
+    """Amplitude and power of a force over frequency: `Slide.spectrum`, `Drive.spectrum`.
+
+    `density` is one-sided: its sum over the frequencies times their step is the mean square of the force about its mean
+    (with a window, divided by the window's mean square).
+    """
+
+    frequency: Array = quantity("frequency", "Hz")
+    amplitude: Array = quantity("amplitude", "N", "of a wave of this frequency")
+    density: Array = quantity("power density", "N^2/Hz", "one-sided")
+    error: Array = quantity("estimated error of the amplitude", "N")
+    mean: float | Array = quantity("mean force", "N", dims="")
+    per_length: bool = setting(default=False)
+    shows_density: bool = setting(default=False)  # whether a window was used
+
+    title: ClassVar[str] = "Spectrum of a force"
+    figure: ClassVar[str] = "draw_force_spectrum"
+    across: ClassVar[str] = "frequency"
+    shows: ClassVar[str] = "amplitude"
+    error_of: ClassVar[str] = "the amplitude"
+    each: ClassVar[str] = "frequencies"
+    last: ClassVar[str] = "frequency"
+    from_zero: ClassVar[bool] = False
+    coordinates: ClassVar[tuple[str, ...]] = ("frequency",)
+
+    def describe(self, q: Quantity) -> Quantity:
+        """Forces of a rough line are per metre of it."""
+        changed = {"N": "N/m", "N^2/Hz": "(N/m)^2/Hz"}
+        return q._replace(unit=changed.get(q.unit, q.unit)) if self.per_length else q
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean square of the force about its mean [N, or N/m]."""
+        frequency = np.asarray(self.frequency)
+        step = frequency[1] - frequency[0] if frequency.size > 1 else frequency[0]
+        return float(np.sqrt(np.sum(self.density) * step))
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Mean, rms and the largest amplitude."""
+        unit = "N/m" if self.per_length else "N"
+        largest = int(np.argmax(self.amplitude))
+        yield "force", f"mean {significant(float(self.mean))} {unit}, rms about it {significant(self.rms)} {unit}"
+        at = significant(float(self.frequency[largest]))
+        yield "largest amplitude", f"{significant(float(self.amplitude[largest]))} {unit} at {at} Hz"
+
+
+def force_spectrum(motion: Any, force: str, since: float | None, period: float | None) -> ForceSpectrum:
+    """`Slide.spectrum` and `Drive.spectrum`; see there."""
+    if is_traced(motion):
+        raise InputError("spectrum is for numbers: call it outside jit, grad and vmap.")
+    if motion.origins:
+        raise InputError("spectrum is of one material: take that of result.select(name).")
+    known = [name for name in ("normal_force", "friction_force", "pull") if hasattr(motion, name)]
+    if force not in known:
+        raise InputError(f"force must be one of {', '.join(known)}, got {force!r}.")
+    time, values = np.asarray(motion.time), np.asarray(getattr(motion, force))
+    since = float(time[0]) if since is None else plain("since", since)
+    later = time >= since - 1e-9 * np.ptp(time)
+    time, values = time[later], values[later]
+    if time.size < 8:
+        raise InputError(f"since must leave eight instants or more, got {since:g} s with {time.size} after it.")
+    step, each, count = np.ptp(time) / (time.size - 1), 0, 0
+    if np.abs(np.diff(time) - step).max() > 1e-6 * step:
+        raise InputError("spectrum needs evenly spaced instants: give em.slide or em.drive np.linspace(...) as time.")
+    if not np.isfinite(values).all():
+        raise InputError("spectrum needs a motion of which every instant after `since` has converged.")
+    if period is None:
+        values = values[:-1] if values.size % 2 else values
+        window = np.hanning(values.size + 1)[:-1]
+    else:
+        length = plain("period", period)
+        positive("period", length)
+        each = round(length / step)
+        count = int((time.size - 1) // each) if each else 0
+        if each < 4 or count < 1 or abs(each * step / length - 1) > 1e-6:
+            raise InputError(
+                f"period must be four steps of the time ({step:g} s) or more, a whole number of them, and fit into "
+                f"what is left after since ({np.ptp(time):g} s), got {length:g} s."
+            )
+        values = values[values.size - 1 - count * each : -1]
+        window = np.ones(values.size)
+    amplitude, density = _waves(values, window, step)
+    error = np.full(amplitude.shape, np.nan)
+    if count > 1:
+        half = (count // 2) * each
+        parts = [_waves(part, np.ones(half), step)[0] for part in (values[:half], values[-half:])]
+        stride = values.size / half  # of the frequencies that the halves have
+        near = np.arange(1, amplitude.size + 1) / stride
+        error = np.interp(near, np.arange(1, half // 2 + 1), abs(parts[1] - parts[0]))
+    beyond = motion.extrapolated
+    if beyond is not None:
+        beyond = np.full(amplitude.shape, np.asarray(beyond)[later].any())
+    kind = "of whole periods" if period is not None else "with a Hann window"
+    return ForceSpectrum(
+        frequency=np.fft.rfftfreq(values.size, step)[1:], amplitude=amplitude, density=density, error=error,
+        mean=np.asarray(values.mean()), converged=np.ones(amplitude.size, bool),
+        extrapolated=beyond, per_length=motion.per_length,
+        shows_density=period is None, model=motion.model, plan=f"Fourier transform {kind}, {values.size} instants",
+        inputs=(*motion.inputs, ("force", force.replace("_", " ")), ("since", f"{significant(float(time[0]))} s")),
+    )  # fmt: skip
+
+
+def _waves(values: np.ndarray, window: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitudes, and the one-sided density, of all frequencies but zero."""
+    n = values.size
+    found = np.abs(np.fft.rfft(window * (values - values.mean())))[1:]
+    twice = np.where((np.arange(1, found.size + 1) * 2 == n), 1.0, 2.0)
+    return twice * found / window.sum(), twice * found**2 * step / (window**2).sum()
+
+
+@record
+class Slide(_OverSurface):
+    """A body that moves over a viscoelastic foundation; forces and energies per metre for a rough line.
+
+    `friction_force` is the force on the body against +x, positive where it resists a motion towards +x, and `mu` its
+    ratio to the normal force (NaN without contact). `dissipated` is `work` less `stored`, all since the start.
+    """
+
+    position: Array = quantity("position", "m", "X(t)")
+    velocity: Array = quantity("velocity", "m/s", "dX/dt over the interval that ends here")
+    mu: Array = quantity("friction coefficient", "-", "F_x/F_N")
+    normal_force: Array = quantity("normal force", "N", "F_N")
+    friction_force: Array = quantity("friction force", "N", "F_x")
+    depth: Array = quantity("depth", "m", "indentation depth d")
+    work: Array = quantity("work", "J", "of normal and friction force on the rubber")
+    stored: Array = quantity("stored energy", "J", "elastic, in the rubber")
+    dissipated: Array = quantity("dissipated energy", "J")
+
+    title: ClassVar[str] = "Transient sliding"
+    shows: ClassVar[str] = "mu"
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Largest and last friction coefficient, and the energies."""
+        yield "computed", str(self.plan)
+        known = np.flatnonzero(np.isfinite(self.mu))
+        if known.size:
+            top, last = known[np.abs(self.mu[known]).argmax()], known[-1]
+            values = (self.mu[top], self.time[top], self.mu[last], self.time[last])
+            most, when, end, then = (significant(float(value)) for value in values)
+            yield "result", f"largest mu = {most} at {when} s, last {end} at {then} s"
+            unit = "J/m" if self.per_length else "J"
+            names = ("work", "dissipated", "stored")
+            yield "energy", ", ".join(f"{k} {significant(float(getattr(self, k)[last]))} {unit}" for k in names)
+
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        style: "Style | None" = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        against: Literal["time", "position"] = "time",
+    ) -> "Axes":
+        """Draws mu `against` "time" or "position"; the rest as of every result, `Result.plot`."""
+        if against not in ("time", "position"):
+            raise InputError(f"against must be 'time' or 'position', got {against!r}.")
+        from ..results.plotting import Ask, draw
+
+        return self._draw(draw, Ask(ax, style, title, label), x=against)
+
+    def png(
+        self, title: str | None = None, style: "Style | None" = None, **options: Any
+    ) -> bytes:  # as of every result
+        """The figure as a PNG image: against position where it moves, since a rest may take most of the time."""
+        against = "position" if np.ptp(self.position) > 0 else "time"
+        return super().png(title, style, **{"against": against, **options})
+
+
+@record
+class Drive(_OverSurface):
+    """A body driven over rubber through springs and dampers; forces and energies per metre for a rough line.
+
+    `given` is the work of drive and load since the body was put down. It is in motion, springs and rubber (`kinetic`,
+    `stored`) or `dissipated`, but for `imbalance`, the error of the time integration, held against rtol as well.
+    """
+
+    drive: Array = quantity("place of the drive", "m", "D(t)")
+    position: Array = quantity("place of the body", "m", "X(t)")
+    velocity: Array = quantity("velocity", "m/s", "of the body, dX/dt")
+    depth: Array = quantity("depth", "m", "indentation depth d")
+    mu: Array = quantity("friction coefficient", "-", "F_x/F_N")
+    normal_force: Array = quantity("normal force", "N", "F_N")
+    friction_force: Array = quantity("friction force", "N", "F_x")
+    pull: Array = quantity("pull of the drive", "N", "of the tangential spring; F_x where the drive is rigid")
+    given: Array = quantity("work of drive and load", "J")
+    kinetic: Array = quantity("kinetic energy", "J")
+    stored: Array = quantity("stored energy", "J", "in rubber and springs")
+    dissipated: Array = quantity("dissipated energy", "J", "in rubber and dampers")
+    imbalance: Array = quantity("missing in the energy balance", "J")
+
+    title: ClassVar[str] = "Driven motion"
+    shows: ClassVar[str] = "pull"
+
+    def swing(self, period: float) -> Array:
+        """(max X' - min X')/|mean D'| in each whole `period` [s] since the start: 0 when the body follows the drive.
+
+        It dies out where the drive damps; a body that sticks and slips swings on, by more than 1 as a rule. Take the
+        period of the mass on its spring, 2 pi sqrt(m/k), and instants enough to see it. NaN in a period with an
+        instant that did not converge, or in which the drive stands. Works under `jax.vmap` over what is driven. Raises
+        `InputError`.
+        """
+        length, time = plain("period", period), np.asarray(self.time)
+        positive("period", length)
+        number = np.ceil((time - time[0]) / length * (1 - 1e-12)).astype(int)  # 1 for the first, its end included
+        count = int((time[-1] - time[0]) / length * (1 + 1e-12))
+        if not 1 <= count < time.size or np.bincount(number, minlength=count + 1)[1 : count + 1].min() < 2:
+            raise InputError(
+                f"period must leave two instants or more in each, and be no longer than the motion, got {length:g} s."
+            )
+        xp: Any = np
+        if is_traced(self):
+            import jax.numpy as xp
+        ends = [np.flatnonzero(number <= j)[-1] for j in range(count + 1)]
+        found = []
+        for first, last in pairwise(ends):
+            speed = (self.drive[last] - self.drive[first]) / (time[last] - time[first])
+            part = self.velocity[first + 1 : last + 1]
+            found.append((part.max() - part.min()) / xp.where(speed == 0, xp.nan, abs(speed)))
+        return xp.stack(found)
+
+    def stick_slip(self, normal_force: float | None = None) -> str:
+        """Whether the body sticks and slips in the last fifth of the time, in a sentence that begins with yes or no.
+
+        Yes: it stands (below a tenth of the drive's velocity) and jumps; no: its velocity stays within half of the
+        drive's. What lies between is not decided. Friction is in newtons, of a rough line per metre or, given the
+        `normal_force` [N] of the whole body, of that body. Raises `InputError`.
+        """
+        late = np.flatnonzero(self.converged & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0])))
+        mean = np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]]) if late.size > 1 else 0.0
+        if not mean:
+            return "not decided: the drive stands in the last fifth of the time, or nothing converged there"
+        share, unit = 1.0, "N/m" if self.per_length else "N"
+        if normal_force is not None:
+            whole = plain("normal_force", normal_force)
+            positive("normal_force", whole)
+            share, unit = whole / float(np.mean(self.normal_force[late])), "N"
+        low, high = (float(x(self.velocity[late])) / mean for x in (np.min, np.max))
+        at = f"{significant(low, 3)} to {significant(high, 3)} times the drive's"
+        force = f"friction {span(share * self.friction_force[late], unit)}"
+        if low < _STANDS and high > 1 + _STEADY:
+            return f"yes: the body stands and jumps, its velocity is {at}; {force}"
+        if low > 1 - _STEADY and high < 1 + _STEADY:
+            return f"no: the body follows the drive, its velocity is {at}; {force}"
+        return f"not decided: its velocity is {at}, so compute a longer motion; {force}"
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """Ranges of friction and normal force, the energy balance, the velocity late in the motion, stick-slip."""
+        yield "computed", str(self.plan)
+        good = np.flatnonzero(self.converged)
+        if good.size:
+            unit, joule = ("N/m", "J/m") if self.per_length else ("N", "J")
+            yield "friction", span(self.friction_force[good], unit)
+            yield "normal force", span(self.normal_force[good], unit)
+            names = ("given", "kinetic", "stored", "dissipated", "imbalance")
+            yield "energy", ", ".join(f"{k} {significant(getattr(self, k)[good[-1]])} {joule}" for k in names)
+        late = np.flatnonzero(self.converged & (self.time >= self.time[0] + _LATE * (self.time[-1] - self.time[0])))
+        if late.size > 1 and (speed := np.ptp(self.drive[late[[0, -1]]]) / np.ptp(self.time[late[[0, -1]]])):
+            low, high = (significant(float(x(self.velocity[late])) / speed, 3) for x in (np.min, np.max))
+            yield "velocity", f"{low} to {high} times the drive's in the last fifth of the time"
+            yield "stick-slip", self.stick_slip()
+
+    def plot(
+        self,
+        ax: "Axes | None" = None,
+        style: "Style | None" = None,
+        *,
+        title: str | None = None,
+        label: str | None = None,
+        show: str = "pull",
+    ) -> "Axes":
+        """Draws one field against time, by default the pull of the drive; the rest as of every result."""
+        fields = [q.path for q in self.quantities() if q.unit and q.path != "time"]
+        if show not in fields:
+            raise InputError(f"show must be one of {', '.join(fields)}, got {show!r}.")
+        from ..results.plotting import Ask, draw
+
+        return self._draw(draw, Ask(ax, style, title, label), y=show)
+
+
+@record
+class Shear(AbstractHistory):
+    """Tangential loading with stick and slip."""
+
+    displacement: Array = quantity("tangential displacement", "m", "of the body", shown="µm")
+    force: Array = quantity("tangential force", "N", "on the body's side that moves it")
+    normal_force: Array = quantity("normal force", "N")
+    depth: Array = quantity("depth", "m")
+    contact_radius: Array = quantity("contact radius", "m")
+    stick_radius: Array = quantity("stick radius", "m", "inside, nothing slipped in the last step")
+    work: Array = quantity("tangential work", "J", "done by the tangential force since the start")
+    slip_loss: Array = quantity("lost by slip", "J", "of the work, turned into heat by slip")
+    stored: Array = quantity("stored tangentially", "J", "of the work, elastic energy; the rest heats the rubber")
+    error: Array = quantity("estimated error of the tangential force", "N")
+
+    title: ClassVar[str] = "Tangential loading with friction"
+    across: ClassVar[str] = "displacement"
+    shows: ClassVar[str] = "force"
+    error_of: ClassVar[str] = "the force"
+
+    def outcome(self) -> Iterator[tuple[str, str]]:
+        """The largest force, and what became of the work."""
+        good = np.asarray(self.converged)
+        if good.any():
+            force = np.abs(np.asarray(self.force)[good])
+            largest = int(force.argmax())
+            when = np.asarray(self.time)[good][largest]
+            yield "largest force", f"{significant(float(force[largest]))} N at {significant(float(when))} s"
+            work, slip, stored = (float(np.asarray(x)[good][-1]) for x in (self.work, self.slip_loss, self.stored))
+            yield "work", f"{significant(work)} J: slip {significant(slip)} J, stored {significant(stored)} J"

@@ -1,0 +1,275 @@
+"""Impact of a rigid body on a viscoelastic half-space or layer."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import on_jax, xp
+from ..call.extrapolation import NOT_KNOWN, Beyond, told
+from ..call.radius_hint import hint_at_metres
+from ..checks import (
+    as_float64,
+    broadcast_shape,
+    is_traced,
+    nan_unless,
+    numpy_unless_traced,
+    positive,
+)
+from ..element.law import Foundation, as_foundation
+from ..element.layer import Layer
+from ..errors import ConvergenceWarning, InputError
+from ..material.relaxation import Relaxation
+from ..material.vertical import thermal_factors
+from ..results.base import Origin, distinct
+from ..results.words import brief, describe
+from ..surface.shapes import AbstractShape, Cylinder
+from .impact_levels import impacts
+from .impact_motion import Body
+from .impact_result import History, Impact
+from .layer_disc import LayerDisc
+from .oblique_impact import check_oblique, solve_oblique
+from .on_layer import incompressible_enough, of_layer
+
+if TYPE_CHECKING:
+    from .._types import ArrayLike, Indenter, Materials
+
+_WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are filled up to, so that few are compiled
+_PASSAGE = 4.0  # frequency times duration of the passage that `material/validity.py` speaks of
+HALF_SPACE = "MDR, exact for the half-space: approach and rebound (Ting's solution), quasi-static rubber, no adhesion"
+LAYER = "independent springs, exact for them (rubber of that thickness: em.layer); quasi-static rubber, no adhesion"
+FINITE = "rubber of finite thickness on a rigid base, exact: approach and rebound; quasi-static rubber, no adhesion"
+
+
+@numpy_unless_traced
+def impact(
+    material: Materials,
+    shape: Indenter,
+    *,
+    mass: ArrayLike,
+    velocity: ArrayLike,
+    temperature: ArrayLike | None = None,
+    tangential_velocity: ArrayLike | None = None,
+    friction: ArrayLike | None = None,
+    inertia: ArrayLike | None = None,
+    tangential: Foundation | None = None,
+    rtol: float = 1e-6,
+) -> Impact:
+    """Impact of a rigid body that touches at `velocity`, until it leaves: m d'' = -F(history of d).
+
+    F is the force of the viscoelastic foundation; gravity and adhesion are left out. `mass`, `velocity` and
+    `temperature` broadcast.
+
+    Args:
+        material: a material (then a half-space of it), a `Foundation`, or a list of either: the result then has one
+            more axis, in front, for them.
+        shape: the body, such as `em.Sphere`.
+        mass: mass [kg].
+        velocity: velocity at touch [m/s].
+        temperature: temperature [K], for a material with a shift law.
+        tangential_velocity: for an oblique impact, velocity of the point of contact at touch [m/s], spin included.
+        friction: Coulomb's coefficient of an oblique impact, zero and infinity included.
+        inertia: moment of inertia about the centre [kg m^2]; by default that of a homogeneous ball or cylinder, and
+            infinite for a body that does not roll.
+        tangential: the `Foundation` of G* of an oblique impact, needed where `material` is a `Foundation`.
+        rtol: relative error of restitution and depth to be met, 1e-2 to 1e-10.
+
+    Returns:
+        An `em.Impact`; of an oblique one `oblique` has the velocity of the point of contact afterwards, with its error.
+        A body that never comes back (a liquid too viscous for it) has restitution 0, an infinite duration and
+        `stuck=True`. A point whose restitution or depth misses `rtol` is NaN with `converged=False`; a duration that
+        misses 100 `rtol` (restitution below 1e-4) is NaN alone.
+
+    Raises:
+        InputError: for a mass or velocity that is not positive, a cylinder on a half-space, or a temperature without a
+            shift law.
+
+    Exact for the half-space and every shape whose contact grows as a disc; the rubber's own inertia (waves) is left
+    out. Oblique impacts are of second order in the step. Differentiable with respect to moduli, times, shape, mass and
+    velocity.
+
+    Source: Popov & Hess 2015, ch. 7; Ting 1966 for the rebound.
+    """
+    slips = check_oblique(material, tangential_velocity, friction, inertia, tangential)
+    extra = (slips.velocity, slips.friction) if slips is not None else ()
+    scene = _scene(material, shape, mass, velocity, temperature, rtol, extra)
+    found = impacts(scene.body, per_area=scene.per_area, rtol=float(rtol))
+    traced = is_traced(found.motion.restitution)
+    good = found.converged
+    if isinstance(scene.body.shape, LayerDisc):
+        disc = scene.body.shape
+        good = good & (found.motion.max_depth < disc.thickness)
+        numpy = xp if is_traced(disc, found.motion.max_depth) else np
+        radius = numpy.asarray(disc.radius_of_depth(found.motion.max_depth))
+        incompressible_enough(material, disc, radius, found.motion.max_force)  # type: ignore[arg-type]
+
+    def shaped(field: Any) -> Any:
+        return nan_unless(good, field).reshape(scene.shape)
+
+    def series(field: Any) -> Any:
+        return nan_unless(good, field).T.reshape((*scene.shape, -1))
+
+    if not traced and not good.all():
+        text = f"{int((~good).sum())} of {good.size} impacts did not converge to rtol={rtol:g}; they are NaN."
+        if isinstance(material, Layer) and (found.converged & ~good).any():
+            text += f" The body would go deeper than the layer is thick, {float(material.thickness):.4g} m."
+        warnings.warn(text, ConvergenceWarning, stacklevel=3)
+    motion = found.motion
+    duration = shaped(nan_unless(found.timed, motion.duration))
+    beyond = NOT_KNOWN if traced else _beyond(scene, duration)
+    history = History(series(motion.time), series(motion.depth), series(motion.speed), series(motion.force))
+    return Impact(
+        mass=scene.mass,
+        velocity=scene.velocity,
+        restitution=shaped(motion.restitution),
+        duration=duration,
+        max_depth=shaped(motion.max_depth),
+        max_force=shaped(motion.max_force),
+        lost=shaped(0.5 * scene.mass.reshape(-1) * scene.velocity.reshape(-1) ** 2 * (1 - motion.restitution**2)),
+        history=history,
+        oblique=None if slips is None else on_jax(solve_oblique, slips, scene, shape, history, found),
+        error=nan_unless(good, found.error).reshape(scene.shape),
+        stuck=found.stuck.reshape(scene.shape),
+        converged=good.reshape(scene.shape),
+        temperature=scene.temperature,
+        model=FINITE if isinstance(material, Layer) else LAYER if scene.per_area else HALF_SPACE,
+        plan="velocities as the grid, extrapolated in the number of steps",
+        inputs=scene.inputs + beyond.said,
+        extrapolated=beyond.points,
+        origins=_origins(scene) if scene.many else (),
+    )
+
+
+def _origins(scene: "_Scene") -> tuple[Origin, ...]:
+    """The materials along the first axis."""
+    model = LAYER if scene.per_area else HALF_SPACE
+    names = distinct([f.name or f"material {i}" for i, f in enumerate(scene.foundations, 1)])
+    rest = tuple(pair for pair in scene.inputs if pair[0] != "material")
+    return tuple(Origin(name, model, (("material", name), *rest), frozenset(), None) for name in names)
+
+
+class _Scene(NamedTuple):
+    body: Body
+    per_area: bool
+    mass: Any  # broadcast
+    velocity: Any
+    temperature: Any
+    shape: tuple[int, ...]
+    inputs: tuple[tuple[str, str], ...]
+    foundations: list[Foundation]  # one, or one for each place of the first axis
+    many: bool  # whether a list of materials was given
+
+
+def _scene(
+    material: Any, shape: Any, mass: Any, velocity: Any, temperature: Any, rtol: Any, extra: tuple = ()
+) -> _Scene:
+    many = isinstance(material, Sequence) and not isinstance(material, str)
+    if many and not material:
+        raise InputError("material must be a material or a list of them, got an empty list.")
+    if not isinstance(shape, AbstractShape):
+        raise InputError(f"shape must be an em.Sphere, em.Cone, em.Profile, em.Cylinder or the like, got {shape!r}.")
+    hint_at_metres(shape)
+    struck: Any = shape
+    if isinstance(material, Layer):
+        if extra:
+            raise InputError("tangential_velocity must be left out on an em.layer: only its normal impact is known.")
+        struck, foundation = of_layer(material, shape)
+        foundations, per_area = [foundation], False
+    else:
+        if many and any(isinstance(m, Layer) for m in material):
+            raise InputError("material must be one em.layer, not a list of them, in an impact.")
+        foundations = [as_foundation(m) for m in material] if many else [as_foundation(material)]
+        per_area = _standing(foundations, shape)
+    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-10 <= rtol <= 1e-2:
+        raise InputError(f"rtol must be a number from 1e-10 to 1e-2, got {rtol!r}.")
+    mass, velocity = as_float64("mass", mass), as_float64("velocity", velocity)
+    positive("mass", mass)
+    positive("velocity", velocity)
+    kelvin = None if temperature is None else as_float64("temperature", temperature)
+    oblique = dict(zip(("tangential_velocity", "friction"), extra, strict=False))
+    points = broadcast_shape(mass=mass, velocity=velocity, temperature=kelvin, **oblique)
+    result = (len(foundations), *points) if many else points
+    laws = [_at(foundation, kelvin, points) for foundation in foundations]
+    most = max(law.moduli.shape[0] for law in laws)
+    width = next((n for n in _WIDTHS if n >= most), most)
+    lanes = [_lanes(law, width) for law in laws]
+    rates, moduli, viscosity = (xp.concatenate(parts, axis=-1) for parts in zip(*lanes, strict=True))
+
+    def flat(array: Any) -> Any:
+        return xp.broadcast_to(array, result).reshape(-1)
+
+    if many and rates.shape[-1] == len(foundations):  # one column per material: one per point
+        count = int(np.prod(points))
+        rates, moduli, viscosity = (xp.repeat(x, count, axis=-1) for x in (rates, moduli, viscosity))
+    names = ", ".join(dict.fromkeys(f.name or "given directly" for f in foundations))
+    inputs = [("material", names), ("shape", describe(shape))]
+    inputs += [("mass", brief(mass, "kg")), ("velocity", brief(velocity, "m/s"))]
+    if kelvin is not None:
+        inputs.append(("temperature", brief(kelvin, "K")))
+    inputs.append(("relative tolerance", f"{rtol:g}"))
+    body = Body(struck, rates, moduli, viscosity, flat(mass), flat(velocity))
+    return _Scene(
+        body, per_area, xp.broadcast_to(mass, result), xp.broadcast_to(velocity, result),
+        None if kelvin is None else xp.broadcast_to(kelvin, result), result, tuple(inputs), foundations, many,
+    )  # fmt: skip
+
+
+def _beyond(scene: _Scene, duration: np.ndarray) -> Beyond:
+    """An impact counts as a passage as long as its contact."""
+    if all(foundation.range is None for foundation in scene.foundations):
+        return NOT_KNOWN
+    points, what, illustrative = (
+        np.zeros((len(scene.foundations), duration.size // len(scene.foundations)), bool),
+        [],
+        True,
+    )
+    kelvin = None if scene.temperature is None else np.reshape(scene.temperature, points.shape)
+    for i, (foundation, times) in enumerate(zip(scene.foundations, duration.reshape(points.shape), strict=True)):
+        known, there = foundation.range, None if kelvin is None else kelvin[i]
+        if known is None:
+            continue
+        factor = 1.0 if there is None else np.asarray(thermal_factors(foundation, there)[0])
+        rate = _PASSAGE * factor / times
+        points[i] = known.outside(rate, there)
+        if points[i].any():
+            what += known.findings(rate, there, "a_T/t to 4 a_T/t, t the contact time,")
+            illustrative &= known.illustrative
+    return told(points.reshape(scene.shape), "; ".join(dict.fromkeys(what)), illustrative, stacklevel=4)
+
+
+def _standing(foundations: list[Foundation], shape: AbstractShape) -> bool:
+    """Whether the scene is one on a layer. Raises `InputError` where half-space and shape do not go together."""
+    cylinder = isinstance(shape, Cylinder)
+    kinds = {cylinder if f.per_area is None else f.per_area for f in foundations}
+    if len(kinds) > 1:
+        raise InputError("material must be a list of half-spaces or a list of layers, got both.")
+    per_area = kinds.pop()
+    if cylinder and not per_area:
+        raise InputError(
+            "material must be a layer under a Cylinder, got a half-space: use em.springs(material, thickness, ...). "
+            "A cylinder on a half-space is no MDR problem."
+        )
+    return per_area
+
+
+def _at(foundation: Foundation, kelvin: Any, points: tuple[int, ...]) -> Relaxation:
+    """The law, with one column per point where a temperature gives each its own times and moduli."""
+    law = foundation.law()
+    if kelvin is None:
+        return law
+    a, b = (xp.broadcast_to(xp.asarray(x), points).reshape(-1) for x in thermal_factors(foundation, kelvin))
+    return Relaxation(law.equilibrium * b, law.moduli[:, None] * b, law.times[:, None] * a, law.viscosity * a * b)
+
+
+def _lanes(law: Relaxation, width: int) -> tuple[Any, Any, Any]:
+    """(rates, moduli, viscosity), the spring as a branch with rate zero, `width` more branches, equal columns."""
+    times = law.times if law.times.ndim == 2 else law.times[:, None]
+    columns = times.shape[-1]
+    viscosity = xp.broadcast_to(law.viscosity, (columns,))
+    filled = xp.zeros((width - law.moduli.shape[0], columns))
+    own = xp.broadcast_to(law.moduli if law.moduli.ndim == 2 else law.moduli[:, None], times.shape)
+    moduli = xp.concatenate([xp.broadcast_to(law.equilibrium, (1, columns)), own, filled])
+    return xp.concatenate([xp.zeros((1, columns)), 1 / times, filled]), moduli, viscosity

@@ -1,0 +1,293 @@
+"""Free normal impact of a rigid body: m d'' = -F, d(0) = 0, d'(0) = v0, until the contact force has gone.
+
+While the contact grows every element has been pressed in since it was touched, at t_1(x), so that with the measure
+A(d) of `surface.reach`
+
+    F = E_inf A(d) + sum_k F_k + eta A'(d) d',    F_k' = E_k A'(d) d' - F_k/tau_k.
+
+After the turn, d' = 0, the contact shrinks. Elements touched after the instant t_1(t) have left; t_1 is where
+
+    int_{t_1}^t E(t - s) d'(s) ds + eta d'(t) = 0,  and then  F = E_inf A(d(t_1)) + sum_k exp(-(t - t_1)/tau_k) F_k(t_1)
+
+(Ting 1966; on the line each element leaves at zero force). Nothing else
+can happen in a free impact: F >= 0 lets the velocity only fall, so that it changes sign once, and the body retreats
+ever faster from a surface that recovers ever more slowly. All of this is exact for the half-space.
+
+Discretised by a grid of velocities, v_i = v0 (1 - s_i^6)^3 with s_i = i/n, so that no time scale has to be known: in
+the approach the length of each step is the unknown; in the rebound step j ends when the elements touched at node j
+leave. d and C_k = int E_k exp(-(t - s)/tau_k) d'(s) ds follow from d' linear over the step, F_k from A'(d) d' linear
+over it, with exact exponentials, the momentum from the trapezoidal rule. Each step is symmetric in time, so the error
+is a series in n^-2, and Richardson's extrapolation takes it away, term by term (`transient/impact_levels.py`). Short
+relaxation times need no short steps: their branches become dashpots exactly.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import cond, fixed, in_steps, mapped, xp
+from ..checks import Array
+from ..numerics.decay import ramp_weights
+from ..numerics.peak import peak
+from ..numerics.root import root, search
+from ..surface.disc import Disc
+from ..surface.reach import contact_measure
+from ..surface.shapes import AbstractShape, FlatPunch
+
+if TYPE_CHECKING:
+    from jaxtyping import Bool, Float
+
+COARSEST = 16  # n of the first grid, and half the intervals of a history
+_START, _TURN = 6, 3  # powers of the grid at both ends: steps shrink where the motion is not smooth in time
+
+
+class Grid(NamedTuple):
+    """n steps of the approach, filled up with steps that are not taken; so that grids of one size compile once."""
+
+    taken: Bool[Array, " size"]
+    kept: Float[Array, " size"]  # v/v0 at the end of the step
+    lost: Float[Array, " size"]  # loss of v/v0 in the step
+    stride: Float[Array, " size"]  # change of ln s from the middle of the last step
+    last: Any  # n
+    shown: Array  # which nodes of the approach a history keeps, (COARSEST + 1,)
+
+
+class Body(NamedTuple):
+    """What strikes, and on what; lanes run over the last axis."""
+
+    shape: AbstractShape | Disc  # a body, or its contact on rubber of finite thickness
+    rates: Float[Array, "k lanes"]  # 1/tau_k, the first one zero: the equilibrium spring [1/s]
+    moduli: Float[Array, "k lanes"]  # [Pa, or Pa/m]
+    viscosity: Float[Array, " lanes"]  # [Pa s, or Pa s/m]
+    mass: Float[Array, " lanes"]  # [kg]
+    velocity: Float[Array, " lanes"]  # [m/s]
+
+
+class Motion(NamedTuple):
+    """An impact from one grid. Histories: n + 1 nodes from touch to turn, then n to the end."""
+
+    restitution: Float[Array, " lanes"]
+    duration: Float[Array, " lanes"]  # [s]
+    max_depth: Float[Array, " lanes"]  # [m]
+    max_force: Float[Array, " lanes"]  # [N]
+    peak: Float[Array, " lanes"]  # where that is, s from 0 at touch to 1 at the turn
+    turning: Float[Array, " lanes"]  # force at the turn over the largest force
+    time: Float[Array, "nodes lanes"]  # [s]
+    depth: Float[Array, "nodes lanes"]  # [m]
+    speed: Float[Array, "nodes lanes"]  # d' [m/s]
+    force: Float[Array, "nodes lanes"]  # [N]
+    solved: Bool[Array, " lanes"]
+
+
+class _Node(NamedTuple):
+    """State at a node of the approach."""
+
+    time: Array
+    depth: Array
+    speed: Array
+    rate: Array  # A'(d) d'
+    forces: Array  # F_k, (k, lanes)
+    centre: Array  # C_k, (k, lanes)
+    force: Array  # F
+
+
+def march(body: Body, grid: Grid, *, per_area: bool) -> Motion:
+    """One impact per lane on one grid; differentiable in both modes."""
+    zero = xp.zeros(body.velocity.shape)
+    none = xp.zeros((body.rates.shape[0], *zero.shape))
+    punch = body.shape.flat if isinstance(body.shape, Disc) else isinstance(body.shape, FlatPunch)
+    rate = contact_measure(body.shape, zero, per_area) * body.velocity if punch else zero
+    start = _Node(zero, zero, body.velocity, rate, none, none, body.viscosity * rate)
+    turn, nodes, steps, good = _approach(body, per_area, start, grid)
+    path = mapped(lambda first, rest: xp.concatenate([first[None], rest]), start, nodes)
+    retreat = _retreat_of_punch if punch else _retreat
+    end, states, left = retreat(body, per_area, path, turn, steps, grid)
+    largest, place = peak(path.force, grid.last)
+    size = grid.kept.shape[0]
+
+    def joined(before: Array, after: Array) -> Array:
+        return xp.concatenate([before[grid.shown], after[size - 1 - grid.shown[-2::-1]]])
+
+    return Motion(
+        restitution=-end.speed / body.velocity,
+        duration=end.time,
+        max_depth=turn.depth,
+        max_force=largest,
+        peak=place,
+        turning=turn.force / largest,
+        time=joined(path.time, states.time),
+        depth=joined(path.depth, states.depth),
+        speed=joined(path.speed, states.speed),
+        force=joined(path.force, states.force),
+        solved=good & left,
+    )
+
+
+@functools.cache
+def grid(n: int, size: int) -> Grid:
+    """The grid of n steps, as one of `size`: NumPy arrays."""
+    s = np.arange(n + 1) / n
+    kept = (1 - s**_START) ** _TURN
+    kept[-1] = 0.0
+    lost = np.append(-np.expm1(_TURN * np.log1p(-(s[:-1] ** _START))), 1.0)
+    loss = np.where(s[1:] < 0.5, np.diff(lost), -np.diff(kept))  # without cancellation
+    stride = np.append(1.0, np.diff(np.log(np.arange(n) + 0.5)))
+    fill = np.zeros(size - n)
+    return Grid(
+        taken=np.arange(size) < n,
+        kept=np.append(kept[1:], fill),
+        lost=np.append(loss, fill),
+        stride=np.append(stride, fill),
+        last=np.asarray(n),
+        shown=np.arange(COARSEST + 1) * (n // COARSEST),
+    )
+
+
+def _approach(body: Body, per_area: bool, start: _Node, grid: Grid) -> tuple[_Node, _Node, Array, Array]:
+    """From touch to the turn: the turn, the node after each step, step lengths, and which lanes were solved."""
+
+    def after(node: _Node, log_h: Array, speed: Array) -> _Node:
+        h = xp.exp(log_h)
+        decay, early, late = ramp_weights(h * body.rates)
+        depth = node.depth + 0.5 * h * (node.speed + speed)
+        rate = contact_measure(body.shape, depth, per_area) * speed
+        gain = h * body.moduli
+        forces = decay * node.forces + gain * (early * node.rate + late * rate)
+        centre = decay * node.centre + gain * (early * node.speed + late * speed)
+        force = xp.sum(forces, axis=0) + body.viscosity * rate
+        return _Node(node.time + h, depth, speed, rate, forces, centre, force)
+
+    def take(carry: tuple, step: Grid) -> tuple:
+        node, log_force, slope, good = carry
+        momentum = xp.log(body.mass * body.velocity * step.lost)
+        speed = body.velocity * step.kept
+
+        def residual(log_h: Array) -> Array:
+            return log_h + xp.log(0.5 * (node.force + after(node, log_h, speed).force)) - momentum
+
+        # The mean force over a step is nearly a power of s: that gives the first guess of the step's length.
+        log_h, found = root(residual, momentum - (log_force + slope * step.stride))
+        mean = momentum - fixed(log_h)
+        slope = xp.clip((mean - log_force) / step.stride, -20, 20)
+        return (after(node, log_h, speed), mean, slope, good & found), xp.exp(log_h)
+
+    def skip(carry: tuple, step: Grid) -> tuple:
+        return carry, xp.ones_like(body.velocity)
+
+    def step(carry: tuple, step: Grid) -> tuple:
+        carry, h = cond(step.taken, take, skip, carry, step)
+        return carry, (carry[0], h)
+
+    log_force = fixed(xp.log(body.mass * body.velocity * grid.lost[0])) - _first_step(body, per_area, grid)
+    carry = (start, log_force, xp.zeros_like(log_force), xp.ones(log_force.shape, bool))
+    steps = grid._replace(last=xp.zeros(grid.kept.shape), shown=xp.zeros(grid.kept.shape))
+    (turn, _, _, good), (nodes, lengths) = in_steps(step, carry, steps)
+    return turn, nodes, lengths, good
+
+
+def _first_step(body: Body, per_area: bool, grid: Grid) -> Array:
+    """Logarithm of a rough length of the first step, of which no scale is known."""
+    body = fixed(body)
+    momentum = xp.log(body.mass * body.velocity * grid.lost[0])
+
+    def residual(log_h: Array) -> Array:
+        h = xp.exp(log_h)
+        measure = contact_measure(body.shape, body.velocity * h, per_area) * body.velocity
+        _, _, late = ramp_weights(h * body.rates)
+        return log_h + xp.log(0.5 * measure * (h * xp.sum(body.moduli * late, axis=0) + body.viscosity)) - momentum
+
+    return search(residual, xp.full(body.velocity.shape, -7.0))[0]
+
+
+class _Rebound(NamedTuple):
+    """State of the body after the turn, and of the element in the middle."""
+
+    time: Array
+    depth: Array
+    speed: Array
+    centre: Array  # C_k, (k, lanes)
+    force: Array
+
+
+def _retreat(
+    body: Body, per_area: bool, path: _Node, turn: _Node, lengths: Array, grid: Grid
+) -> tuple[_Rebound, _Rebound, Array]:
+    """From the turn to the end: step j ends when the elements touched at node j of the approach leave."""
+
+    def after(node: _Rebound, touched: _Node, log_h: Array) -> tuple[Array, _Rebound]:
+        h = xp.exp(log_h)
+        decay, early, late = ramp_weights(h * body.rates)
+        since = xp.exp(-body.rates * (node.time + h - touched.time))
+        force = xp.sum(since * touched.forces, axis=0)
+        speed = node.speed - 0.5 * h * (node.force + force) / body.mass
+        centre = decay * node.centre + h * body.moduli * (early * node.speed + late * speed)
+        density = xp.sum(centre - since * touched.centre, axis=0) + body.viscosity * speed
+        return density, _Rebound(node.time + h, node.depth + 0.5 * h * (node.speed + speed), speed, centre, force)
+
+    def take(carry: tuple, step: tuple) -> tuple:
+        node, log_ratio, trend, good = carry
+        touched, log_length, _, _ = step
+        since = xp.exp(-body.rates * (node.time - touched.time))
+        held = xp.sum(node.centre - since * touched.centre, axis=0) + body.viscosity * node.speed
+
+        def residual(log_h: Array) -> Array:  # rises as a power of the step does
+            return xp.log((held - after(node, touched, log_h)[0]) / held)
+
+        log_h, found = root(residual, log_length + log_ratio + trend)
+        ratio = fixed(log_h) - log_length
+        trend = xp.clip(xp.where(trend == 0, 0.5, 1.0) * (ratio - log_ratio), -1.0, 1.0)
+        return after(node, touched, log_h)[1], ratio, trend, good & found
+
+    def step(carry: tuple, step: tuple) -> tuple:
+        carry = cond(step[2], take, lambda carry, _: carry, carry, step)
+        ended = carry[0]._replace(force=xp.where(step[3], 0.0, carry[0].force))
+        return (ended, *carry[1:]), ended
+
+    touched = mapped(lambda x: x[-2::-1], path)
+    log_lengths = xp.log(fixed(lengths))[::-1]
+    zero = xp.zeros_like(log_lengths[0])
+    first = xp.arange(log_lengths.shape[0])[::-1] == 0
+    node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
+    carry = (node, zero, zero, xp.ones(zero.shape, bool))
+    (end, _, _, good), states = in_steps(step, carry, (touched, log_lengths, grid.taken[::-1], first))
+    return end, states, good
+
+
+def _retreat_of_punch(
+    body: Body, per_area: bool, path: _Node, turn: _Node, lengths: Array, grid: Grid
+) -> tuple[_Rebound, _Rebound, Array]:
+    """All elements of a flat punch leave together: step j ends when the force is F_turn (1 - (1 - j/n)^2)."""
+    measure = contact_measure(body.shape, turn.depth, per_area)
+
+    def after(node: _Rebound, target: Array, log_h: Array) -> tuple[Array, _Rebound]:
+        h = xp.exp(log_h)
+        decay, early, late = ramp_weights(h * body.rates)
+        speed = node.speed - 0.5 * h * (node.force + target) / body.mass
+        centre = decay * node.centre + h * body.moduli * (early * node.speed + late * speed)
+        depth = node.depth + 0.5 * h * (node.speed + speed)
+        force = measure * (xp.sum(centre, axis=0) + body.viscosity * speed)
+        return force, _Rebound(node.time + h, depth, speed, centre, target)
+
+    def take(carry: tuple, step: tuple) -> tuple:
+        node, log_h, good = carry
+        target = turn.force * step[0]
+
+        def residual(log_h: Array) -> Array:
+            return xp.log((node.force - after(node, target, log_h)[0]) / (node.force - target))
+
+        log_h, found = root(residual, fixed(log_h))
+        return after(node, target, log_h)[1], log_h, good & found
+
+    def step(carry: tuple, step: tuple) -> tuple:
+        carry = cond(step[1], take, lambda carry, _: carry, carry, step)
+        return carry, carry[0]
+
+    j = xp.arange(grid.kept.shape[0])[::-1]
+    node = _Rebound(turn.time, turn.depth, turn.speed, turn.centre, turn.force)
+    guess = xp.log(turn.time / grid.last)
+    carry = (node, guess, xp.ones(guess.shape, bool))
+    (end, _, good), states = in_steps(step, carry, (1 - (1 - j / grid.last) ** 2, grid.taken[::-1]))
+    return end, states, good

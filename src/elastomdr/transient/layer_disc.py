@@ -1,0 +1,336 @@
+"""Axisymmetric contact on a layer as a line of independent elements, exact where W does not depend on time.
+
+On a layer the elements of the MDR line push each other through a smooth kernel,
+
+    q(x) + (2/pi) int_0^a M(x, s) q(s) ds = E* o (d - g(x)),
+    M(x, s) = (1/h) int_0^inf (W - 1) cos(zx/h) cos(zs/h) dz,
+
+P = 2 int_0^a q. The operator 1 + M = L L' factorises for all contacts at once (Krein), with L causal in x: under it the
+elements are independent again, whatever the history, since contact is a disc. Element x has the weight of what a flat
+punch gains in stiffness, and the profile is the depth at which an elastic contact has that radius:
+
+    W(a) = 2 int_0^a q_1(s; a) ds,    (1 + M) q_1 = 1 on [0, a],    dW/da = 2 q_1(a; a)^2
+    d(a) = [g(a) - int_0^a R(s; a) g(s) ds]/q_1(a; a),              (1 + M) R = M(., a)
+
+so that whatever solves the line of a half-space solves the layer with another `Disc`. Both functions are smooth in a/h:
+they are Chebyshev series on panels of doubling a/h. Derived here; W(a) against Hayes et al. 1972.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import fixed, xp
+from ..checks import Array, is_traced, numpy_unless_traced
+from ..element.layer import layer_deficit
+from ..surface.disc import Disc
+from ..surface.profile import Profile
+from ..surface.shapes import AbstractShape, Cone, FlatPunch, PowerLaw
+from ..trees import replaced, static
+
+if TYPE_CHECKING:
+    from jaxtyping import Float
+
+_ENDS = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0])  # panels of a/h
+WIDEST = float(_ENDS[-1])  # a/h up to which the tables reach
+_DEGREE = 13  # of the series on a panel
+_STEPS = 3  # Newton's from the table to rounding
+_TAIL = 17.0  # z = kh beyond which 1 - W is below rounding
+
+
+class Resolvents(NamedTuple):
+    """The elastic layer at the nodes of a panel of a/h: contacts of radius a/h = `alpha`, lengths in h."""
+
+    alpha: Float[Array, " k"]
+    s: Float[Array, "k n"]  # Gauss nodes on [0, alpha]
+    ds: Float[Array, "k n"]
+    unit: Float[Array, "k n"]  # q_1(s; a)
+    row: Float[Array, "k n"]  # R(s; a)
+    edge: Float[Array, " k"]  # q_1(a; a)
+
+
+def kernel_line(squeeze: Any, bonded: bool, reach: float) -> tuple[np.ndarray, Array]:
+    """Nodes in z = kh and weights, which hold -(2/pi)(1 - W), of integrals over z up to x/h = `reach`."""
+    panels = math.ceil(2 + 1.1 * reach)
+    z, dz = _on_panels(np.linspace(0.0, _TAIL, panels + 1), 24)
+    return z, -2 / math.pi * dz * numpy_unless_traced(layer_deficit)(z, squeeze, bonded)
+
+
+def _resolvents(squeeze: Any, bonded: bool, low: float, high: float) -> Resolvents:
+    numpy: Any = xp if is_traced(squeeze) else np
+    alpha = 0.5 * (low + high) + 0.5 * (high - low) * _places()
+    count = 18 + math.ceil(2.5 * high)
+    z, weight = kernel_line(squeeze, bonded, high)
+    node, share = np.polynomial.legendre.leggauss(count)
+    s, ds = alpha[:, None] * 0.5 * (1 + node), alpha[:, None] * 0.5 * share
+    parts = []
+    for a, x, dx in zip(alpha, s, ds, strict=True):
+        wave, at_edge = np.cos(x[:, None] * z), np.cos(a * z)
+        matrix = np.eye(count) + (wave * weight) @ wave.T * dx
+        right = numpy.stack([numpy.ones(count), (wave * weight) @ at_edge], axis=1)
+        found = numpy.linalg.solve(matrix, right)
+        edge = 1 - at_edge * weight @ (wave.T @ (dx * found[:, 0]))
+        parts.append((found[:, 0], found[:, 1], edge))
+    unit, row, edge = (numpy.stack(list(part)) for part in zip(*parts, strict=True))
+    return Resolvents(alpha, s, ds, unit, row, edge)
+
+
+@functools.lru_cache(64)
+def _of_numbers(squeeze: float, bonded: bool, panel: int) -> Resolvents:
+    return _resolvents(squeeze, bonded, float(_ENDS[panel]), float(_ENDS[panel + 1]))
+
+
+class LayerDisc(Disc):
+    """The contact of an axisymmetric body on a layer, as elements that are independent."""
+
+    thickness: Float[Array, ""]
+    stiffness: Float[Array, "panels n"]  # W(a)/(2a)
+    edge: Float[Array, "panels n"]  # q_1(a; a)
+    pull: Float[Array, "panels n"]  # int R g ds over a^p
+    held: Float[Array, "panels n"]  # int q_1 g ds over a^(p+1)
+    places: Float[Array, " k"]  # a, at which
+    depths: Float[Array, " k"]  # d(a), a guess for its inverse
+    areas: Float[Array, " k"]  # and A(a)
+    squeeze: Any
+    bonded: bool = static()
+
+    def profile(self, x: Array) -> Array:
+        """d(x): the depth at which an elastic contact has this radius."""
+        if self.flat:
+            return xp.zeros_like(x)
+        inside = self._inside(x)
+        return (self.shape._profile(inside) - self._pull(inside)[0]) / self._read(self.edge, inside)[0] + (x - inside)
+
+    def slope(self, x: Array) -> Array:
+        """dd/da."""
+        if self.flat:
+            return xp.zeros_like(x)
+        x = self._inside(x)
+        edge, bend = self._read(self.edge, x)
+        pull, rise = self._pull(x)
+        depth = (self.shape._profile(x) - pull) / edge
+        return (self.shape._slope(x) - rise - depth * bend) / edge
+
+    def weight(self, x: Array) -> Array:
+        """dW/da = 2 q_1(a; a)^2."""
+        return 2 * self._read(self.edge, self._inside(x))[0] ** 2
+
+    def width(self, a: Array) -> Array:
+        """W(a), the stiffness of a flat punch of radius a over E*."""
+        return 2 * a * self._read(self.stiffness, self._inside(a))[0]
+
+    def area(self, a: Array) -> Array:
+        """A(a): an elastic contact carries E* A."""
+        inside = self._inside(a)
+        held = self._read(self.held, inside)[0] * inside * _raised(inside, self._tip_power)
+        return self.width(inside) * self.profile(inside) - 2 * held
+
+    def energy(self, a: Array) -> Array:
+        """V(a): an elastic contact stores E* V."""
+        node, share = _on_panels(np.array([0.0, 0.02, 0.2, 1.0]), 16)
+        x = a[..., None] * node
+        gap = self.profile(a)[..., None] - self.profile(x)
+        return 0.5 * xp.sum(a[..., None] * share * self.weight(x) * gap**2, axis=-1)
+
+    @property
+    def largest(self) -> Any:
+        own = (xp if is_traced(self.shape, self.thickness) else np).minimum(
+            self.shape.largest_contact, WIDEST * self.thickness
+        )
+        return own * (1 - 1e-12)
+
+    def radius_of_depth(self, depth: Array) -> Array:
+        """a at which an elastic contact has this depth; zero for d <= 0, NaN beyond the table."""
+        if self.flat:
+            return xp.where(depth > 0, self.shape.largest_contact, 0.0)
+        return self._inverse(
+            xp.asarray(depth), self.depths, self._tip_power, lambda a: (self.profile(a), self.slope(a))
+        )
+
+    def radius_of_area(self, area: Array) -> Array:
+        """a with A(a) = `area`; as `radius_of_depth`."""
+        if self.flat:
+            return xp.where(area > 0, self.shape.largest_contact, 0.0)
+        return self._inverse(
+            xp.asarray(area), self.areas, 1 + self._tip_power, lambda a: (self.area(a), self.width(a) * self.slope(a))
+        )
+
+    def _inverse(self, value: Array, levels: Array, power: float, level: Any) -> Array:
+        there = value > 0
+        value = xp.where(there, value, levels[0])
+        log = xp.log(fixed(value))
+        known, places = (xp.log(xp.asarray(fixed(x))) for x in (levels, self.places))
+        guess = xp.interp(log, known, places) + xp.minimum(log - known[0], 0.0) / power
+        a = xp.exp(guess)
+        top = xp.asarray(self.largest)
+        for i in range(_STEPS):
+            a = fixed(xp.minimum(a, top))
+            height, rise = level(a)
+            if i < _STEPS - 1:  # on logarithms, where it is nearly straight
+                a = a * xp.exp(xp.clip((log - xp.log(height)) * height / (a * rise), -1.0, 1.0))
+            else:
+                a = a + (value - height) / fixed(rise)
+        beyond = value > levels[-1] * (1 + 1e-12)
+        return xp.where(there, xp.where(beyond, xp.nan, a), 0.0)
+
+    @property
+    def _tip_power(self) -> float:
+        return tip_power(self.shape)
+
+    def _power(self) -> tuple[float | None, Any]:
+        """A power at the axis, where panels of the line begin; its coefficient is not asked for."""
+        return (self.shape.exponent if isinstance(self.shape, PowerLaw) else None), None
+
+    def _inside(self, x: Array) -> Array:
+        return xp.minimum(xp.asarray(x), xp.asarray(self.largest))
+
+    def _pull(self, x: Array) -> tuple[Array, Array]:
+        """int R g ds and its derivative by the radius."""
+        value, rise = self._read(self.pull, x)
+        p = self._tip_power
+        return value * _raised(x, p), rise * _raised(x, p) + value * p * _raised(x, p - 1)
+
+    def _read(self, table: Array, a: Array) -> tuple[Array, Array]:
+        """A function at radii a, and its derivative: Clenshaw's sum on the panel of each."""
+        table = xp.asarray(table)
+        alpha = a / self.thickness
+        i = xp.clip(xp.ceil(xp.log2(xp.maximum(fixed(alpha), 1e-9))).astype(int) + 1, 0, _ENDS.size - 2)
+        ends = xp.asarray(_ENDS)
+        half = 0.5 * (ends[i + 1] - ends[i])
+        y = (alpha - ends[i]) / half - 1
+        rows = table[i]
+        b1 = b2 = c1 = c2 = xp.zeros_like(y)
+        for n in range(table.shape[1] - 1, 0, -1):
+            c1, c2 = 2 * b1 + 2 * y * c1 - c2, c1
+            b1, b2 = rows[..., n] + 2 * y * b1 - b2, b1
+        return rows[..., 0] + y * b1 - b2, (b1 + y * c1 - c2) / (half * self.thickness)
+
+
+@numpy_unless_traced
+def layer_disc(shape: AbstractShape, thickness: Any, squeeze: Any, bonded: bool) -> LayerDisc:
+    """The contact of a body on a layer whose kernel W is that of a constant 1 - 2 nu = `squeeze`."""
+    traced = is_traced(shape, thickness, squeeze)
+    numpy: Any = xp if traced else np
+    power = tip_power(shape)
+    top = np.inf if traced else float(np.asarray(shape.largest_contact) / np.asarray(thickness))
+    columns: list = []
+    for panel in range(_ENDS.size - 1):
+        if is_traced(squeeze):
+            at = _resolvents(squeeze, bonded, float(_ENDS[panel]), float(_ENDS[panel + 1]))
+        else:
+            at = _of_numbers(float(np.asarray(squeeze)), bonded, panel)
+        total = numpy.sum(at.ds * at.unit, axis=1)
+        pull = held = numpy.zeros_like(total)
+        if not isinstance(shape, FlatPunch):
+            a = at.alpha * thickness
+            if isinstance(shape, Profile):  # its pieces are panels of the rule
+                pull, held = _over_pieces(shape, thickness, at, squeeze, bonded)
+            else:
+                g = shape._profile(numpy.minimum(at.s * thickness, shape.largest_contact * (1 - 1e-12)))
+                pull = numpy.sum(at.ds * at.row * g, axis=1)
+                held = numpy.sum(at.ds * at.unit * g, axis=1) * thickness
+            pull, held = pull / a**power, held / a ** (power + 1)
+        columns.append([_series(numpy, values) for values in (total / at.alpha, at.edge, pull, held)])
+        if at.alpha[-1] > top:
+            columns += [columns[-1]] * (_ENDS.size - 2 - panel)
+            break
+    stiffness, edge, pull, held = (numpy.stack(list(column)) for column in zip(*columns, strict=True))
+    places = np.minimum(
+        np.concatenate([0.5 * (l + h) + 0.5 * (h - l) * _places() for l, h in itertools.pairwise(_ENDS)]), 0.999 * top
+    )
+    places = numpy.minimum(places * thickness, 0.999 * shape.largest_contact)
+    disc = LayerDisc(
+        shape, "half-space", numpy.asarray(thickness), stiffness, edge, pull, held, places, places, places, squeeze,
+        bonded,
+    )  # fmt: skip
+    if disc.flat:
+        return disc
+    depths, areas = fixed((disc.profile(numpy.asarray(places)), disc.area(numpy.asarray(places))))
+    return replaced(disc, depths=depths, areas=areas)
+
+
+def tip_power(shape: AbstractShape) -> float:
+    """Power with which a profile rises at its tip, or a lower one."""
+    match shape:
+        case PowerLaw():
+            return float(shape.exponent)
+        case Cone() | Profile():
+            return 1.0
+    return 2.0
+
+
+def _over_pieces(shape: Profile, h: Any, at: Resolvents, squeeze: Any, bonded: bool) -> tuple[Array, Array]:
+    numpy: Any = xp if is_traced(shape, h, squeeze) else np
+    z, weight = kernel_line(squeeze, bonded, float(at.alpha[-1]))
+    rule, places = np.polynomial.legendre.leggauss(6), numpy.asarray(shape.r) / h
+    pulls, helds = [], []
+    for k, alpha in enumerate(at.alpha):
+        edges = numpy.minimum(places, numpy.minimum(alpha, places[-1] * (1 - 1e-12)))
+        half = 0.5 * numpy.diff(edges)[:, None]
+        s, ds = (edges[:-1, None] + half * (1 + rule[0])).ravel(), (half * rule[1]).ravel()
+        wave = numpy.cos(s[:, None] * z) * weight
+        inner = np.cos(at.s[k][:, None] * z)
+        unit = 1 - wave @ (inner.T @ (at.ds[k] * at.unit[k]))
+        row = wave @ (np.cos(alpha * z) - inner.T @ (at.ds[k] * at.row[k]))
+        g = shape._profile(s * h)
+        pulls.append(numpy.sum(ds * row * g))
+        helds.append(numpy.sum(ds * unit * g) * h)
+    return numpy.stack(pulls), numpy.stack(helds)
+
+
+class ElasticLine(NamedTuple):
+    """The kernel M of a layer in numbers, lengths in m."""
+
+    z: np.ndarray
+    weight: Any  # -(2/pi)(1 - W) dz
+    thickness: float
+    nodes: int
+
+    def kernel(self, x: np.ndarray, s: np.ndarray) -> np.ndarray:
+        """(2/pi) M(x, s) [1/m]."""
+        wave = np.cos(x[:, None] / self.thickness * self.z) * self.weight
+        return wave @ np.cos(s[:, None] / self.thickness * self.z).T / self.thickness
+
+    def of_unit(self, x: np.ndarray, a: float) -> np.ndarray:
+        """q_1(x; a) at places x <= a: the force density under a flat punch of radius a."""
+        node, share = np.polynomial.legendre.leggauss(self.nodes)
+        s, ds = 0.5 * a * (1 + node), 0.5 * a * share
+        unit = np.linalg.solve(np.eye(self.nodes) + self.kernel(s, s) * ds, np.ones(self.nodes))
+        return (1 - self.kernel(x.ravel(), s) @ (ds * unit)).reshape(x.shape)
+
+
+def line_of(disc: LayerDisc) -> ElasticLine:
+    """The elastic line under a contact of numbers."""
+    reach = float(disc.largest / disc.thickness)
+    alpha = min(reach, WIDEST)
+    z, weight = kernel_line(float(disc.squeeze), disc.bonded, alpha + 14.0)
+    return ElasticLine(z, weight, float(disc.thickness), 18 + math.ceil(2.5 * min(alpha, 4.0)))
+
+
+@functools.cache
+def _places() -> np.ndarray:
+    """Chebyshev's nodes on [-1, 1], ascending."""
+    return -np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
+
+
+def _series(numpy: Any, values: Array) -> Array:
+    """Chebyshev coefficients from values at `_places`."""
+    order = np.polynomial.chebyshev.chebvander(_places(), _DEGREE).T * 2 / (_DEGREE + 1)
+    order[0] *= 0.5
+    return numpy.asarray(order) @ values
+
+
+def _on_panels(edges: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    node, share = np.polynomial.legendre.leggauss(count)
+    half = 0.5 * np.diff(edges)[:, None]
+    return (edges[:-1, None] + half * (1 + node)).ravel(), (half * share).ravel()
+
+
+def _raised(x: Array, n: float) -> Array:
+    """x^n for x >= 0 with finite derivatives at zero."""
+    return x ** int(n) if n == int(n) else xp.where(x > 0, xp.where(x > 0, x, 1.0) ** n, 0.0)

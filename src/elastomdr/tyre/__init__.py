@@ -1,0 +1,1 @@
+"""Rolling with creepage: traction and slip curves."""

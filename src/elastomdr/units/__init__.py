@@ -1,0 +1,1 @@
+"""Units of arguments and of files."""

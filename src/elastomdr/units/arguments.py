@@ -1,0 +1,313 @@
+"""Units of arguments: what carries a unit becomes a plain number in SI units, or is refused by the argument's name.
+
+`UNITS` says once in which unit each argument is; an argument that it does not name has none. Public functions are
+marked by `in_si` (`numpy_unless_traced` and `in_float64` do so), constructors by `Tree`, so that nothing behind them
+meets a unit. Quantities are pint's, bare, in lists, in xarray or in pandas; pint itself is loaded only to read a unit
+that is given as a text, `attrs["units"]`.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any, ParamSpec, TypeVar
+
+from ..errors import InputError, closest
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_DIFFERENCE = "K of difference"  # of temperatures: 10 degC is no such thing
+_MODULUS = ("Pa", "Pa/m")  # of a foundation: of a half-space, or of a layer per area
+UNITS: dict[str, Any] = {  # argument -> unit; a tuple: any of these; a list: one for each entry
+    "adhesion": "J/m^2",
+    "ambient": "K",
+    "area": "m^2",
+    "b": _DIFFERENCE,
+    "belt": "kg/m",
+    "bulk": "Pa",
+    "c2": _DIFFERENCE,
+    "capacity": "J/K",
+    "cell": "m",
+    "conductance": "W/K",
+    "conductivity": "W/(m*K)",
+    "depth": "m",
+    "diameter": "m",
+    "displacement": "m",
+    "energy": "J/mol",
+    "equilibrium": "Pa",
+    "equivalent_length": "m",
+    "force": "N",
+    "goods": "kg/m",
+    "gravity": "m/s^2",
+    "heat_capacity": "J/(m^3*K)",
+    "height": "m",
+    "hottest": "K",
+    "inertia": "kg*m^2",
+    "length": "m",
+    "load": "N",
+    "load_per_length": "N/m",
+    "longest": "m",
+    "mass": "kg",
+    "moduli": "Pa",
+    "modulus": "Pa",
+    "normal_force": ("N", "N/m"),
+    "omega": "rad/s",
+    "path_or_heights": "m",
+    "period": ("s", "m"),
+    "pixel_size": "m",
+    "position": "m",
+    "pressure": "Pa",
+    "q": "rad/m",
+    "q_high": "rad/m",
+    "q_low": "rad/m",
+    "q_rolloff": "rad/m",
+    "r": "m",
+    "radius": "m",
+    "ramp": "s",
+    "reference": "K",
+    "relaxation": "Pa",
+    "resistivity": "ohm*m",
+    "rms_height": "m",
+    "road": ["W/(m*K)", "J/(m^3*K)"],
+    "shape": "m",
+    "shortest": "m",
+    "since": "s",
+    "spacing": "m",
+    "stiffness": "N/m",
+    "damping": "N*s/m",
+    "storage": "Pa",
+    "loss": "Pa",
+    "stress": "Pa",
+    "t": "s",
+    "t0": "K",
+    "tangential_velocity": "m/s",
+    "temperature": "K",
+    "temperature_error": _DIFFERENCE,
+    "thickness": "m",
+    "time": "s",
+    "times": "s",
+    "tolerance": _DIFFERENCE,
+    "velocity": "m/s",
+    "viscosity": "Pa*s",
+    "wavelength": "m",
+    "x": "m",
+    "z": "m",
+}
+_ELSEWHERE: dict[str, Any] = {  # where an argument has another unit than of that name elsewhere
+    "Foundation.__init__ equilibrium": _MODULUS,
+    "Foundation.__init__ moduli": _MODULUS,
+    "Foundation.__init__ viscosity": ("Pa*s", "Pa*s/m"),
+    "Foundation.kelvin stiffness": _MODULUS,
+    "Foundation.kelvin viscosity": ("Pa*s", "Pa*s/m"),
+    "Foundation.maxwell stiffness": _MODULUS,
+    "Layer.kernel z": "",
+    "Layer.deficit z": "",
+    "Mount.__init__ mass": ("kg", "kg/m"),  # per metre of a rough line
+    "Mount.__init__ stiffness": ("N/m", "N/m^2"),
+    "Mount.__init__ damping": ("N*s/m", "N*s/m^2"),
+    "TabulatedModulus.interpolation_error low": "rad/s",
+    "TabulatedModulus.interpolation_error high": "rad/s",
+    "Softening.__init__ storage": "",
+    "Softening.__init__ loss": "",
+    "friction_bands load": "N/m",
+    "full_contact_sliding load": "N/m",
+    "line_contact load": "N/m",
+    "calibrate parameters": "",  # logarithms and exponents, whatever their names are elsewhere
+    "calibrate widths": "",
+}
+_PLAIN = {float, int, bool, str, type(None)}  # without a unit
+_ANGLES = ("radian", "degree", "turn", "cycle", "revolution", "gradian")
+
+
+def carries_unit(value: Any) -> bool:
+    """Whether a value, or an entry of a list or dict, says in which unit it is. The type is looked at, not the data."""
+    kind = type(value)
+    if kind in _PLAIN or kind.__module__ == "numpy":
+        return False
+    if kind in (list, tuple):
+        return not set(map(type, value)) <= _PLAIN and any(map(carries_unit, value))
+    if isinstance(value, Mapping):
+        return any(map(carries_unit, value)) or any(map(carries_unit, value.values()))
+    if hasattr(kind, "attrs") and "units" in value.attrs:  # of xarray or pandas
+        return True
+    if not hasattr(kind, "__array__"):
+        return hasattr(kind, "m_as")
+    inside = getattr(value, "data", None), getattr(value, "dtype", None)  # of pint-xarray, of pint-pandas
+    return any(hasattr(type(one), "m_as") or hasattr(one, "units") for one in (value, *inside)) or hasattr(kind, "unit")
+
+
+def in_si(function: Callable[P, R]) -> Callable[P, R]:
+    """Marks a public function: arguments with units become SI numbers, and an unknown keyword is answered."""
+    to_numbers = arguments_in_si(function)
+    plain: Callable[..., R] = function
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        given, named = to_numbers(args, kwargs)
+        return plain(*given, **named)
+
+    return wrapper
+
+
+def constructor_in_si(cls: type[R]) -> type[R]:
+    """Marks a class of arguments, as `in_si` does a function."""
+    cls.__init__ = in_si(cls.__init__)  # type: ignore[method-assign]
+    return cls
+
+
+def arguments_in_si(function: Callable[..., Any]) -> Callable[[Any, Any], tuple[Any, Any]]:
+    """What turns the arguments of one function, positional and by name, into numbers in SI units."""
+    inner = inspect.unwrap(function)
+    code = inner.__code__
+    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+    known = frozenset(names)
+    open_ended = bool(code.co_flags & inspect.CO_VARKEYWORDS)
+
+    def to_numbers(args: Any, kwargs: Any) -> tuple[Any, Any]:
+        if not open_ended and not kwargs.keys() <= known:
+            word = next(name for name in kwargs if name not in known)
+            accepted = [name for name in names if name not in ("self", "cls")]
+            called = inner.__qualname__.removesuffix(".__init__")
+            hint = closest(word, accepted) or f" Arguments are {', '.join(accepted)}."
+            raise TypeError(f"{called}() has no argument {word!r}.{hint}")
+        if not any(map(carries_unit, args)) and not any(map(carries_unit, kwargs.values())):
+            return args, kwargs
+        of = {**dict(zip(names, args, strict=False)), **kwargs}
+        given = [number_in_si(name, of[name], inner, of) for name in names[: len(args)]]
+        named = {name: number_in_si(name, value, inner, of) for name, value in kwargs.items()}
+        return (*given, *args[len(given) :]), named
+
+    return to_numbers
+
+
+def number_in_si(name: str, value: Any, function: Any = None, of: Mapping[str, Any] | None = None) -> Any:
+    """An argument of a function as a number in SI units, or as it is where it has no unit.
+
+    `of` are all arguments, on some of which the unit of another depends. Raises `InputError`.
+    """
+    if not carries_unit(value):
+        return value
+    called = getattr(function, "__qualname__", "")
+    if isinstance(value, Mapping):  # its entries are arguments by their own names
+        alike = f"{called} {name}" in _ELSEWHERE
+        return {
+            _plain_key(name, key): number_in_si(name if alike else str(key), entry, function, of)
+            for key, entry in value.items()
+        }
+    return _converted(name, value, _unit(called, name, of or {}))
+
+
+def _plain_key(name: str, key: Any) -> Any:
+    if carries_unit(key):
+        raise InputError(f"{name} must have plain numbers in SI units as its keys, got {key}.")
+    return key
+
+
+def _unit(called: str, name: str, of: Mapping[str, Any]) -> Any:
+    """The unit of an argument, or several of which one has to fit."""
+    if called == "PowerLaw.__init__" and name == "coefficient":
+        return _of_power_law(of.get("exponent"))
+    if called == "Spectrum.__init__" and name == "c":
+        return "m^3" if str(of.get("convention", "2d")).startswith("1d") else "m^4"
+    own = f"{called} {name}"
+    if own in _ELSEWHERE:
+        return _ELSEWHERE[own]
+    if name == "load":
+        return _of_load(of)
+    return UNITS.get(name, "")
+
+
+def _of_power_law(exponent: Any) -> str:
+    """Of c in f = c r^n, which is a length."""
+    if not isinstance(exponent, (int, float)):
+        raise InputError(f"exponent must be a plain number where coefficient has a unit, got {exponent!r}.")
+    power = 1 - exponent
+    return f"m^{power:.12g}" if power >= 0 else f"1/m^{-power:.12g}"
+
+
+def _of_load(of: Mapping[str, Any]) -> str:
+    """N of a body, N/m of a rough line or surface, which say so themselves."""
+    every = {**of, **of.get("axes", {})}  # those of a sweep are arguments too
+    bodies = next((every[key] for key in ("shape", "surface", "line") if key in every), None)
+    listed = bodies if isinstance(bodies, (list, tuple)) and bodies else [bodies]
+    units = {getattr(body, "load_unit", "N") for body in listed}
+    if len(units) > 1:
+        raise InputError("load must be a plain number where shape is a list of bodies [N] and of rough surfaces [N/m].")
+    return units.pop()
+
+
+def _converted(name: str, value: Any, unit: Any) -> Any:
+    if not carries_unit(value):
+        return value
+    if type(value) in (list, tuple):
+        each = unit if isinstance(unit, list) else [unit] * len(value)
+        return type(value)(_converted(name, entry, one) for entry, one in zip(value, each, strict=True))
+    quantity = _quantity(name, value)
+    accepted = unit if isinstance(unit, (tuple, list)) else (unit,)
+    for one in accepted:
+        if (number := _magnitude(quantity, one)) is not None:
+            return number
+    raise InputError(f"{name} must be {_in_words(accepted)}, got {_brief(quantity)}.")
+
+
+def _quantity(name: str, value: Any) -> Any:
+    """A value with its unit as pint's quantity. Raises `InputError` for units that pint does not know."""
+    if hasattr(type(value), "m_as"):
+        return value
+    if hasattr(getattr(value, "dtype", None), "units"):  # pandas, by pint-pandas
+        import numpy as np
+
+        quantity = getattr(value, "array", value).quantity
+        return type(quantity)(np.asarray(quantity.magnitude, dtype=np.float64), quantity.units)
+    if hasattr(getattr(value, "data", None), "m_as"):  # xarray, by pint-xarray
+        return value.data
+    if not hasattr(type(value), "attrs"):
+        raise InputError(
+            f"{name} must be a plain number in SI units or a quantity of pint, got a {type(value).__name__} of "
+            f"{type(value).__module__.partition('.')[0]}, whose units are not known here."
+        )
+    import numpy as np
+
+    from .registry import quantity_of
+
+    text = value.attrs["units"]
+    quantity = quantity_of(np.asarray(value), text)
+    if quantity is None:
+        raise InputError(f"{name} must have a unit that is known in its attrs['units'], got {text!r}.")
+    return quantity
+
+
+def _magnitude(quantity: Any, unit: str) -> Any:
+    """The number of a quantity in a unit, None where it is no such quantity."""
+    registry = quantity._REGISTRY
+    given = str(quantity.units)
+    wanted = registry.parse_units(unit.removesuffix(" of difference"))
+    if quantity.dimensionality != wanted.dimensionality:
+        return None
+    if not unit and any(word in given for word in _ANGLES):
+        return None  # a slope is no angle, and pint takes 5 degrees for .087
+    if unit == "rad/s" and "hertz" in given:
+        return None  # it counts turns, and pint takes 1 Hz for 1 rad/s
+    zero = registry.Quantity(0.0, quantity.units).m_as(wanted) != 0
+    if unit == _DIFFERENCE and zero:
+        return None
+    if unit == "K" and given.startswith("delta_"):
+        return None
+    magnitude = quantity.magnitude
+    if hasattr(magnitude, "dtype") and magnitude.dtype.kind in "iu":
+        magnitude = 1.0 * magnitude
+    return registry.Quantity(magnitude, quantity.units).m_as(wanted)
+
+
+def _in_words(accepted: Any) -> str:
+    if "" in accepted:
+        return "a number without a unit"
+    return f"in {' or '.join(accepted)}, or in a unit that can be converted to it"
+
+
+def _brief(quantity: Any) -> str:
+    units = quantity.units
+    shape = getattr(quantity.magnitude, "shape", ())
+    return f"an array of shape {shape} in {units}" if shape else str(quantity)

@@ -1,0 +1,1 @@
+"""The front doors: verbs that serve several rooms."""
