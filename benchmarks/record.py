@@ -85,7 +85,7 @@ def scenes() -> dict[str, Callable[[], Any]]:
             velocity=VELOCITY,
             pressure=3e5,
         ),
-        "bands": lambda: em.friction_bands(
+        "bands": lambda: em.friction_spectrum(
             SOLID, LINE.line(seed=1, periods=1, samples=128), velocity=0.1, load=1.0, model=em.Line()
         ),
         "rolling sphere": lambda: em.rolling(BROAD, BALL, velocity=VELOCITY, load=1.0),
@@ -115,7 +115,7 @@ def scenes() -> dict[str, Callable[[], Any]]:
         "stability": lambda: em.stability(
             em.Mount(5.0, 5e3, 20.0), velocity=VELOCITY, force=1 / (1 + VELOCITY), wavelength=1e-4
         ),
-        "squeezed cord": lambda: em.squeezed_cord(BROAD, 3e-3, 0.1, time=[1.0, 100.0], temperature=300.0),
+        "squeezed cord": lambda: em.o_ring(BROAD, 3e-3, 0.1, time=[1.0, 100.0], temperature=300.0),
         "creep compliance": lambda: {"value": BULK.creep_compliance(TIME), "shear": BULK.shear().relaxation(TIME)},
         "library": lambda: {
             name: em.half_space(em.load_material(name)).complex_modulus(np.logspace(-3, 6, 10)).imag

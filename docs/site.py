@@ -37,7 +37,7 @@ GROUPS = {
         "Spectrum",
     ),
     "Applications": (
-        "conveyor", "Idlers", "warming", "dissipation", "stability", "squeezed_cord", "friction_bands", "line_contact",
+        "conveyor", "Idlers", "heat_build_up", "dissipation", "stability", "o_ring", "friction_spectrum", "line_contact",
         "press",
         "load_friction",
     ),

@@ -1,7 +1,7 @@
 """21: compounds ranked on one road, and the frequencies that decide.
 
 Teaches: on a road the loss tangent in the band of frequencies from v q_low to v q_high ranks compounds, and not that at
-a laboratory's 10 Hz and 20 degC. `em.friction` gives the friction; `em.friction_bands` splits that of a line of the
+a laboratory's 10 Hz and 20 degC. `em.friction` gives the friction; `em.friction_spectrum` splits that of a line of the
 same road by the frequency at which the rubber is strained, and its `central()` is the band in which most of it arises.
 
 Inputs: five compounds of the library, all illustrative, at 20 degC; the road is assumed here, of no
@@ -46,7 +46,7 @@ def main(out: Path) -> None:
     friction = np.array([curve.mu for curve in curves])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", em.ModelWarning)  # of the line the split is used, not the level
-        found = [em.friction_bands(rubber, ROAD, model=LINE, **asked) for rubber in rubbers]
+        found = [em.friction_spectrum(rubber, ROAD, model=LINE, **asked) for rubber in rubbers]
     cool, room, hot = (tangents(rubbers, TEN_HERTZ, kelvin) for kelvin in (273.15, KELVIN, 333.15))
     inside = VELOCITY * np.geomspace(ROAD.q_low, ROAD.q_high, 33)
     band = np.mean([tangents(rubbers, omega, KELVIN) for omega in inside], axis=0)
@@ -88,7 +88,7 @@ def check(friction: np.ndarray, *orders: np.ndarray) -> None:
     x = np.arange(4096) * 2 * np.pi / wave[0] / 4096
     line = em.RoughLine(x, height @ np.cos(wave[:, None] * x))
     rubber = em.half_space(em.load_material(NAMES[0]).at(KELVIN))
-    full = em.friction_bands(rubber, line, velocity=VELOCITY, load=load, model=em.Line())
+    full = em.friction_spectrum(rubber, line, velocity=VELOCITY, load=load, model=em.Line())
     closed = float(0.5 * height**2 * wave @ rubber.loss(wave * VELOCITY) / load)
     print(
         f"check     rank correlation with tan delta {by_band:.2f} (band), {by_room:.2f} (10 Hz), {by_cool:.2f} (10 Hz, "

@@ -1,6 +1,6 @@
 """22: a dry O-ring on a reciprocating rod: friction against speed and temperature, start after a dwell.
 
-Teaches: `em.squeezed_cord` turns a squeeze into a pressure, `em.friction` on a rough surface that into a force;
+Teaches: `em.o_ring` turns a squeeze into a pressure, `em.friction` on a rough surface that into a force;
 `em.slide` starts it after a dwell on a line of that surface, `surface.line(seed)`. Whether its drive sticks and slips:
 example 27.
 
@@ -44,7 +44,7 @@ def main(out: Path) -> None:
         rubber = em.load_material(name)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", em.ExtrapolationWarning)  # the data of epdm-70 end after eight minutes
-            cord = em.squeezed_cord(rubber, CORD, SQUEEZE, time=AGE, temperature=KELVIN[0])
+            cord = em.o_ring(rubber, CORD, SQUEEZE, time=AGE, temperature=KELVIN[0])
         pressure, normal = float(cord.pressure), float(cord.line_load) * np.pi * ROD
         curve = em.friction(rubber, SHAFT, velocity=VELOCITY, temperature=KELVIN[:, None], pressure=pressure)
         force = curve.mu * normal

@@ -1,6 +1,6 @@
 """24: a rubber-tyred wheel warms up: its steady temperature, the way there, and which part of the spectrum pays.
 
-Teaches: `em.warming` finds the temperature at which a rolling body gives off what its resistance makes, and the way to
+Teaches: `em.heat_build_up` finds the temperature at which a rolling body gives off what its resistance makes, and the way to
 it; `em.dissipation` says how much each relaxation time takes of the loss. Warm rubber is faster rubber: the loss moves
 to branches that are slower at the reference temperature, here to those that lose less.
 
@@ -39,10 +39,12 @@ def main(out: Path) -> None:
     plt.style.use("elastomdr.figures")
     out.mkdir(parents=True, exist_ok=True)
     surroundings = {"ambient": AMBIENT, "conductance": CONDUCTANCE, "capacity": CAPACITY}
-    warm = em.warming(TYRE, WHEEL, velocity=SPEEDS, load=LOAD, time=TIME, rtol=1e-4, **surroundings)
+    warm = em.heat_build_up(TYRE, WHEEL, velocity=SPEEDS, load=LOAD, time=TIME, rtol=1e-4, **surroundings)
     print(warm.summary())
     steady, settling = warm.steady[:, 0], warm.settling[:, 0]
-    textbook = em.warming(SPRINGS, WHEEL, velocity=SPEEDS, load=LOAD, ambient=AMBIENT, conductance=CONDUCTANCE).steady
+    textbook = em.heat_build_up(
+        SPRINGS, WHEEL, velocity=SPEEDS, load=LOAD, ambient=AMBIENT, conductance=CONDUCTANCE
+    ).steady
     print("on springs free at the base:", ", ".join(f"{k - AMBIENT:.2f} K" for k in textbook))
     naive = warm.power[:, 0] / CONDUCTANCE
     for v, kelvin, first, tau in zip(SPEEDS, steady, naive, settling, strict=True):
@@ -87,7 +89,7 @@ def check_warming() -> None:
     power = float(em.rolling(rubber, WHEEL, velocity=1.0, load=LOAD, temperature=cold).power)
     conductance = power / 50  # 50 K if nothing changed
     time = start / conductance * np.array([0.0, 0.03, 0.1, 0.3, 1.0, 3.0])
-    warm = em.warming(
+    warm = em.heat_build_up(
         rubber, WHEEL, velocity=1.0, load=LOAD, ambient=cold, conductance=conductance, capacity=start, time=time,
         hottest=cold + 99,
     )  # fmt: skip

@@ -48,7 +48,7 @@ def main(out: Path) -> None:
         rubber = em.load_material(name).at(KELVIN)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", em.ExtrapolationWarning)  # the data of epdm-70 end after eight minutes
-            cord = em.squeezed_cord(rubber, CORD, SQUEEZE, time=AGE)
+            cord = em.o_ring(rubber, CORD, SQUEEZE, time=AGE)
         normal, load = float(cord.line_load) * np.pi * ROD, float(cord.pressure) * SHAFT.full_contact_length
         curve = em.friction(rubber, LINE, velocity=VELOCITY, load=load, model=em.Line(), rtol=1e-3, skip=False)
         known = em.stability(

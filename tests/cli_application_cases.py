@@ -85,7 +85,7 @@ thickness = "15 mm"
 load = "800 N"
 velocity = ["1 m/s", "2 m/s"]
 
-[warming]
+[heat_build_up]
 ambient = "0 degC"
 conductance = "20 W/K"
 hottest = "100 degC"
@@ -96,7 +96,7 @@ rtol = 1e-4
 
 BAD_WARMINGS = {
     "unknown key": (("ambient", "ambiant"), "Did you mean 'ambient'"),
-    "no conductance": (('conductance = "20 W/K"\n', ""), "[warming] conductance is missing"),
+    "no conductance": (('conductance = "20 W/K"\n', ""), "[heat_build_up] conductance is missing"),
     "conductance without a unit": (('"20 W/K"', "20"), "with its unit"),
     "a conductivity": (('"20 W/K"', '"20 W/(m*K)"'), "a thermal conductance"),
     "duration alone": (("hottest", 'duration = "1 h"\nhottest'), "belong together"),
@@ -105,7 +105,7 @@ BAD_WARMINGS = {
     "a depth": (('load = "800 N"', 'depth = "1 mm"'), "'depth'"),
     "too hot": (('"0 degC"', '"200 degC"'), "below hottest"),
     "a conveyor beside it": (
-        ("[warming]", '[conveyor]\nspacing = "1 m"\n[warming]'),
+        ("[heat_build_up]", '[conveyor]\nspacing = "1 m"\n[heat_build_up]'),
         "[conveyor] does not belong to a scene of this kind",
     ),
     "measured points": (('title = "Warms up"', 'measured = "a.csv"'), "measured belongs to elastomdr friction"),

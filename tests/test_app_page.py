@@ -111,7 +111,7 @@ def test_presets_are_the_defaults_of_the_calls(tmp_path):
     """A cover is bonded, as an `em.layer` is, on every screen that has one."""
 
     async def act(user, page, opened):
-        for kind in ("rolling", "warming", "conveyor"):
+        for kind in ("rolling", "heat_build_up", "conveyor"):
             await page.rolling._other_kind(SimpleNamespace(value=kind))
             bonded = page.rolling.form.widgets["[layer] bonded"]
             assert bonded.value is em.layer(em.load_material("epdm-70"), 6e-3).bonded is True

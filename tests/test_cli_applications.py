@@ -1,4 +1,4 @@
-"""The command line's tables of applications: [warming], [conveyor], traction, a rough line that slides."""
+"""The command line's tables of applications: [heat_build_up], [conveyor], traction, a rough line that slides."""
 
 import os
 import re
@@ -73,15 +73,15 @@ def test_impact(capsys):
 
 
 def test_warming(capsys):
-    table = written(capsys, "rolling", write(WARMING), "scene-warming", "Warms up")
-    warm = em.warming(tyre(), em.Cylinder(0.1, 0.05), velocity=[1.0, 2.0], load=800.0, ambient=273.15, conductance=20.0,
+    table = written(capsys, "rolling", write(WARMING), "scene-heat_build_up", "Warms up")
+    warm = em.heat_build_up(tyre(), em.Cylinder(0.1, 0.05), velocity=[1.0, 2.0], load=800.0, ambient=273.15, conductance=20.0,
                       hottest=373.15, rtol=1e-4)  # fmt: skip
     np.testing.assert_allclose(table["steady temperature [K]"], warm.steady, rtol=1e-12)
 
 
 def test_warming_over_time(capsys):
     text = 'capacity = "2 kJ/K"\nduration = "10 min"\npoints = 5\nhottest'
-    table = written(capsys, "rolling", write(WARMING, ("hottest", text)), "scene-warming", "Warms up")
+    table = written(capsys, "rolling", write(WARMING, ("hottest", text)), "scene-heat_build_up", "Warms up")
     np.testing.assert_allclose(table["time [s]"], np.tile(np.linspace(0, 600, 5), 2))
     cold = table["temperature [K]"].to_numpy().reshape(2, 5)
     np.testing.assert_allclose(cold[:, 0], 273.15, atol=1e-9)
@@ -168,7 +168,7 @@ def test_zero_where_nothing_is_something():
 
 CASES = {
     **{f"impact: {name}": ("impact", IMPACT, *case) for name, case in BAD_IMPACTS.items()},
-    **{f"warming: {name}": ("rolling", WARMING, *case) for name, case in BAD_WARMINGS.items()},
+    **{f"heat_build_up: {name}": ("rolling", WARMING, *case) for name, case in BAD_WARMINGS.items()},
     **{f"belt: {name}": ("rolling", BELT, *case) for name, case in BAD_BELTS.items()},
     **{f"traction: {name}": ("traction", WHEEL, *case) for name, case in BAD_WHEELS.items()},
     **{f"drive: {name}": ("slide", DRIVE, *case) for name, case in BAD_DRIVES.items()},

@@ -37,6 +37,6 @@ def test_warming_of_a_layer_is_where_the_power_of_rolling_meets_the_surroundings
     for body, load in ((ROLL, 300.0), (em.Sphere(0.02), 5.0)):
         layer = em.layer(rubber, 5e-3)
         at = {"velocity": 1.0, "load": load, "rtol": 1e-4}
-        warm = em.warming(layer, body, ambient=293.15, conductance=0.05, hottest=350.0, **at)
+        warm = em.heat_build_up(layer, body, ambient=293.15, conductance=0.05, hottest=350.0, **at)
         rolled = em.rolling(layer, body, temperature=warm.steady, **at)
         np.testing.assert_allclose(rolled.power, 0.05 * (warm.steady - 293.15), rtol=1e-3)

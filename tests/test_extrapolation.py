@@ -333,7 +333,7 @@ def _conveyor(material):
 
 def _warming(material):
     wheel = {"velocity": 1.0, "load": 100.0, "ambient": COLD, "conductance": [1.0, 2.0], "hottest": 320.0}
-    return em.warming(
+    return em.heat_build_up(
         em.springs(material, 1e-2, bonded=False), ROLLER, **wheel, capacity=1e3, time=[0.0, 100.0, 1e3], rtol=1e-4
     )
 
@@ -343,7 +343,7 @@ OUTSIDE = {
     "FrictionCurve": lambda m: em.friction(m, ROAD, velocity=[0.1, 1.0], pressure=3e5, temperature=COLD),
     "RollingCurve": lambda m: em.rolling(m, BALL, velocity=[0.1, 1.0], temperature=COLD, **SCENE),
     "Dissipation": lambda m: em.dissipation(m, BALL, velocity=[0.1, 1.0], temperature=COLD, **SCENE),
-    "FrictionBands": lambda m: em.friction_bands(m, WAVE, velocity=0.1, load=10.0, temperature=COLD),
+    "FrictionSpectrum": lambda m: em.friction_spectrum(m, WAVE, velocity=0.1, load=10.0, temperature=COLD),
     "LineContact": lambda m: em.line_contact(m, WAVE, velocity=0.1, load=10.0, temperature=COLD),
     "RoughContact": lambda m: em.press(m, ROAD, pressure=[1e4, 1e5], model=em.Line(seeds=2, samples=1024)),
     "Indentation": lambda m: em.indent(m, BALL, time=[0.0, 1.0], depth=[0.0, 1e-4], temperature=COLD),
@@ -360,8 +360,8 @@ OUTSIDE = {
         m, BALL, velocity=1.0, creepage=[1e-3, 1e-2], friction=0.5, load=1.0, temperature=COLD
     ),
     "Conveyor": _conveyor,
-    "Warming": _warming,
-    "SqueezedCord": lambda m: em.squeezed_cord(m, 5e-3, [0.1, 0.15], time=1e8),
+    "HeatBuildUp": _warming,
+    "ORing": lambda m: em.o_ring(m, 5e-3, [0.1, 0.15], time=1e8),
 }
 # And what does not look at it, and says so.
 BLIND = {
@@ -404,7 +404,7 @@ def test_every_result_says_where_it_is_extrapolated(name):
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("name", ["FrictionCurve", "Dissipation", "Conveyor", "Warming", "SqueezedCord"])
+@pytest.mark.parametrize("name", ["FrictionCurve", "Dissipation", "Conveyor", "HeatBuildUp", "ORing"])
 def test_a_result_without_a_range_says_that_nothing_is_marked(name):
     found = OUTSIDE[name](NO_RANGE)
     assert found.extrapolated is None
@@ -425,10 +425,10 @@ def test_what_looks_at_no_range_says_why(name):
 def test_a_cord_held_for_ten_years_is_beyond_data_of_minutes():
     rubber = em.load_material("epdm-70")
     with pytest.warns(em.ExtrapolationWarning, match="a_T/t"):
-        found = em.squeezed_cord(rubber, 5e-3, 0.15, time=[10.0, 3.156e8], temperature=293.15)
+        found = em.o_ring(rubber, 5e-3, 0.15, time=[10.0, 3.156e8], temperature=293.15)
     assert found.extrapolated.tolist() == [False, True]
     with pytest.warns(em.ExtrapolationWarning, match="held for ever"):
-        assert em.squeezed_cord(rubber, 5e-3, 0.15).extrapolated
+        assert em.o_ring(rubber, 5e-3, 0.15).extrapolated
 
 
 def test_warming_is_extrapolated_from_where_it_began_beyond_the_range():

@@ -57,7 +57,7 @@ def test_closed_formulas_and_the_laboratory_load_no_jax():
     assert (
         loaded(
             "em.stability(em.Mount(1.0, 1e3), velocity=[1.0, 2.0, 3.0], force=[1.0, 0.9, 0.8], wavelength=1e-3)\n"
-            f"em.squeezed_cord({MATERIAL}, 1e-2, 0.1)"
+            f"em.o_ring({MATERIAL}, 1e-2, 0.1)"
         )
         == set()
     )

@@ -332,7 +332,7 @@ def test_excel_holds_the_table_and_what_it_is(tmp_path, monkeypatch):
 
 def test_every_field_of_every_result_is_declared():
     """A number without a name and a unit would be in no table: fields are quantities, settings, or parts of these."""
-    for name in ("Impact", "Indentation", "Slide", "Traction", "LineContact", "Warming", "FrictionBands"):
+    for name in ("Impact", "Indentation", "Slide", "Traction", "LineContact", "HeatBuildUp", "FrictionSpectrum"):
         getattr(em, name)  # loads it
     seen, names = [Result], []
     while seen:
@@ -381,7 +381,7 @@ UNITS = {  # of each quantity, whatever the result
 }
 OTHERS = {
     "Shear.error": "N", "ForceSpectrum.error": "N",
-    "SqueezedCord.error": "N/m", "Warming.error": "K", "Warming.load": "N",
+    "ORing.error": "N/m", "HeatBuildUp.error": "K", "HeatBuildUp.load": "N",
     "RoughContact.conductance": "1/m",
     "LineContact.force": "N/m", "Conveyor.resistance": "N/m", "Conveyor.power": "W/m",
 }  # fmt: skip

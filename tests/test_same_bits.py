@@ -58,7 +58,7 @@ CALLS = {
     ),
     "traction": lambda: em.traction(RUBBER, BALL, velocity=1.0, creepage=[1e-3, 0.05], friction=0.8, load=5.0),
     "conveyor": lambda: em.conveyor(IDLERS, IDLERS, velocity=[2.0, 5.0], belt=20.0, goods=100.0),
-    "cord": lambda: em.squeezed_cord(RUBBER, 5e-3, 0.15, time=[1.0, 100.0]),
+    "cord": lambda: em.o_ring(RUBBER, 5e-3, 0.15, time=[1.0, 100.0]),
 }
 SLOW = {
     "friction, half-space": lambda: em.friction(SOLID, BALL, velocity=[0.1], load=1.0, model=em.HalfSpace(cells=32)),
@@ -67,7 +67,7 @@ SLOW = {
     "oblique": lambda: em.impact(
         SOLID, BALL, mass=1e-2, velocity=1.0, tangential_velocity=0.5, friction=0.5, rtol=1e-3
     ),
-    "bands": lambda: em.friction_bands(SOLID, WAVE, velocity=0.1, load=10.0),
+    "bands": lambda: em.friction_spectrum(SOLID, WAVE, velocity=0.1, load=10.0),
 }
 
 

@@ -21,7 +21,7 @@ CALLS = {
     "shear": lambda m: em.shear(m, BALL, time=TIME, load=1.0, displacement=1e-5 * TIME / 0.05, friction=0.5),
     "slide": lambda m: em.slide(m, BALL, time=TIME, load=1.0, position=0.02 * TIME, rtol=1e-2),
     "traction": lambda m: em.traction(m, BALL, velocity=1.0, creepage=[0.001, 0.1], friction=0.8, load=5.0),
-    "cord": lambda m: em.squeezed_cord(m, 3e-3, 0.1, time=[1.0, 100.0]),
+    "cord": lambda m: em.o_ring(m, 3e-3, 0.1, time=[1.0, 100.0]),
 }
 
 

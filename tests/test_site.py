@@ -116,4 +116,4 @@ def test_search_and_code(site, browser):
     assert browser.js(f"new Set({COLOURS}).size") > 4
     browser.js("document.querySelector('.md-search__input').focus()")
     browser.call("Input.insertText", text="squeezed cord")
-    browser.until("!!document.querySelector('.md-search-result__link[href*=squeezed_cord]')")
+    browser.until("!!document.querySelector('.md-search-result__link[href*=o_ring]')")

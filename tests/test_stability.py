@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.results.applications import unstable
+from elastomdr.belt.stability_result import unstable
 
 MOUNT = em.Mount(2.0, 8e4, 5.0)
 K, TAU, HIGH = 2e3 * np.pi, 2e-3, 31.4  # 1/m, s, N: one wave in full contact, F = HIGH x/(1 + x^2), x = K v TAU

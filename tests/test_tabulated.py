@@ -205,13 +205,15 @@ REFUSED = {
     "rough line": lambda m: em.friction(m, LINE, velocity=1.0, load=1.0),
     "plan": lambda m: em.plan(m, BALL, velocity=1.0, load=1.0),
     "rolling": lambda m: em.rolling(m, BALL, velocity=1.0, load=1.0),
-    "warming": lambda m: em.warming(m, em.Cylinder(0.1, 1.0), velocity=1.0, load=1.0, ambient=293.0, conductance=1.0),
+    "heat_build_up": lambda m: em.heat_build_up(
+        m, em.Cylinder(0.1, 1.0), velocity=1.0, load=1.0, ambient=293.0, conductance=1.0
+    ),
     "indent": lambda m: em.indent(m, BALL, time=[0.0, 1.0], depth=1e-4),
     "impact": lambda m: em.impact(m, BALL, mass=1e-3, velocity=1.0),
     "slide": lambda m: em.slide(m, BALL, time=[0.0, 1.0], position=[0.0, 1e-3], load=1.0),
     "shear": lambda m: em.shear(m, BALL, time=[0.0, 1.0], displacement=1e-4, depth=1e-4, friction=0.5),
     "traction": lambda m: em.traction(m, BALL, velocity=1.0, friction=0.5, depth=1e-4, creepage=0.01),
-    "squeezed_cord": lambda m: em.squeezed_cord(m, diameter=5e-3, squeeze=0.2),
+    "o_ring": lambda m: em.o_ring(m, diameter=5e-3, squeeze=0.2),
     "half-space": lambda m: em.reference.half_space_sliding(m, BALL, velocity=1.0, load=1.0),
     "card": em.fit.abaqus_card,
     "plain card": em.fit.plain_card,

@@ -87,7 +87,7 @@ VERBS = {
     "heat": lambda m, **t: em.friction(m, ROUGH, velocity=5.0, pressure=3e5, heat=em.Heat(0.2, 2e5), model=LINE, **t),
     "line": lambda m, **t: em.friction(m, ROUGH, velocity=0.1, pressure=3e5, model=LINE, rtol=1e-4, **t),
     "line, depth": lambda m, **t: em.friction(m, ROUGH, velocity=0.1, depth=1e-3, model=LINE, rtol=1e-4, **t),
-    "bands": lambda m, **t: em.friction_bands(m, ROUGH, velocity=0.1, pressure=3e5, model=LINE, **t),
+    "bands": lambda m, **t: em.friction_spectrum(m, ROUGH, velocity=0.1, pressure=3e5, model=LINE, **t),
     "line_contact": lambda m, **t: em.line_contact(m, ROUGH, velocity=0.1, pressure=3e5, model=LINE, rtol=1e-4, **t),
     "indent": lambda m, **t: em.indent(m, BALL, time=TIME, load=np.minimum(TIME * 200, 2.0), **t),
     "adhesion": lambda m, **t: em.indent(m, BALL, time=TIME, load=2.0 - TIME * 50, adhesion=0.1, **t),
@@ -97,7 +97,7 @@ VERBS = {
     "persson": lambda m, **t: em.reference.persson(m, ROUGH, pressure=3e5, velocity=0.1, **t),
     "half-space": lambda m, **t: em.reference.half_space_sliding(m, BALL, velocity=1e-4, load=0.5, points=32, **t),
     "half-plane": lambda m, **t: PLANE(m, 0.01, velocity=9.0, load_per_length=9, **GRID, **t),
-    "cord": lambda m, **t: em.squeezed_cord(m, diameter=0.005, squeeze=0.15, time=1e-4, **t),
+    "cord": lambda m, **t: em.o_ring(m, diameter=0.005, squeeze=0.15, time=1e-4, **t),
 }  # fmt: skip
 SETTINGS = {"temperature", "inputs", "plan", "surface", "extrapolated", "model", "origins"}
 
@@ -141,7 +141,7 @@ def test_drive_and_warming():
     found = em.drive(RUBBER, BALL, tangential=mount, temperature=WARM, **arguments)
     exact = em.drive(RUBBER.at(WARM), BALL, tangential=mount, **arguments)
     np.testing.assert_allclose(found.friction_force, exact.friction_force, rtol=1e-2, atol=1e-4)
-    warm = em.warming(RUBBER, BALL, velocity=0.5, load=2.0, ambient=293.15, conductance=1e-3, hottest=330.0)
+    warm = em.heat_build_up(RUBBER, BALL, velocity=0.5, load=2.0, ambient=293.15, conductance=1e-3, hottest=330.0)
     at = em.rolling(RUBBER.at(float(warm.steady)), BALL, velocity=0.5, load=2.0)
     np.testing.assert_allclose(warm.power, at.power, rtol=1e-5)
     assert float(warm.steady) > 294

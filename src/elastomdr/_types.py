@@ -3,24 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     import jax
     import numpy as np
-
-    from .element.law import Foundation, TabulatedFoundation
-    from .element.layer import Layer
-    from .material.prony import Prony
-    from .material.shift import AbstractShift
-    from .material.softening import Softening
-    from .material.tabulated import TabulatedModulus
-    from .material.validity import Range
-    from .material.vertical import AbstractVertical
-    from .models import Model
-    from .surface.rough_line import RoughLine
-    from .surface.shapes import AbstractShape
-    from .surface.spectrum import AbstractSpectrum
 
 
 class HasArray(Protocol):
@@ -43,15 +30,7 @@ Number: TypeAlias = "Plain | HasUnit"
 ArrayLike: TypeAlias = "Number | HasArray | Sequence[Number] | Sequence[Sequence[Number]] | Sequence[HasArray]"
 
 Kind: TypeAlias = Literal["shear", "tensile"]
-Solid: TypeAlias = "Prony | TabulatedModulus"  # of which a file or the library may hold either
-Material: TypeAlias = "Prony | TabulatedModulus | Foundation | TabulatedFoundation | Layer"
-Materials: TypeAlias = "Material | Sequence[Material]"  # one, or several along the first axis of the result
-RangeLike: TypeAlias = "Range | dict[str, tuple[float, float]] | dict[str, list[float]]"
 
-Indenter: TypeAlias = "AbstractShape"  # a smooth body
-Surface: TypeAlias = "RoughLine | AbstractSpectrum"  # a rough one
-ModelName: TypeAlias = Literal["averaged", "line", "multiscale", "persson", "half-space"]
-ModelLike: TypeAlias = "Model | ModelName"
 
 Convention: TypeAlias = Literal["2d", "2d/4pi^2", "1d", "1d one-sided", "1d/2pi", "1d one-sided/2pi"]
 Motion: TypeAlias = Literal["friction", "rolling"]
@@ -73,23 +52,3 @@ class Store(Protocol):
 
     def get(self, key: str, /) -> np.ndarray | None: ...
     def put(self, key: str, arrays: np.ndarray, /) -> None: ...
-
-
-class Properties(TypedDict, total=False):
-    """The keyword arguments of `em.Prony` that are no moduli."""
-
-    kind: Kind
-    poisson: Number | None
-    bulk: Number | None
-    shift: AbstractShift | None
-    vertical: AbstractVertical | None
-    softening: Softening | None
-    name: str
-    citation: str
-    range: RangeLike | None
-
-
-class DashpotProperties(Properties, total=False):
-    """With a parallel dashpot."""
-
-    viscosity: Number

@@ -32,7 +32,7 @@ _TABLES = {
     "compare": SurfaceComparison,
     "traction": WheelTraction,
 }
-_LABELS = {"rolling": "Rolling resistance", "warming": "Temperature of a wheel", "conveyor": "Power of a belt conveyor",
+_LABELS = {"rolling": "Rolling resistance", "heat_build_up": "Temperature of a wheel", "conveyor": "Power of a belt conveyor",
            "traction": "Slip curve of a tyre (.tir)"}  # fmt: skip
 _ABOUT = {
     "traction": f'Friction "{COMPUTED}" is that of this rubber on the road of the friction screen, with its heat and '
@@ -284,13 +284,13 @@ def _example(key: str, rubber: Any) -> dict[str, Any]:
                 "slip": {"from": 0.001, "to": 0.9, "points": 40},
             },
         }
-    if key == "warming":
+    if key == "heat_build_up":
         return {
             "material": material,
             "indenter": {"shape": "cylinder", "radius": "100 mm", "length": "50 mm"},
             "layer": {"thickness": "15 mm"},
             "contact": {"load": "800 N", "velocity": ["1 m/s", "2 m/s", "4 m/s"]},
-            "warming": {"ambient": "-10 degC", "conductance": "1.2 W/K"},
+            "heat_build_up": {"ambient": "-10 degC", "conductance": "1.2 W/K"},
         }
     return {
         "material": rubber if fitted else "epdm-70",

@@ -31,16 +31,17 @@ from ..checks import (
 from ..element.law import Foundation
 from ..element.layer import Layer
 from ..errors import InputError
-from ..results.applications import Conveyor
 from ..results.words import brief, describe
 from ..surface.shapes import Cylinder
 from ..trees import Tree, fill, static
 from ..verbs.rolling import rolling
+from .conveyor_result import Conveyor
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-    from .._types import ArrayLike, ModelLike, Number
+    from .._types import ArrayLike, Number
+    from ..call.types import ModelLike
 
 _WHOLE = 1e-6  # by which the shares of the load may miss one
 

@@ -33,12 +33,13 @@ from ..checks import (
 from ..element.law import as_foundation
 from ..element.layer import Layer
 from ..errors import ConvergenceWarning, InputError
-from ..results.applications import Warming
 from ..results.words import brief
 from ..verbs.rolling import rolling
+from .heat_build_up_result import HeatBuildUp
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, ModelLike
+    from .._types import ArrayLike
+    from ..call.types import Indenter, Materials, ModelLike
 
 _SCAN = 257  # temperatures at which the steady state is looked for: two that lie between the same ones are missed
 _NEAR = 5  # temperatures between the two on either side of it
@@ -51,7 +52,7 @@ _REACHED = 10  # times rtol of the rise, the error up to which a temperature is 
 
 @over_materials
 @numpy_unless_traced
-def warming(
+def heat_build_up(
     material: Materials,
     shape: Indenter,
     *,
@@ -64,7 +65,7 @@ def warming(
     hottest: float | None = None,
     model: ModelLike | None = None,
     rtol: float = 1e-6,
-) -> Warming:
+) -> HeatBuildUp:
     """Steady temperature of a rolling body that its own resistance heats, and the way to it from `ambient`.
 
     Args:
@@ -81,7 +82,7 @@ def warming(
         rtol: as for `rolling`.
 
     Returns:
-        An `em.Warming`; `error` is that of the temperature [K]. A point that has no steady state below `hottest` is NaN
+        An `em.HeatBuildUp`; `error` is that of the temperature [K]. A point that has no steady state below `hottest` is NaN
         with `converged=False`.
 
     Raises:
@@ -173,7 +174,7 @@ def warming(
     inputs[-1:-1] = [("ambient", brief(arrays["ambient"], "K")), ("conductance", brief(arrays["conductance"], "W/K"))]
     if capacity is not None:
         inputs.insert(-1, ("heat capacity", brief(arrays["capacity"], "J/K")))
-    return Warming(
+    return HeatBuildUp(
         **now, **fields, converged=good, coefficient=now["power"] / (fields["velocity"] * fields["load"]),
         extrapolated=_since_the_start(beyond.extrapolated, capacity is not None),
         model=at.model, plan=at.plan, inputs=tuple(inputs),

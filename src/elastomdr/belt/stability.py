@@ -17,9 +17,9 @@ import numpy as np
 from ..arrays import fixed, is_traced, numpy_unless_traced, xp
 from ..checks import as_float64, ascending, not_negative, positive, scalar
 from ..errors import InputError
-from ..results.applications import Stability
 from ..results.words import brief
 from ..transient.mount import Mount
+from .stability_result import Stability
 
 if TYPE_CHECKING:
     from .._types import ArrayLike, Number

@@ -11,7 +11,6 @@ from ..checks import as_float64, broadcast_shape, is_traced, only_one, positive
 from ..errors import InputError
 from ..material.vertical import thermal_factors
 from ..results.words import brief
-from ..rough.heat import Heat
 
 _FASTEST = 1e60  # velocities times a_T beyond which a shift law means nothing, and numbers overflow
 _UNITS = {"depth": "m", "pressure": "Pa"}
@@ -91,23 +90,6 @@ def check_carries(foundation: Any) -> None:
             "material must have an equilibrium modulus under a rough surface, got 0: a liquid carries no steady load "
             "on a surface without end, since every element sinks until the mean force is gone."
         )
-
-
-def check_heat(heat: Any, temperature: Any, traced: bool, by_scale: bool = False) -> None:
-    """Raises `InputError` unless flash temperature can be found, by scale or one for all, or is not asked for."""
-    if heat is None:
-        return
-    if traced and not by_scale:
-        raise InputError(
-            "heat must be left out under jax.grad, jit and vmap with em.Line() and em.HalfSpace(), whose flash "
-            "temperature is not differentiable; with em.Multiscale() and em.Persson() it is."
-        )
-    if not isinstance(heat, Heat):
-        raise InputError(f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}.")
-    if heat.road is not None and not by_scale:
-        raise InputError("heat: road needs em.Multiscale() or em.Persson(); other models heat the rubber alone.")
-    if temperature is None:
-        raise InputError("heat needs a temperature [K], that of the rubber without the flash, and so a shift law.")
 
 
 def _check_shift(kelvin: Any, velocity: Any, factor: Any) -> None:

@@ -14,7 +14,7 @@ from . import BAD_INPUT, DONE, INTERRUPTED
 _LONGEST = 1000  # characters of a message
 _SCENES = {
     "friction": "friction against velocity",
-    "rolling": "rolling resistance against velocity; with [warming] temperature, with [conveyor] power of a belt",
+    "rolling": "rolling resistance against velocity; with [heat_build_up] temperature, with [conveyor] power of a belt",
     "indent": "indentation under a history of depth or load",
     "impact": "impact and rebound",
     "slide": "sliding through stages of rest, speed and load; with [drive] through a spring: stick-slip",

@@ -147,7 +147,7 @@ class WarmingContact(Contact):
     load: Annotated[Several[Force], "normal force"]
 
 
-class Warming(Table):
+class HeatBuildUp(Table):
     """A rolling body that its own resistance heats."""
 
     ambient: Annotated[Several[Temperature], "temperature of the surroundings"]
@@ -165,20 +165,20 @@ class Warming(Table):
 class WarmingScene(OfBodies):
     """Temperature of a rolling body."""
 
-    mark: ClassVar[str] = "warming"
-    call: ClassVar[str] = "warming"
+    mark: ClassVar[str] = "heat_build_up"
+    call: ClassVar[str] = "heat_build_up"
     temperature: Annotated[None, "the body finds its own"] = None
     indenter: Annotated[AnyShape, "the rigid body"]
     contact: Annotated[WarmingContact, "how it is pressed on and moved"]
-    warming: Annotated[Warming, "what heats and cools it"]
+    heat_build_up: Annotated[HeatBuildUp, "what heats and cools it"]
 
     def arguments(self, folder: Path) -> dict[str, Any]:
         import numpy as np
 
         found = {"shape": body(self.indenter, folder)} | self.common(folder) | self.contact.arguments()
-        found |= given(self.warming, "ambient", "conductance", "capacity", "hottest")
-        if self.warming.duration is not None:
-            found["time"] = np.linspace(0, self.warming.duration, self.warming.points)
+        found |= given(self.heat_build_up, "ambient", "conductance", "capacity", "hottest")
+        if self.heat_build_up.duration is not None:
+            found["time"] = np.linspace(0, self.heat_build_up.duration, self.heat_build_up.points)
         return on_axes(found)
 
 

@@ -14,7 +14,7 @@ from ..material.relaxation import AbstractRelaxation, Relaxation, checked, scale
 from ..material.shift import AbstractShift
 from ..material.softening import Softening, as_softening, same_softening
 from ..material.tabulated import AbstractTable, TabulatedModulus, described, needs_series
-from ..material.validity import Range, as_range, shared
+from ..material.validity import Range, RangeLike, as_range, shared
 from ..material.vertical import AbstractVertical, check_vertical, same_thermal
 from ..trees import Tree, fill, replaced, static
 from .radok import layer_operator, normal_operator, tangential_operator
@@ -22,7 +22,7 @@ from .radok import layer_operator, normal_operator, tangential_operator
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-    from .._types import ArrayLike, Number, RangeLike, Solid
+    from .._types import ArrayLike, Number
 
 
 class Slab(Tree):
@@ -167,7 +167,9 @@ def half_space(
 
 
 @numpy_unless_traced
-def springs(material: Solid, thickness: Number, *, bonded: bool = True, tangential: bool = False) -> Foundation:
+def springs(
+    material: Prony | TabulatedModulus, thickness: Number, *, bonded: bool = True, tangential: bool = False
+) -> Foundation:
     """Independent springs in place of a layer on a rigid base, stiffness per area [Pa/m]; `thickness` in m.
 
     The textbook's; `em.layer` is the layer itself. Springs hold where the contact is much wider than the layer is

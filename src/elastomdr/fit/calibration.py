@@ -35,7 +35,8 @@ from .parameters import MEANINGS, Change, applied, check
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
-    from .._types import ArrayLike, Indenter, Motion, Surface
+    from .._types import ArrayLike, Motion
+    from ..call.types import Indenter, Surface
 
 _WIDTH = 1.0  # standard deviation of the prior of a parameter, about its start, where none is given
 _UNLEARNED = 0.7  # posterior over prior standard deviation above which the data determine little

@@ -4,7 +4,7 @@ law.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
 import numpy as np
 
@@ -34,13 +34,33 @@ from .relaxation import (
 )
 from .shift import AbstractShift
 from .softening import Softening, as_softening
-from .validity import Range, as_range
+from .validity import Range, RangeLike, as_range
 from .vertical import AbstractVertical, check_vertical, thermal_factors
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-    from .._types import ArrayLike, DashpotProperties, Kind, Number, Properties, RangeLike
+    from .._types import ArrayLike, Kind, Number
+
+
+class Properties(TypedDict, total=False):
+    """The keyword arguments of `em.Prony` that are no moduli."""
+
+    kind: Kind
+    poisson: Number | None
+    bulk: Number | None
+    shift: AbstractShift | None
+    vertical: AbstractVertical | None
+    softening: Softening | None
+    name: str
+    citation: str
+    range: RangeLike | None
+
+
+class DashpotProperties(Properties, total=False):
+    """With a parallel dashpot."""
+
+    viscosity: Number
 
 
 class Prony(AbstractRelaxation):

@@ -36,13 +36,13 @@ from ..errors import InputError
 from ..trees import Tree, fill, replaced, static
 from .shift import AbstractShift
 from .softening import Softening, as_softening
-from .validity import Range, as_range
+from .validity import Range, RangeLike, as_range
 from .vertical import AbstractVertical, check_vertical, thermal_factors
 
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-    from .._types import ArrayLike, ComplexArray, Kind, Number, RangeLike
+    from .._types import ArrayLike, ComplexArray, Kind, Number
 
 _STORAGE, _LOSS = (0.0, 2.0), (-1.0, 1.0)  # least and largest slope in logarithms
 _BENDS = 0.5  # times h: how far a slope may be from that of the straight line across a neighbouring interval

@@ -5,7 +5,7 @@ misfit to them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -91,6 +91,10 @@ class Range(NamedTuple):
         """
         pairs = {"omega": self.omega, "temperature": self.temperature}
         return {key: [float(x) for x in pair] for key, pair in pairs.items() if pair is not None}
+
+
+# What a caller may give for a range.
+RangeLike: TypeAlias = "Range | dict[str, tuple[float, float]] | dict[str, list[float]]"
 
 
 def as_range(value: Any, illustrative: bool = False) -> Range | None:

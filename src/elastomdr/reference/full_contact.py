@@ -23,7 +23,8 @@ from ..surface.rough_line import RoughLine
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-    from .._types import ArrayLike, Material
+    from .._types import ArrayLike
+    from ..call.types import Material
 
 
 @in_float64

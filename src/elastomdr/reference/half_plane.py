@@ -22,7 +22,8 @@ from .points import NOT_COMPARED, broadcast
 if TYPE_CHECKING:
     from jaxtyping import Float
 
-    from .._types import ArrayLike, Material, Number
+    from .._types import ArrayLike, Number
+    from ..call.types import Material
 
 MODEL = "half-plane (plane strain), cells of constant pressure (no reduction)"
 _WINDOWS = 8  # windows tried until the contact lies well inside

@@ -28,7 +28,8 @@ from .points import NOT_COMPARED, Points, broadcast
 if TYPE_CHECKING:
     from jaxtyping import Bool, Float
 
-    from .._types import ArrayLike, Indenter, Material
+    from .._types import ArrayLike
+    from ..call.types import Indenter, Material
 
 MODEL = "half-space in three dimensions, cells of constant pressure (no reduction)"
 _WINDOWS = 8  # windows tried until the contact lies well inside

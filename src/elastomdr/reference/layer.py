@@ -24,7 +24,8 @@ from ..trees import Tree, static
 from .half_space import slide
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter
+    from .._types import ArrayLike
+    from ..call.types import Indenter
     from ..results.curve import FrictionCurve
 
 MODEL = "layer in three dimensions, cells of constant pressure (no reduction)"

@@ -29,7 +29,8 @@ from ..surface.spectrum import as_spectrum
 from .points import NOT_COMPARED
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Material, Number
+    from .._types import ArrayLike, Number
+    from ..call.types import Material
     from ..surface.spectrum import AbstractSpectrum
 
 _ANGLES = 48  # nodes of the midpoint rule in log tan(phi/2), which converges exponentially

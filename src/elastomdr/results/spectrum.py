@@ -1,4 +1,4 @@
-"""Friction and loss divided over the spectrum: what `em.friction_bands` and `em.dissipation` return."""
+"""Friction and loss divided over the spectrum: what `em.friction_spectrum` and `em.dissipation` return."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @record
-class FrictionBands(Result):
+class FrictionSpectrum(Result):
     """Friction of a rough surface by the frequency at which it strains the rubber.
 
     The last axis runs over bands of frequency, even in its logarithm, those before it are the points of the call. The

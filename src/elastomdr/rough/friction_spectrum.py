@@ -13,7 +13,7 @@ from ..call.several_materials import over_materials
 from ..checks import in_float64, is_traced
 from ..element.law import as_foundation
 from ..errors import ConvergenceWarning, InputError
-from ..results.spectrum import FrictionBands
+from ..results.spectrum import FrictionSpectrum
 from ..smooth.problem import AVERAGED, BARE
 from ..surface.direction import directions
 from ..surface.rough_line import RoughLine
@@ -23,7 +23,8 @@ from .line import ensemble_words, surface_words
 from .line_problem import set_up
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Materials, Surface
+    from .._types import ArrayLike
+    from ..call.types import Materials, Surface
     from ..models import Line
 
 _DIRECTIONS = 1e-2  # relative error of the direction average: bands are for figures
@@ -33,7 +34,7 @@ _CLOSED = 3e-2  # relative distance of the sum of the bands from friction, to wh
 
 @over_materials
 @in_float64
-def friction_bands(
+def friction_spectrum(
     material: Materials,
     surface: Surface,
     *,
@@ -44,7 +45,7 @@ def friction_bands(
     model: Line | Literal["line"] | None = None,
     rtol: float = 1e-4,
     per_decade: int = 4,
-) -> FrictionBands:
+) -> FrictionSpectrum:
     """Splits the friction of a rough line or surface by the frequency at which the rubber is strained.
 
         mu = sum_k 2 k |u_k|^2 E''(k v) / q_mean
@@ -65,7 +66,7 @@ def friction_bands(
         per_decade: bands in each decade of frequency.
 
     Returns:
-        An `em.FrictionBands` with one more axis, the bands. They sum to the friction of the line, to which they are
+        An `em.FrictionSpectrum` with one more axis, the bands. They sum to the friction of the line, to which they are
         scaled: from within 1e-2, which `error` holds, or the point is NaN; one `ConvergenceWarning` counts such points.
 
     Raises:
@@ -77,13 +78,13 @@ def friction_bands(
     if not is_rough(surface):
         raise InputError(f"surface must be an em.RoughLine, or a surface such as em.SelfAffine, got {surface!r}.")
     if is_traced(foundation, surface, velocity, load, pressure, temperature):
-        raise InputError("friction_bands must be called outside jax.grad, jit and vmap: it is not differentiable.")
+        raise InputError("friction_spectrum must be called outside jax.grad, jit and vmap: it is not differentiable.")
     law = foundation.law()
     if not np.any(law.moduli) and not float(law.viscosity):
         raise InputError("material must have a relaxation time or a dashpot: an elastic one dissipates nothing.")
     if isinstance(per_decade, bool) or not isinstance(per_decade, (int, np.integer)) or not 1 <= per_decade <= 20:
         raise InputError(f"per_decade must be a whole number from 1 to 20, got {per_decade!r}.")
-    model = of_line(model, "friction_bands")
+    model = of_line(model, "friction_spectrum")
     scene = set_up(
         foundation, surface, velocity=velocity, load=load, depth=None, pressure=pressure, temperature=temperature,
         model=model, rtol=rtol,
@@ -124,7 +125,7 @@ def friction_bands(
     known, kelvin = foundation.range, at.full(at.kelvin)
     outside = excited_outside(known, surface, at.reduced.reshape(shape))
     beyond = rough_beyond(known, outside, kelvin, shape, stacklevel=4)
-    return FrictionBands(
+    return FrictionSpectrum(
         velocity=banded(v),
         omega=np.multiply.outer(v, middle).reshape(*shape, -1),
         wave_number=banded(np.multiply.outer(np.ones(v.size), middle)),

@@ -167,6 +167,23 @@ def _arrays(**values: Any) -> list[np.ndarray]:
     return list(np.broadcast_arrays(*(as_float64(name, value) for name, value in values.items())))
 
 
+def check_heat(heat: Any, temperature: Any, traced: bool, by_scale: bool = False) -> None:
+    """Raises `InputError` unless flash temperature can be found, by scale or one for all, or is not asked for."""
+    if heat is None:
+        return
+    if traced and not by_scale:
+        raise InputError(
+            "heat must be left out under jax.grad, jit and vmap with em.Line() and em.HalfSpace(), whose flash "
+            "temperature is not differentiable; with em.Multiscale() and em.Persson() it is."
+        )
+    if not isinstance(heat, Heat):
+        raise InputError(f"heat must be an em.Heat(conductivity, heat_capacity), got {heat!r}.")
+    if heat.road is not None and not by_scale:
+        raise InputError("heat: road needs em.Multiscale() or em.Persson(); other models heat the rubber alone.")
+    if temperature is None:
+        raise InputError("heat needs a temperature [K], that of the rubber without the flash, and so a shift law.")
+
+
 class Scales(NamedTuple):
     """Where on the scale of lengths a surface is in contact and loses energy, for n reduced velocities."""
 

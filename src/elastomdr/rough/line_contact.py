@@ -22,7 +22,8 @@ from .line_problem import set_up
 from .periodic_field import field
 
 if TYPE_CHECKING:
-    from .._types import Material, Number, Surface
+    from .._types import Number
+    from ..call.types import Material, Surface
     from ..models import Line
 
 

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..call.problem import Scene, check_heat, rough_scene
+from ..call.problem import Scene, rough_scene
 from ..checks import is_traced, positive, scalar
 from ..element.law import Foundation, as_foundation
 from ..errors import InputError
@@ -13,6 +13,7 @@ from ..results.words import brief
 from ..surface.rough_line import RoughLine
 from ..surface.synthesis import MOST
 from .ensemble import ensemble
+from .heat import check_heat
 from .line_bound import FULL
 
 _LIGHT = 0.03  # p/(E*(0) rms slope) up to which the book's rule is one of light contact (docs/rough.md)

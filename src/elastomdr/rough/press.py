@@ -33,7 +33,8 @@ from .bearing import bearing, highest, least_conductance, pressed
 from .press_result import RoughContact
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Material, Surface
+    from .._types import ArrayLike
+    from ..call.types import Material, Surface
 
 _USUAL = Line(seeds=8, periods=16)
 _FINE = 16  # samples of the shortest wave, where none are given

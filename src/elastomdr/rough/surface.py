@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..call.extrapolation import NOT_KNOWN, Beyond, excited_outside, rough_beyond, told
-from ..call.problem import Scene, check_heat, rough_scene
+from ..call.problem import Scene, rough_scene
 from ..checks import is_traced, nan_unless, require, scalar
 from ..element.law import surface_foundation
 from ..errors import ConvergenceWarning, InputError, ModelWarning
@@ -22,7 +22,7 @@ from ..surface.spectrum import AbstractSpectrum
 from . import multiscale
 from .adhesion import sheared
 from .adhesive_shear import AdhesiveShear, check_adhesion
-from .heat import Heat
+from .heat import Heat, check_heat
 from .local_modulus import Local, Softened
 from .mean import Mean
 

@@ -31,11 +31,12 @@ from ..material.prony import Prony
 from ..material.relaxation import Relaxation
 from ..material.tabulated import needs_series
 from ..material.vertical import thermal_factors
-from ..results.applications import SqueezedCord
 from ..results.words import brief
+from .o_ring_result import ORing
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Solid
+    from .._types import ArrayLike
+    from ..call.types import Solid
 
 _MOST = 0.25  # squeeze up to which the formula holds
 _STEPS = 8  # of Newton's method: u - ln u is nearly straight, and convex
@@ -49,7 +50,7 @@ MODELS = {
 
 @over_materials
 @numpy_unless_traced
-def squeezed_cord(
+def o_ring(
     material: Solid | Sequence[Solid],
     diameter: ArrayLike,
     squeeze: ArrayLike,
@@ -57,7 +58,7 @@ def squeezed_cord(
     time: ArrayLike | None = None,
     temperature: ArrayLike | None = None,
     formula: Literal["lindley", "hertz"] = "lindley",
-) -> SqueezedCord:
+) -> ORing:
     """Line load, contact width and mean pressure of a cord (an O-ring) squeezed between flat walls, free to bulge.
 
         W = E d (1.25 C^1.5 + 50 C^6),   2a = sqrt(8 W d/(pi E*)),   p = W/2a,   E = 2 G(t) (1 + nu)
@@ -74,7 +75,7 @@ def squeezed_cord(
             16 % higher at C = 0.2.
 
     Returns:
-        An `em.SqueezedCord` of the broadcast shape.
+        An `em.ORing` of the broadcast shape.
 
     Raises:
         InputError: for a foundation, a squeeze above 0.25, and an unknown formula.
@@ -125,7 +126,7 @@ def squeezed_cord(
         factor = 1.0 if temperature is None else thermal_factors(material, temperature)[0]
         beyond = held_beyond(material.range, time, temperature, np.broadcast_to(factor, shape), stacklevel=4)
     whole: dict[str, Any] = {name: None if x is None else xp.broadcast_to(x, shape) for name, x in fields.items()}
-    return SqueezedCord(
+    return ORing(
         **whole, extrapolated=beyond.points, model=MODELS[formula], plan="closed form",
         inputs=(*inputs, *beyond.said),
     )  # fmt: skip

@@ -21,7 +21,8 @@ from .passage import Losses, solve_losses
 from .problem import SmoothScene, set_up, solve
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, ModelLike
+    from .._types import ArrayLike
+    from ..call.types import Indenter, Materials, ModelLike
 
 _BATCH = 4096  # passages at once
 _LAYER_SHARE = 1e-3  # of the work that the branches may miss on a layer

@@ -28,7 +28,8 @@ from .problem import LINE, GivenHistory, SlidePlan, describe_line, given_history
 from .refinement import Levels, at_level, finest, refine
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Materials, Number
+    from .._types import ArrayLike, Number
+    from ..call.types import Materials
 
 _ACROSS = 24  # elements over the contact on the coarsest level
 _FINEST = 4  # levels beyond the coarsest, unless they are short

@@ -35,7 +35,8 @@ from .oblique_impact import check_oblique, solve_oblique
 from .on_layer import incompressible_enough, of_layer
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials
+    from .._types import ArrayLike
+    from ..call.types import Indenter, Materials
 
 _WIDTHS = (1, 3, 7, 11, 15, 23, 31, 47, 63)  # numbers of branches that are filled up to, so that few are compiled
 _PASSAGE = 4.0  # frequency times duration of the passage that `material/validity.py` speaks of

@@ -39,7 +39,8 @@ from .on_layer import incompressible_enough, of_layer
 from .surface_fields import Elements
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, Number
+    from .._types import ArrayLike, Number
+    from ..call.types import Indenter, Materials
 
 _SHOWN = 0.1  # relative error from which a number is not handed out under a transformation either
 HALF_SPACE = "MDR line (exact for the half-space: normal contact, small slopes, no friction)"

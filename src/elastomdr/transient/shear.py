@@ -38,7 +38,8 @@ from .shear_motion import History, Scene, Sheared, line, panels, shear_history
 from .tangential_law import both_laws
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials
+    from .._types import ArrayLike
+    from ..call.types import Indenter, Materials
 
 HALF_SPACE = "MDR with Coulomb friction, element by element (Cattaneo-Mindlin)"
 LAYER = "independent springs with Coulomb friction"

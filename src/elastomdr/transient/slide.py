@@ -29,7 +29,8 @@ from .slide_march import Forces, march, padded
 from .timeline import cut, timeline
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, Number
+    from .._types import ArrayLike, Number
+    from ..call.types import Indenter, Materials
 
 _ACROSS = 40  # elements over the contact on the coarsest level
 _ROOM = 5e6  # elements times steps times branches marched sooner than another program is compiled

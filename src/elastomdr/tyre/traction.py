@@ -42,7 +42,8 @@ from .brush_layer import pull, shear_compliance, typical_wave
 from .traction_result import Traction
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, ModelLike
+    from .._types import ArrayLike
+    from ..call.types import Indenter, Materials, ModelLike
 
 _ROUNDING = 1e-14  # error of the traction over (1 + mu) F_N that no computation is without
 _STEPS = (1024, 8192, 65536)  # of the march, where elements stick again after they have slipped

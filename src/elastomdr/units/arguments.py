@@ -111,7 +111,7 @@ _ELSEWHERE: dict[str, Any] = {  # where an argument has another unit than of tha
     "TabulatedModulus.interpolation_error high": "rad/s",
     "Softening.__init__ storage": "",
     "Softening.__init__ loss": "",
-    "friction_bands load": "N/m",
+    "friction_spectrum load": "N/m",
     "full_contact_sliding load": "N/m",
     "line_contact load": "N/m",
     "calibrate parameters": "",  # logarithms and exponents, whatever their names are elsewhere

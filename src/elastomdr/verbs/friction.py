@@ -23,7 +23,8 @@ from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, ModelLike, Number, Store, Surface
+    from .._types import ArrayLike, Number, Store
+    from ..call.types import Indenter, Materials, ModelLike, Surface
 
 P = ParamSpec("P")
 

@@ -19,8 +19,9 @@ from ..surface.shapes import AbstractShape
 from ..surface.spectrum import AbstractSpectrum
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, ModelLike, Motion, Surface
+    from .._types import ArrayLike, Motion
     from ..call.several_materials import Plans
+    from ..call.types import Indenter, Materials, ModelLike, Surface
     from ..rough.periodic_plan import RoughPlan
     from ..rough.surface import SurfacePlan
 

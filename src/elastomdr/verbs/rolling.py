@@ -16,7 +16,8 @@ from ..smooth.softening import SOFTENED
 from ..surface.shapes import AbstractShape
 
 if TYPE_CHECKING:
-    from .._types import ArrayLike, Indenter, Materials, ModelLike
+    from .._types import ArrayLike
+    from ..call.types import Indenter, Materials, ModelLike
 
 P = ParamSpec("P")
 

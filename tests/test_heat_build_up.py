@@ -1,4 +1,4 @@
-"""`em.warming` against Lambert's function, scipy's integrator, the balance of power, and its refusals."""
+"""`em.heat_build_up` against Lambert's function, scipy's integrator, the balance of power, and its refusals."""
 
 import dataclasses
 
@@ -25,7 +25,7 @@ def power():
 def test_steady_state(power):
     """beta dT exp(beta dT) = beta P_0/H."""
     conductance = power[1] / 50
-    warm = em.warming(RUBBER, WHEEL, conductance=conductance, **SCENE)
+    warm = em.heat_build_up(RUBBER, WHEEL, conductance=conductance, **SCENE)
     rise = warm.steady - COLD
     expected = lambertw(BETA * power / conductance).real / BETA
     np.testing.assert_allclose(rise, expected, rtol=3e-6)
@@ -42,7 +42,7 @@ def test_steady_state(power):
 def test_history(power):
     conductance = power[1] / 50
     time = HEAT / conductance * np.array([0.0, 0.02, 0.1, 0.3, 1.0, 10.0])
-    warm = em.warming(RUBBER, WHEEL, conductance=conductance, capacity=HEAT, time=time, **SCENE)
+    warm = em.heat_build_up(RUBBER, WHEEL, conductance=conductance, capacity=HEAT, time=time, **SCENE)
     for i, first in enumerate(power):
         way = solve_ivp(
             lambda _, rise, p=first: (p * np.exp(-BETA * rise) - conductance * rise) / HEAT,
@@ -61,7 +61,7 @@ def test_axes_in_any_order(power):
     """Velocity first, load last: curves over velocity, and an axis of the Dataset for each of the two."""
     load = np.array([400.0, 800.0, 1200.0])
     scene = SCENE | {"velocity": SCENE["velocity"][:, None], "load": load}
-    found = em.warming(RUBBER, WHEEL, conductance=power[1] / 50, **scene)
+    found = em.heat_build_up(RUBBER, WHEEL, conductance=power[1] / 50, **scene)
     assert dict(found.to_xarray().sizes) == {"velocity": 3, "load": 3}
     lines = [line for line in found.summary().splitlines() if line.startswith("steady at")]
     assert [line.partition("  ")[0] for line in lines] == ["steady at 0.5 m/s, 400 N", "steady at 2 m/s, 1200 N"]
@@ -92,7 +92,7 @@ def test_gradient(power):
     conductance = float(power[1] / 50)
 
     def rise(h):
-        return em.warming(RUBBER, WHEEL, conductance=h, rtol=1e-8, **SCENE | {"velocity": 1.0}).steady - COLD
+        return em.heat_build_up(RUBBER, WHEEL, conductance=h, rtol=1e-8, **SCENE | {"velocity": 1.0}).steady - COLD
 
     with jax.enable_x64(True):
         expected = lambertw(BETA * 50).real / BETA
@@ -103,7 +103,7 @@ def test_gradient(power):
 def test_no_steady_state(power):
     """Too little cooling: NaN and one warning, not the end of the range."""
     with pytest.warns(em.ConvergenceWarning, match="no steady temperature below"):
-        warm = em.warming(RUBBER, WHEEL, conductance=power[1] * np.array([1e-9, 0.02, 1.0]), **SCENE)
+        warm = em.heat_build_up(RUBBER, WHEEL, conductance=power[1] * np.array([1e-9, 0.02, 1.0]), **SCENE)
     assert np.isnan(warm.steady[0])
     assert warm.converged.tolist() == [False, True, True]
 
@@ -112,7 +112,7 @@ def test_the_lowest_of_three_steady_states():
     """A stable and an unstable one 5 K apart, another 44 K above: scipy warms the body up from the cold."""
     rubber = em.Foundation(1e9, [1e10], [1e-3], shift=em.WLF(8.86, 101.6, 293.15))
     wheel, scene = em.Cylinder(0.1, 0.05), {"velocity": 1.0, "load": 2000.0}
-    found = em.warming(rubber, wheel, ambient=265.0, conductance=0.2, hottest=392.0, **scene)
+    found = em.heat_build_up(rubber, wheel, ambient=265.0, conductance=0.2, hottest=392.0, **scene)
     kelvin = np.linspace(265, 270, 101)
     power = np.asarray(em.rolling(rubber, wheel, temperature=kelvin, **scene).power)
     way = solve_ivp(lambda _, y: np.interp(y, kelvin, power) - 0.2 * (y - 265), (0, 1e4), [265.0], rtol=1e-8)
@@ -124,7 +124,7 @@ def test_rubber_too_cold_to_be_known(cold):
     """Far below the shift law's range: NaN with its flag, with and without a history."""
     tyre = em.springs(em.load_material("tread-passenger-synthetic"), 15e-3, bonded=False)
     with pytest.warns(em.ConvergenceWarning, match="that can be found"):
-        found = em.warming(
+        found = em.heat_build_up(
             tyre, em.Cylinder(0.1, 0.05), velocity=2.0, load=800.0, ambient=cold, conductance=1.2, capacity=1e3,
             time=[0.0, 100.0],
         )  # fmt: skip
@@ -147,4 +147,4 @@ def test_rubber_too_cold_to_be_known(cold):
 def test_refusals(change, words):
     scene = {"material": RUBBER, "conductance": 1.0, **SCENE} | change
     with pytest.raises(em.InputError, match=words):
-        em.warming(scene.pop("material"), WHEEL, **scene)
+        em.heat_build_up(scene.pop("material"), WHEEL, **scene)

@@ -1,10 +1,10 @@
-"""`em.friction_bands` against closed forms of full contact, and against `em.friction` where contact is partial."""
+"""`em.friction_spectrum` against closed forms of full contact, and against `em.friction` where contact is partial."""
 
 import numpy as np
 import pytest
 
 import elastomdr as em
-from elastomdr.results.spectrum import FrictionBands
+from elastomdr.results.spectrum import FrictionSpectrum
 
 RUBBER = em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3])
 WAVES = np.array([1000.0, 5000.0, 30000.0])  # k [rad/m]
@@ -25,7 +25,7 @@ def waves_of(found):
 @pytest.mark.parametrize("rubber", [RUBBER, em.Foundation(1e6, [2e7, 5e6], [1e-5, 1e-3], 20.0)])
 def test_full_contact_is_a_sum_over_the_waves(rubber):
     """mu = sum (1/2) A^2 k E''(k v)/F, each wave in its own band."""
-    found = em.friction_bands(rubber, LINE, velocity=VELOCITY, load=1000.0, model=em.Line(), rtol=1e-6)
+    found = em.friction_spectrum(rubber, LINE, velocity=VELOCITY, load=1000.0, model=em.Line(), rtol=1e-6)
     expected = 0.5 * HEIGHTS**2 * WAVES * rubber.loss(np.multiply.outer(VELOCITY, WAVES)) / 1000.0
     bands, rest = waves_of(found)
     np.testing.assert_allclose(bands, expected, rtol=2e-4)
@@ -38,7 +38,7 @@ def test_full_contact_is_a_sum_over_the_waves(rubber):
 
 def test_averaged_over_directions():
     """sum (1/2) A^2 k <cos(phi) E''(k v cos(phi))>/F: those of each wave lie at and below its own frequency."""
-    found = em.friction_bands(RUBBER, LINE, velocity=VELOCITY, load=1000.0, model=em.Line(average=True))
+    found = em.friction_spectrum(RUBBER, LINE, velocity=VELOCITY, load=1000.0, model=em.Line(average=True))
     phi = (np.arange(4000) + 0.5) / 4000 * np.pi / 2
     loss = RUBBER.loss(np.multiply.outer(np.multiply.outer(VELOCITY, WAVES), np.cos(phi))) @ np.cos(phi) / phi.size
     np.testing.assert_allclose(found.total, (0.5 * HEIGHTS**2 * WAVES * loss).sum(axis=1) / 1000.0, rtol=1e-3)
@@ -49,12 +49,12 @@ def test_averaged_over_directions():
 def test_partial_contact_sums_to_friction():
     scene = {"pressure": 5e4, "temperature": np.array([283.15, 303.15])[:, None], "model": em.Line(), "rtol": 1e-4}
     velocity = np.array([0.1, 1.0, 10.0])
-    found = em.friction_bands(SOLID, ROAD, velocity=velocity, **scene)
+    found = em.friction_spectrum(SOLID, ROAD, velocity=velocity, **scene)
     friction = em.friction(SOLID, ROAD, velocity=velocity, **scene)
     assert friction.lines.share.min() < 0.2
     np.testing.assert_allclose(found.total, friction.mu, rtol=1e-3)
     assert found.mu.min() >= 0
-    finer = em.friction_bands(SOLID, ROAD, velocity=velocity, per_decade=8, **scene)
+    finer = em.friction_spectrum(SOLID, ROAD, velocity=velocity, per_decade=8, **scene)
     np.testing.assert_allclose(finer.mu.reshape(*found.total.shape, -1, 2).sum(axis=-1), found.mu, rtol=1e-9)
     assert found.plot().get_ylabel() == "Friction coefficient per decade [-]"
     assert "eight tenths" in found.summary()
@@ -64,7 +64,7 @@ def test_partial_contact_sums_to_friction():
 def test_the_middle_of_the_friction():
     """Even over the logarithm within a band: of decades with 1/4 and 3/4, half lies from 10 to 10^(5/3) rad/s."""
     omega = 10 ** np.array([[0.5, 1.5]])
-    found = FrictionBands(
+    found = FrictionSpectrum(
         velocity=np.ones((1, 2)), omega=omega, wave_number=omega, mu=np.array([[0.1, 0.3]]), error=np.zeros((1, 2)),
         converged=np.ones((1, 2), bool), width=10.0, model="", plan=None, inputs=(),
     )  # fmt: skip
@@ -74,7 +74,7 @@ def test_the_middle_of_the_friction():
 def test_failed_points_are_nan(monkeypatch):
     monkeypatch.setattr("elastomdr.rough.ensemble.SAMPLING", 1e-9)
     with pytest.warns(em.ConvergenceWarning, match="1 of 1 points did not converge"):
-        found = em.friction_bands(SOLID, ROAD, velocity=1.0, pressure=5e4, model=em.Line())
+        found = em.friction_spectrum(SOLID, ROAD, velocity=1.0, pressure=5e4, model=em.Line())
     assert np.isnan(found.mu).all()
     assert np.isnan(found.central()[0])
 
@@ -93,4 +93,4 @@ def test_failed_points_are_nan(monkeypatch):
 )
 def test_bad_input(changes, message):
     with pytest.raises(em.InputError, match=message):
-        em.friction_bands(RUBBER, **{"surface": ROAD, "velocity": 1.0, "pressure": 1e5, **changes})
+        em.friction_spectrum(RUBBER, **{"surface": ROAD, "velocity": 1.0, "pressure": 1e5, **changes})

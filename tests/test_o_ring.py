@@ -14,7 +14,7 @@ SQUEEZE = np.array([0.02, 0.08, 0.2])
 def test_width_is_that_of_hertz_for_the_load():
     """Johnson 1985, 4.45: a^2 = 4 W R/(pi E*), E* = 4 G, for either formula."""
     for formula in ("lindley", "hertz"):
-        found = em.squeezed_cord(RUBBER, 3e-3, SQUEEZE, formula=formula)
+        found = em.o_ring(RUBBER, 3e-3, SQUEEZE, formula=formula)
         np.testing.assert_allclose(found.width, 2 * np.sqrt(4 * found.line_load * 1.5e-3 / (np.pi * 4e6)), rtol=1e-14)
         np.testing.assert_allclose(found.pressure * found.width, found.line_load, rtol=1e-14)
 
@@ -22,15 +22,15 @@ def test_width_is_that_of_hertz_for_the_load():
 def test_small_strain_is_lamberts_function():
     """s [ln(4/s) - 1] = C has s = (4/e) exp(W_-1(-C e/4)); W = (2 pi/3) E d s with E = 3 G."""
     exact = 2 * np.pi / 3 * 3e6 * 3e-3 * 4 * np.exp(-1 + lambertw(-SQUEEZE * np.e / 4, -1).real)
-    found = em.squeezed_cord(RUBBER, 3e-3, SQUEEZE, formula="hertz").line_load
+    found = em.o_ring(RUBBER, 3e-3, SQUEEZE, formula="hertz").line_load
     np.testing.assert_allclose(found, exact, rtol=1e-13)
-    ratio = em.squeezed_cord(RUBBER, 3e-3, SQUEEZE).line_load / exact
+    ratio = em.o_ring(RUBBER, 3e-3, SQUEEZE).line_load / exact
     np.testing.assert_allclose(ratio, [0.516, 0.742, 0.862], atol=1e-3)  # as the docs say
 
 
 def test_load_relaxes_as_the_modulus():
     time, kelvin = np.array([0.0, 1.0, 30.0]), np.array([[293.15], [303.15]])
-    found = em.squeezed_cord(RUBBER, 3e-3, 0.08, time=time, temperature=kelvin)
+    found = em.o_ring(RUBBER, 3e-3, 0.08, time=time, temperature=kelvin)
     a = 10 ** (-8.86 * 10.0 / (101.6 + 10.0))
     modulus = 1e6 + 3e6 * np.exp(-time / (2.0 * np.array([[1.0], [a]])))
     np.testing.assert_allclose(found.line_load / found.line_load[0, 0], modulus / 4e6, rtol=1e-12)
@@ -46,17 +46,17 @@ def test_compressible_cord_has_its_own_young_modulus():
     for (young, plane), kind in (((2 * g * (1 + nu), 2 * g / (1 - nu)), {"poisson": nu}), (by_bulk, {"bulk": bulk})):
         rubber = em.Prony(1e6, [3e6], [2.0], **kind)
         given = {"diameter": 3e-3, "squeeze": 0.1, "time": np.array([0.0, 1e3])}
-        found = em.squeezed_cord(rubber, **given)
+        found = em.o_ring(rubber, **given)
         np.testing.assert_allclose(found.line_load, young * 3e-3 * lindley, rtol=1e-12)
         np.testing.assert_allclose(found.width, np.sqrt(8 * found.line_load * 3e-3 / (np.pi * plane)), rtol=1e-12)
-        small = em.squeezed_cord(rubber, **given, formula="hertz")
+        small = em.o_ring(rubber, **given, formula="hertz")
         np.testing.assert_allclose(small.line_load, np.pi / 2 * plane * 3e-3 * s, rtol=1e-12)
         np.testing.assert_allclose(small.width, 2 * 3e-3 * np.sqrt(s), rtol=1e-12)
 
 
 def test_table_summary_and_figure(tmp_path):
     time, kelvin = np.array([1.0, 10.0, 100.0]), np.array([[293.15], [303.15]])
-    found = em.squeezed_cord(RUBBER, 3e-3, 0.08, time=time, temperature=kelvin)
+    found = em.o_ring(RUBBER, 3e-3, 0.08, time=time, temperature=kelvin)
     found.to_csv(tmp_path / "cord.csv")
     text = (tmp_path / "cord.csv").read_text()
     for said in ("line load [N/m]", "mean pressure [Pa]", "# squeeze: 0.08 of the diameter", "Lindley"):
@@ -69,7 +69,7 @@ def test_table_summary_and_figure(tmp_path):
     assert [x.get_text() for x in ax.get_legend().get_texts()] == ["20 °C", "30 °C"]
     np.testing.assert_allclose(ax.get_lines()[1].get_ydata(), 1e-6 * found.pressure[1])
     assert found.png().startswith(b"\x89PNG")
-    squeezed = em.squeezed_cord(RUBBER, 3e-3, SQUEEZE)
+    squeezed = em.o_ring(RUBBER, 3e-3, SQUEEZE)
     assert "relaxed" in squeezed.summary()
     np.testing.assert_allclose(squeezed.plot(show="width").get_lines()[0].get_xdata(), 100 * SQUEEZE)
     with pytest.raises(em.InputError, match="show must be one of pressure, width, line_load"):
@@ -80,7 +80,7 @@ def test_table_summary_and_figure(tmp_path):
 def test_derivatives(formula):
     def load(x):
         rubber = em.StandardSolid(x[0], 3e6, x[1])
-        return em.squeezed_cord(rubber, x[2], x[3], time=1.0, formula=formula).line_load
+        return em.o_ring(rubber, x[2], x[3], time=1.0, formula=formula).line_load
 
     x = np.array([1e6, 2.0, 3e-3, 0.1])
     with jax.enable_x64(True):
@@ -110,4 +110,4 @@ def test_derivatives(formula):
 def test_bad_input(change, words):
     given = {"material": RUBBER, "diameter": 3e-3, "squeeze": 0.1} | change
     with pytest.raises(em.InputError, match=words):
-        em.squeezed_cord(**given)
+        em.o_ring(**given)
